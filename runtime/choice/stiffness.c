@@ -242,6 +242,8 @@ static LagFacts *look_closely(LagRun *run, double h)
     return f;
 }
 
+int lag_stiffness_look(LagRun *run, double h) { return (int)look_closely(run, h)->looks; }
+
 static void watch_explicit(LagRun *run)
 {
     LagStiffness *s = &run->stiffness;

@@ -48,6 +48,9 @@ void lag_stiffness_begin(LagRun *run);
 /* A step was taken. */
 void lag_stiffness_watch(LagRun *run);
 
+/* A look out of turn, after steps of length h: how many in a row, this one among them, have found that stability rules. */
+int lag_stiffness_look(LagRun *run, double h);
+
 /* LAG_TROUBLE_...: what goes on. */
 int32_t lag_stiffness_trouble(LagRun *run, int32_t trouble);
 

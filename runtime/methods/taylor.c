@@ -21,16 +21,18 @@
 enum { LEAST_ORDER = 4, PATIENCE = 3 }; /* rejections after which rounding is asked for */
 /* What the rest of the series may be worth in units of error, so that errors are those of Dormand-Prince at the same tolerance; by
  * how much a step may be wrong at its end; shrinking after a step that was. */
-static const double REST = 0.004, WRONG = 0.5, SHRINK = 0.5, GROW = 100;
+static const double REST = 0.004, WRONG = LAG_TAYLOR_WRONG, SHRINK = LAG_TAYLOR_SHRINK, GROW = LAG_TAYLOR_GROW;
 /* An error falls with the power of the order as steps shrink, rounding does not: what remains of it as large as this share, and is
  * less than NOISE of the state, is let pass. */
-static const double REMAINS = 0.25, NOISE = 1e-10;
+static const double REMAINS = LAG_TAYLOR_REMAINS, NOISE = LAG_TAYLOR_NOISE;
 
 /* What a step costs, in tenths of a nanosecond, here and by Dormand-Prince 8(5,3), and by how much its steps of order 8 are
  * longer than eps^(1/8) radii of convergence: measured on pendulums, springs, chains of springs and Kepler orbits. What goes
  * beyond MANY products in all orders costs more. A jet without products costs EACH a step and PASSING an order. */
 static const double EACH = 80, PASSING = 7.6;
 static const double STEP = 1500, JET = 9.5, PRODUCT = 1.3, MANY = 1400, CROWDED = 2.6;
+/* The same for eight motions at once: products of three times the order take nine times as long. */
+static const double EIGHT = 2400, EIGHT_JETS = 5, EIGHT_PRODUCTS = 2.4;
 static const double OTHER_STEP = 3300, OTHER_SUM = 500, OTHER_STAGES = 12, OTHER_LENGTH = 1.1;
 
 const double lag_inverse[LAG_JET_ORDER] = {1, 1. / 2, 1. / 3, 1. / 4, 1. / 5, 1. / 6, 1. / 7, 1. / 8, 1. / 9, 1. / 10, 1. / 11,
@@ -68,19 +70,26 @@ static double cost_of(const LagModel *model, int order)
     return STEP + JET * order * model->n_jets + PRODUCT * products + CROWDED * lag_max(products - MANY, 0);
 }
 
-/* Time per radius of convergence; steps of order p are eps^(1/p) radii long. */
-static double pace_of(const LagModel *model, double eps, int order)
+static double cost_of_eight(const LagModel *model, int order)
 {
-    return cost_of(model, order) * lag_rough_power(1 / eps, lag_inverse[order - 1]);
+    return EIGHT + EIGHT_JETS * order * model->n_jets + EIGHT_PRODUCTS * order * order * model->n_products;
+}
+
+typedef double (*Cost)(const LagModel *model, int order);
+
+/* Time per radius of convergence; steps of order p are eps^(1/p) radii long. */
+static double pace_of(Cost cost, const LagModel *model, double eps, int order)
+{
+    return cost(model, order) * lag_rough_power(1 / eps, lag_inverse[order - 1]);
 }
 
 /* Where time is spent mostly on the sums, it is near -ln(eps)/2 + 1; where each step has a price, it is higher. */
-static int order_for(const LagModel *model, double eps)
+static int order_for(Cost cost, const LagModel *model, double eps)
 {
     int best = LEAST_ORDER;
-    double least = pace_of(model, eps, best);
+    double least = pace_of(cost, model, eps, best);
     for (int order = LEAST_ORDER + 1; order <= LAG_JET_ORDER; ++order) {
-        const double pace = pace_of(model, eps, order);
+        const double pace = pace_of(cost, model, eps, order);
         if (pace < least) {
             least = pace;
             best = order;
@@ -89,13 +98,18 @@ static int order_for(const LagModel *model, double eps)
     return best;
 }
 
-static void plan(LagTaylor *s, const LagModel *model, double tolerance)
+static void plan(LagTaylor *s, Cost cost, const LagModel *model, double tolerance)
 {
     s->tolerance = tolerance;
-    s->order = order_for(model, REST * tolerance);
+    s->order = order_for(cost, model, REST * tolerance);
     const double share = exp(log(REST * tolerance) / s->order); /* of the radius of convergence in a step */
     s->last = REST * (1 - share) / share;
     s->before_last = s->last / share;
+}
+
+void lag_taylor_plan_for_eight(LagTaylor *s, const LagModel *model, double tolerance)
+{
+    plan(s, cost_of_eight, model, tolerance);
 }
 
 static void restart(void *self, LagMotion *motion)
@@ -103,7 +117,7 @@ static void restart(void *self, LagMotion *motion)
     LagTaylor *s = self;
     const LagRun *run = motion->context;
     if (s->tolerance != run->scale.tolerance)
-        plan(s, run->model, run->scale.tolerance);
+        plan(s, cost_of, run->model, run->scale.tolerance);
     s->begun = 0;
     s->is_fresh = 1;
     motion->t_old = motion->t;
@@ -425,7 +439,7 @@ double lag_taylor_eps(double tolerance) { return REST * lag_scale_caution(tolera
 double lag_taylor_pace(const LagModel *model, double tolerance)
 {
     const double eps = lag_taylor_eps(tolerance);
-    return pace_of(model, eps, order_for(model, eps));
+    return pace_of(cost_of, model, eps, order_for(cost_of, model, eps));
 }
 
 double lag_taylor_erk_cost(const LagModel *model)

@@ -18,9 +18,20 @@ typedef struct {
     int is_fresh;     /* there was no step since the state or the equations changed */
 } LagTaylor;
 
+/* See taylor.c. */
+#define LAG_TAYLOR_WRONG 0.5
+#define LAG_TAYLOR_SHRINK 0.5
+#define LAG_TAYLOR_GROW 100
+#define LAG_TAYLOR_REMAINS 0.25
+#define LAG_TAYLOR_NOISE 1e-10
+
 extern const double lag_inverse[LAG_JET_ORDER]; /* 1/1, 1/2, ... */
 
 extern const LagMethod lag_taylor;
+
+/* The order, from now on, is that which is cheapest where eight motions go on at once (wide_taylor.h). `tolerance`: that of the run's
+ * scale. */
+void lag_taylor_plan_for_eight(LagTaylor *taylor, const LagModel *model, double tolerance);
 
 /* What a step of Dormand-Prince 8(5,3) is expected to cost, and what series are over the time of one; in tenths of a nanosecond. */
 double lag_taylor_erk_cost(const LagModel *model);

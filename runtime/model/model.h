@@ -32,6 +32,10 @@ typedef int (*LagCode)(const double *const *in, double *const *out, double *work
  * one order more (jets.h); in: d, c. The first jets are t, q, v, u. */
 typedef void (*LagJets)(int first, int end, const double *const *in, double *jets);
 
+/* The same of eight motions at once (wide_jets.h): of order 0 in a line, from what is known there (first is 0), or of the orders from 1
+ * to before `end`; numbers: what is constant in a step, of each motion. */
+typedef void (*LagWideJets)(int first, int end, const double *numbers, double *jets, double *line);
+
 /* t, q, v, u, d, c -> a, power, doubt of eight states at once (wide.h); d and c are shared. Where doubt is not 0, it does not hold. */
 typedef void (*LagWideCode)(const double *const *in, double *const *out);
 
@@ -164,6 +168,7 @@ struct LagModel {
     LagFunction series;    /* d, c -> numbers that are constant in a step */
 
     LagWideCode wide; /* NULL: states are evaluated one by one */
+    LagWideJets wide_taylor; /* NULL: by the instructions */
 };
 
 #endif

@@ -26,15 +26,20 @@ typedef uint64_t LagWideWords __attribute__((vector_size(8 * LAG_WIDE)));
 #define LAG_WIDE_ABS(a) ((LagWide)((LagWideBits)(a) & INT64_MAX))
 #define LAG_WIDE_SELECT(condition, a, b) \
     ((LagWide)(((LagWideBits)(condition) & (LagWideBits)(a)) | (~(LagWideBits)(condition) & (LagWideBits)(b))))
+#define LAG_WIDE_WORDS(a) ((LagWideWords)(a))
+#define LAG_WIDE_OF_WORDS(words) ((LagWide)(words))
 #define LAG_SINES lag_sines_of_wide
 #define LAG_SINES_NUMBERS LagWide
 #define LAG_SINES_WORDS LagWideWords
-#define LAG_SINES_WORDS_OF(a) ((LagWideWords)(a))
-#define LAG_SINES_OF_WORDS(words) ((LagWide)(words))
+#define LAG_SINES_WORDS_OF(a) LAG_WIDE_WORDS(a)
+#define LAG_SINES_OF_WORDS(words) LAG_WIDE_OF_WORDS(words)
 #include "numbers/sines_kernel.h"
 #else
 enum { LAG_WIDE = LAG_LANES };
 typedef LagLanes LagWide;
+typedef LagLaneWords LagWideWords;
+#define LAG_WIDE_WORDS(a) LAG_LANES_WORDS(a)
+#define LAG_WIDE_OF_WORDS(words) LAG_LANES_OF_WORDS(words)
 #define LAG_WIDE_OF(number) LAG_LANES_OF(number)
 #define LAG_WIDE_ABS(a) LAG_LANES_ABS(a)
 #define LAG_WIDE_SELECT(condition, a, b) LAG_LANES_SELECT(condition, a, b)

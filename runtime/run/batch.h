@@ -6,25 +6,9 @@
 #ifndef LAG_BATCH_H
 #define LAG_BATCH_H
 
-#include "run/reduce.h"
+#include "run/follow.h"
 
 typedef struct LagBatch LagBatch;
-
-typedef struct {
-    double t_start, t_stop; /* those of the run */
-    double window;          /* the motion is looked at in windows no longer than this: see reduce.h */
-    double seconds;         /* wall time that one run may take; 0: no limit */
-    int n_reductions;
-    const LagReduction *reductions; /* times of LAG_REDUCE_AT lie between t_start and t_stop */
-    int n_varied;
-    const int *varied;          /* what differs from run to run: parameter k, or n_parameters + k for (q, v)[k] */
-    const double *given, *mask; /* n_parameters: those given for all runs */
-    const double *start;        /* 2 n: start values given for all runs, NaN where not */
-    const double *least, *most; /* n_parameters: what each parameter may be */
-    int is_driven; /* something is moved in time, and may bring energy whatever the steps */
-    int n_rows;    /* whole rows of each run that are kept, at these times, ascending, of the run's */
-    const double *row_times;
-} LagSweep;
 
 enum { LAG_RUN_DONE, LAG_RUN_FAILED, LAG_RUN_PARAMETER, LAG_RUN_OVERTIME, LAG_RUN_OPEN };
 
@@ -47,6 +31,11 @@ LAG_API void lag_batch_free(LagBatch *batch);
  * Answers how many runs were done: fewer only when *stop was set to something else than 0 meanwhile. */
 LAG_API int64_t lag_batch_advance(LagBatch *batch, int64_t runs, const double *values, const double *held, double *results,
                                   LagOutcome *outcomes, double *rows, const volatile int32_t *stop);
+
+/* Of runs in lanes (run_lanes.h), since the batch was made: those that ended there, those that were made alone after all, steps of all,
+ * and what there was room for. Zeros where lanes do not serve. */
+enum { LAG_LANES_RUNS, LAG_LANES_ALONE, LAG_LANES_STEPS, LAG_LANES_ROOM, LAG_LANES_COUNTS };
+LAG_API void lag_batch_lanes(const LagBatch *batch, int64_t *counts);
 
 /* The rainflow cycles of the latest run for a reduction that keeps them; they last until the next run. */
 LAG_API const LagCycle *lag_batch_cycles(const LagBatch *batch, int reduction, int64_t *count);

@@ -26,7 +26,7 @@
 #include "model/model.h"
 
 enum { MANY = 8 }; /* coordinates */
-static const double OWN = 0.3, GROUP = 0.01, CAUTION = 0.05, SMALLEST = 2e-15, ANGLE_CAP = 3.141592653589793;
+static const double OWN = LAG_SCALE_OWN, GROUP = LAG_SCALE_GROUP, CAUTION = 0.05, SMALLEST = 2e-15, ANGLE_CAP = 3.141592653589793;
 
 double lag_scale_caution(double tolerance) { return fmax(CAUTION * tolerance, SMALLEST); }
 

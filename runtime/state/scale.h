@@ -52,6 +52,10 @@ void lag_scale_set_step(LagScale *scale, double h, int is_implicit);
 /* Rates are known to `most` at least, whatever rounding of positions means in so short a step. */
 void lag_scale_know_rates(LagScale *scale, double most);
 
+/* The shares of what a component, and what its group, has been that count at least. */
+#define LAG_SCALE_OWN 0.3
+#define LAG_SCALE_GROUP 0.01
+
 /* What is smaller counts as 0: numbers end soon below, and with them their digits. */
 #define LAG_SCALE_NOTHING 1e-290
 

@@ -105,6 +105,16 @@ static double approach(LagRun *run)
     return x;
 }
 
+int lag_roots_suspect(LagRun *run)
+{
+    if (run->model->n_roots > 0)
+        look_at_ends(run);
+    for (int i = 0; i < run->model->n_roots; ++i)
+        if (is_suspect(run, i))
+            return 1;
+    return 0;
+}
+
 int lag_roots_cross(LagRun *run)
 {
     const LagMotion *m = &run->motion;

@@ -32,4 +32,7 @@ LagStatus lag_roots_leave(LagRun *run);
  * steps as short as their errors ask for; the first of them is taken. */
 LagStatus lag_roots_watch(LagRun *run);
 
+/* Whether the latest step may have come near to where something under a root is 0: not looked at closely. */
+int lag_roots_suspect(LagRun *run);
+
 #endif

@@ -197,7 +197,7 @@ def test_a_stiff_linear_scene_goes_over_to_implicit_steps() -> None:
 
 
 def test_runs_do_not_depend_on_each_other(tmp_path: Path) -> None:
-    """Bit by bit: in any order, alone or together, on one thread or three; also of constrained scenes, and as simulate has it."""
+    """Bit by bit: in any order, on one thread or three; also of constrained scenes. As simulate has it, or (lanes) as exactly."""
     for name, given, chosen in (("double_pendulum", "elbow.phi", "shoulder.phi"), ("four_bar", None, None)):
         model = lag.load(EXAMPLES / f"{name}.lag")
         quantity = chosen or model.coordinate_names[0]
@@ -212,7 +212,8 @@ def test_runs_do_not_depend_on_each_other(tmp_path: Path) -> None:
         assert forward.tobytes() == again.tobytes() == np.ascontiguousarray(backward[::-1]).tobytes()
         single = model.simulate(at=[2.0], tolerance=1e-7, parameters={parameter.name: float(values[5])}, initial=initial)
         ends = model.simulate_many(parameters={parameter.name: values}, **options | {"outputs": outputs[:1]}).ledger.results
-        assert single[quantity][-1] == ends[5, 0] == pytest.approx(forward[5, 0], rel=1e-6)
+        assert single[quantity][-1] == pytest.approx(ends[5, 0], rel=1e-7 if name == "double_pendulum" else 0)
+        assert ends[5, 0] == pytest.approx(forward[5, 0], rel=1e-6)
 
 
 def test_masses_that_vanish_in_some_runs_get_formulas_that_hold(scene: Scene) -> None:

@@ -25,7 +25,7 @@ RULES = (
     _Rule(("simulate",), ("interval",), lambda o: o.at is not None, "--at says the times of the rows"),
     _Rule(("simulate",), ("plot_quantities", "spectrum", "section", "overlay", "beside", "linear"), lambda o: o.plot is None,
           "--plot names the picture that is to show them"),
-    _Rule(("simulate",), ("stats",), lambda o: o.quiet, "--quiet says nothing but errors"),
+    _Rule(("simulate", "sweep"), ("stats",), lambda o: o.quiet, "--quiet says nothing but errors"),
     _Rule(("simulate",), _DUMPED, lambda o: o.dump is not None, "--dump prints a phase of the compiler and runs nothing"),
     _Rule(("simulate",), ("engine", "max_step", "max_steps"), lambda o: o.solver.startswith("casadi:"),
           "integrators of CasADi have their own"),

@@ -94,6 +94,7 @@ def add_sweep(parser: ArgumentParser) -> None:
         help="whole trajectories too, rows an interval apart: Parquet files in a folder beside the table, NAME_sweep_runs")
     add("--until", metavar="CONDITION", help="random runs end when a standard error is small enough: 'se(mean(max(y))) < 1e-3'")
     add("--plot", metavar="FILE", type=Path, help="a picture of measures over what is varied (.png, .svg, .pdf)")
+    add("--stats", action="store_true", help="say how many runs went on together, and how full the processor's lanes were")
     add("--restart", action="store_true", help="begin anew, whatever an interrupted sweep has left in FILE.part")
     add("--dry-run", action="store_true", help="only say which runs there would be")
     add("--quiet", action="store_true", help="say nothing but errors")

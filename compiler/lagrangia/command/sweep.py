@@ -105,7 +105,7 @@ def _finish(options: Namespace, sweep: Sweep, target: str, journal: Journal | No
     if options.plot is not None:
         sweep.plot(options.plot)
     if not options.quiet:
-        _summarise(sweep, target, entered - (journal.found if journal is not None else 0))
+        _summarise(sweep, target, entered - (journal.found if journal is not None else 0), options.stats)
     if not sweep.ok.any():
         print("error: no run went well" + "".join(f"\n   = {count} runs: {what}" for what, count in sweep.common_failures()),
               file=sys.stderr)
@@ -138,7 +138,16 @@ def _show(job: Job) -> int:
     return 0
 
 
-def _summarise(sweep: Sweep, target: str, now: int) -> None:
+def _in_lanes(sweep: Sweep, now: int) -> str:
+    """How many of the runs made now went on together, and how full the lanes were."""
+    lanes = sweep.ledger.lanes
+    if not lanes.room:
+        return "lanes: not used (too few runs, or something that they do not serve), or not counted (on a cluster)"
+    alone = f", {lanes.alone} of them made again alone" if lanes.alone else ""
+    return f"lanes: {lanes.runs + lanes.alone} of {now} runs eight at a time{alone}; {100 * lanes.steps / lanes.room:.0f} % full"
+
+
+def _summarise(sweep: Sweep, target: str, now: int, has_stats: bool) -> None:
     out = sys.stdout if target != "-" else sys.stderr
 
     def say(text: str) -> None:
@@ -158,6 +167,8 @@ def _summarise(sweep: Sweep, target: str, now: int) -> None:
         say(f"  {ended(sweep, sweep.job.until)}")
     steps = sweep.ledger.outcomes["steps"].sum()
     energy = float(sweep.ledger.outcomes["energy"][sweep.ok].max(initial=0.0))
+    if has_stats:
+        say(f"  {_in_lanes(sweep, now)}")
     say(f"  {steps} steps; the energy accounts close to {energy:.1e} of the largest energy")
     if wrong := int((sweep.ledger.outcomes["energy"][sweep.ok] > DOUBTFUL).sum()):
         say(f"  they miss by more than a tenth in {wrong} of {sweep.runs} runs: unless at rest, the motion is probably wrong; "

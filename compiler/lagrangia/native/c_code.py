@@ -12,6 +12,7 @@ from lagrangia.native.series_code import sines_together, write_series
 from lagrangia.native.table_code import write_tables
 from lagrangia.native.tapes import BINARY, EXPONENTIALS, SINES, Op, Tape
 from lagrangia.native.wide_code import write_wide
+from lagrangia.native.wide_series_code import write_wide_series
 
 _DATA = ("linear", "waves")  # the functions that stay tapes: the run time evaluates them in double-doubles
 INCLUDES = ("#include <math.h>", '#include "numbers/sines.h"', '#include "model/tape.h"')  # of what write_functions writes
@@ -41,9 +42,10 @@ def write_c(
     name: str, sizes: Mapping[str, int], tapes: Mapping[str, Tape],
     coordinate_kind: Sequence[int], fixed: Sequence[int], event_kind: Sequence[int],
     patterns: Mapping[str, Sequence[int]], interpreted: Collection[str] = (), tables: Sequence[TableData] = (),
+    lanes: bool = False,
 ) -> str:
     """The C source of a scene. Equal input gives equal text. Functions `interpreted` stay tapes: data, which compile at once.
-    Without its `tables` a scene with some takes them from elsewhere."""
+    Without its `tables` a scene with some takes them from elsewhere. `lanes`: with series of eight motions at once."""
     data = {*_DATA, *interpreted}
     series = motion_series(tapes) if "rhs" not in data else ""
     if isinstance(series, Series):  # in C, not as instructions
@@ -51,13 +53,15 @@ def write_c(
         patterns = {name: given for name, given in patterns.items() if name not in _OF_JET_TAPES} | {"jet_places": series.places}
         tapes = {name: tape for name, tape in tapes.items() if name not in _OF_JET_TAPES}
     lines = [f"/* {_comment(name)}: generated, do not edit. */", *INCLUDES]
-    lines += ['#include "numbers/jets.h"', '#include "numbers/wide.h"']
+    lines += ['#include "numbers/jets.h"', f'#include "numbers/{"wide_jets" if lanes else "wide"}.h"']
     wide = write_wide(usual_rhs(tapes), "regular" in tapes, _expression, _number) if "rhs" not in data else []
     functions, initializers = write_functions(tapes, data, () if wide else (_usual(tapes),))
     lines += [*write_tables(tables), "", *functions]
     lines += [_ints(name, places) for name, places in patterns.items()]
     lines += wide
     lines += [write_series(series, _expression, _number)] if isinstance(series, Series) else []
+    wide_series = write_wide_series(series, _expression, _number) if lanes and isinstance(series, Series) else []
+    lines += wide_series
     lines += [_ints("coordinate_kind", coordinate_kind), _ints("fixed_start", fixed), _ints("event_kind", event_kind), ""]
     lines += ["LAG_API extern const LagModel lag_model;", "const LagModel lag_model = {"]
     lines += [f"    .{key} = {value}," for key, value in sizes.items()]
@@ -67,6 +71,7 @@ def write_c(
     lines += ["    .tables = tables,"] if tables else []
     lines += ["    .taylor = taylor,"] if isinstance(series, Series) else []
     lines += ["    .wide = wide,"] if wide else []
+    lines += ["    .wide_taylor = wide_taylor,"] if wide_series else []
     return "\n".join([*lines, "};", ""])
 
 

@@ -8,7 +8,7 @@ import math
 from collections.abc import Mapping, Sequence
 from enum import IntEnum
 from types import TracebackType
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Any, NamedTuple, Self
 
 from lagrangia.base.records import dataclass
 from lagrangia.run.library import Runtime
@@ -102,6 +102,21 @@ class Sweep:
     input_cases: Sequence[tuple[Sequence[float], Sequence[float]]] = ()  # times and values, of which a run has one
     is_driven: bool = False  # something is moved in time, and may bring energy whatever the steps
     row_times: Sequence[float] = ()  # s: whole rows that are kept of each run
+    in_lanes: bool = False  # runs may go on together, eight a core, where that serves
+
+
+class Lanes(NamedTuple):
+    """Runs that ended in lanes, those that were begun there and made alone after all; steps of both, and what there was room
+    for."""
+
+    runs: int = 0
+    alone: int = 0
+    steps: int = 0
+    room: int = 0
+
+    def plus(self, other: "Lanes") -> "Lanes":
+        """Both together."""
+        return Lanes(*(a + b for a, b in zip(self, other, strict=True)))
 
 
 class _Reduction(c.Structure):
@@ -120,7 +135,7 @@ class _Sweep(c.Structure):
         ("n_reductions", c.c_int), ("reductions", c.POINTER(_Reduction)),
         ("n_varied", c.c_int), ("varied", _INTS),
         ("given", _DOUBLES), ("mask", _DOUBLES), ("start", _DOUBLES), ("least", _DOUBLES), ("most", _DOUBLES),
-        ("is_driven", c.c_int), ("n_rows", c.c_int), ("row_times", _DOUBLES),
+        ("is_driven", c.c_int), ("in_lanes", c.c_int), ("n_rows", c.c_int), ("row_times", _DOUBLES),
     )  # fmt: skip
 
 
@@ -153,7 +168,8 @@ class Batch:
         vectors = ((c.c_double * len(v))(*v) for v in (sweep.given, sweep.mask, sweep.start, sweep.least, sweep.most))
         struct = _Sweep(sweep.settings.t_start, sweep.settings.t_stop, sweep.window or math.inf, sweep.seconds,
                         self.n_reductions, reductions, len(varied), (c.c_int * len(varied))(*varied), *vectors,
-                        int(sweep.is_driven), len(sweep.row_times), (c.c_double * len(sweep.row_times))(*sweep.row_times))
+                        int(sweep.is_driven), int(sweep.in_lanes), len(sweep.row_times),
+                        (c.c_double * len(sweep.row_times))(*sweep.row_times))
         self.n_rows = len(sweep.row_times)
         self._batch: int | None = self._library.lag_batch_new(c.byref(model.struct), self._run.handle, c.byref(struct))
         if not self._batch:
@@ -167,6 +183,7 @@ class Batch:
         library.lag_batch_free.restype, library.lag_batch_free.argtypes = None, (c.c_void_p,)
         library.lag_batch_cycles.restype = c.POINTER(_Cycle)
         library.lag_batch_cycles.argtypes = (c.c_void_p, c.c_int, c.POINTER(c.c_int64))
+        library.lag_batch_lanes.restype, library.lag_batch_lanes.argtypes = None, (c.c_void_p, c.POINTER(c.c_int64))
         library.lag_batch_advance.restype = c.c_int64
         library.lag_batch_advance.argtypes = (c.c_void_p, c.c_int64, *(c.c_void_p,) * 5, c.POINTER(c.c_int32))
 
@@ -236,6 +253,13 @@ class Batch:
             if place < count:
                 rows[:, place] = value
         self._run.set_inputs(times, rows.ravel().tolist())
+
+    @property
+    def lanes(self) -> Lanes:
+        """How full they were so far."""
+        counts = (c.c_int64 * len(Lanes._fields))()
+        self._library.lag_batch_lanes(self._batch, counts)
+        return Lanes(*counts)
 
     def cycles(self, reduction: int) -> "np.ndarray":
         """Of the latest run, by a reduction that keeps them: (cycles, 3), range, mean and count (1 or 1/2) of each."""

@@ -236,7 +236,7 @@ def _source(scene: Scene, tapes: Mapping[str, Tape], is_implicit: bool) -> str:
     from lagrangia.native.c_code import write_c
 
     return write_c(scene.name, scene.sizes, tapes, scene.coordinate_kind, scene.fixed, scene.event_kind, scene.patterns,
-                   _long_jacobians(scene, is_implicit))
+                   _long_jacobians(scene, is_implicit), lanes=True)
 
 
 def _level(tapes: Mapping[str, Tape]) -> str:

@@ -112,4 +112,5 @@ class ModelMirror(c.Structure):
         ("jet_rates", Ints),
         ("series", FunctionMirror),
         ("wide", c.c_void_p),
+        ("wide_taylor", c.c_void_p),
     )

@@ -312,7 +312,8 @@ class Model:
             code = getattr(other.struct, name).code
             if code:
                 getattr(self.struct, name).code = code
-        self.struct.wide, self.struct.taylor = other.struct.wide, other.struct.taylor
+        for name in ("wide", "taylor", "wide_taylor"):
+            setattr(self.struct, name, getattr(other.struct, name))
         self._kept = (self._kept, other)
 
 

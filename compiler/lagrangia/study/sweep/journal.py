@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import IO, TYPE_CHECKING
 
 from lagrangia.base.diagnostics import fail
-from lagrangia.run.batch import OUTCOME, Ending
+from lagrangia.run.batch import OUTCOME, Ending, Lanes
 from lagrangia.study.sweep.plan import Job
 
 if TYPE_CHECKING:
@@ -35,12 +35,14 @@ class Ledger:
         self.outcomes = np.zeros(job.runs, dtype=OUTCOME)
         self.outcomes["kind"] = Ending.NOT_RUN
         self.entered = 0
+        self.lanes = Lanes()  # of the runs made here and now
         self.wanted = job.runs  # the first so many
 
     def first(self, job: Job) -> "Ledger":
         """Of a job that has the first of these runs."""
         found = Ledger(job)
         found.enter(0, self.results[: job.runs], self.outcomes[: job.runs])
+        found.lanes = self.lanes
         return found
 
     def enter(self, first: int, results: "np.ndarray", outcomes: "np.ndarray") -> None:

@@ -42,6 +42,7 @@ WAYS = ("random", "lhs", "saltelli")
 INPUTS = "inputs"  # the column of their number, where each run has its own
 _PORTION = 1024  # sets of parameters
 _LOOKS = 50  # windows at least in a run, when no interval says how closely to look
+_FEWEST_IN_LANES = 4  # runs, for which eight lanes cost less than making them one by one
 
 
 @dataclass(frozen=True)
@@ -145,7 +146,8 @@ def build_job(scene: Scene, measures: Sequence[Measure], request: Request, desig
     sweep = Sweep(settings, window, seconds, reduced, variations.places,
                   values.parameters, values.mask, (*values.q, *values.v), least, most,
                   tuple(moments), tuple(u), told if len(told) > 1 else (), bool(scene.notes["is_driven"]),
-                  tuple(t for times in experiment.times() for t in times) if design.keeps else ())
+                  tuple(t for times in experiment.times() for t in times) if design.keeps else (),
+                  variations.runs >= _FEWEST_IN_LANES)
     sampling = design.sampling if design.samples is not None and len(factors) == 1 else ""
     return Job(scene, tuple(measures), variations, sweep, sampling, design.seed, _until(scene, measures, design, sampling),
                _held(scene, design.held, variations.runs, len(sweep.row_times)))

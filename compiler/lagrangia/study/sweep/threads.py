@@ -8,7 +8,7 @@ import time
 from typing import TYPE_CHECKING
 
 from lagrangia.base.interruptions import held_back
-from lagrangia.run.batch import Batch
+from lagrangia.run.batch import Batch, Lanes
 from lagrangia.run.engines import Engine
 from lagrangia.study.sweep.journal import Ledger
 from lagrangia.study.sweep.keeping import InMemory, Keeper
@@ -45,6 +45,7 @@ class _Worker(threading.Thread):
                     seconds = time.perf_counter() - begin
                     pace.learn(piece[1] - piece[0], seconds)
                     self.engine.look(seconds, seconds / (piece[1] - piece[0]) * self.pieces.left)
+                self.answers.put(batch.lanes)
         except BaseException as error:
             self.answers.put(error)
         self.answers.put(None)
@@ -76,6 +77,8 @@ def run_on_threads(job: Job, engine: Engine, ledger: Ledger, threads: int, watch
                     working -= 1
                 elif isinstance(answer, BaseException):
                     failure, stop.value = failure or answer, 1
+                elif isinstance(answer, Lanes):
+                    ledger.lanes = ledger.lanes.plus(answer)
                 elif isinstance(answer, tuple):
                     first, results, outcomes, found = answer
                     if keeper is not None and len(found):

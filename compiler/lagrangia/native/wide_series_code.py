@@ -1,0 +1,143 @@
+"""The Taylor coefficients of eight motions at once (series.py) as C: the function `wide_taylor`, a LagWideJets.
+
+Recurrences are those of runtime/numbers/wide_jets.h, and digits those of runtime/model/wide_jet_tape.c. All orders share one
+body: a loop for several sums of products at a time, then a statement an instruction, whose values stay in registers.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+
+from lagrangia.native.series import OPERANDS, Instruction, Series
+from lagrangia.native.tapes import JetOp, Op
+
+_AT_ONCE = 12  # sums in one loop: so many registers are there on all processors with vectors
+_LOOP = "    for (int lane = 0; lane < LAG_ABREAST; lane += LAG_WIDE) {"
+_ALONE = "for (int i = 0; i < LAG_WIDE; ++i)"
+# What is summed when: the latest coefficients last. In which case, and the orders of both.
+_TERMS = (("for (int j = 2; j < k - 1; ++j)", "j", "k - j"), ("if (k > 1)", "1", "k - 1"), ("if (k > 2)", "k - 1", "1"))
+# Of order 0, and of order k: xa is the present coefficient of jet a, fa that of order 0; s and t number sums without their ends.
+_FIRST: Mapping[JetOp, str] = {
+    JetOp.NUMBER: "{a}", JetOp.DERIVATIVE: "zero", JetOp.NEG: "-{xa}", JetOp.TWICE: "two * {xa}", JetOp.ADD: "{xa} + {xb}",
+    JetOp.SUB: "{xa} - {xb}", JetOp.ADD_NUMBER: "{xa} + {b}", JetOp.SUB_NUMBER: "{xa} - {b}", JetOp.NUMBER_SUB: "{a} - {xb}",
+    JetOp.SCALE: "{a} * {xb}", JetOp.OVER_NUMBER: "{xa} / {b}", JetOp.IF: "LAG_WIDE_SELECT({a} != zero, {xb}, zero)",
+    JetOp.PRODUCT: "{xa} * {xb}", JetOp.SQUARE: "{xa} * {xa}", JetOp.QUOTIENT: "{xa} / {xb}", JetOp.NUMBER_OVER: "{a} / {xb}",
+}
+_INNER = "LAG_WIDE_INNER(s{s}, {xb}, {fc}) * "
+_LATER: Mapping[JetOp, str] = {
+    JetOp.NUMBER: "zero", JetOp.DERIVATIVE: "order * {xa}", JetOp.NEG: "-{xa}", JetOp.TWICE: "two * {xa}",
+    JetOp.ADD: "{xa} + {xb}", JetOp.SUB: "{xa} - {xb}", JetOp.ADD_NUMBER: "{xa}", JetOp.SUB_NUMBER: "{xa}",
+    JetOp.NUMBER_SUB: "-{xb}", JetOp.SCALE: "{a} * {xb}", JetOp.OVER_NUMBER: "{xa} / {b}",
+    JetOp.IF: "LAG_WIDE_SELECT({a} != zero, {xb}, zero)", JetOp.PRODUCT: "LAG_WIDE_PRODUCT(s{s}, {fa}, {xa}, {fb}, {xb})",
+    JetOp.SQUARE: "LAG_WIDE_PRODUCT(s{s}, {fa}, {xa}, {fa}, {xa})",
+    JetOp.QUOTIENT: "({xa} - LAG_WIDE_INNER(s{s}, {xb}, {fw})) * (one / {fb})",
+    JetOp.NUMBER_OVER: "LAG_WIDE_INNER(s{s}, {xb}, {fw}) * (-one / {fb})", JetOp.SQRT: "({xa} - s{s}) * (half / {fw})",
+    JetOp.POWER: "lag_wide_power({ja}, {jw}, {b}, k)", JetOp.INTEGRAL: _INNER + "share", JetOp.MINUS_INTEGRAL: _INNER + "-share",
+    JetOp.SINE: _INNER + "share", JetOp.COSINE: _INNER + "-share",
+    JetOp.ANGLE: "(LAG_WIDE_INNER(s{s}, {xc}, {fe}) - LAG_WIDE_INNER(s{t}, {xd}, {ff})) * share",
+}
+# The jets whose products are summed, by the letters of operands; w is the result.
+_SUMS: Mapping[JetOp, tuple[str, ...]] = {
+    JetOp.PRODUCT: ("ab",), JetOp.SQUARE: ("aa",), JetOp.QUOTIENT: ("bw",), JetOp.NUMBER_OVER: ("bw",), JetOp.SQRT: ("ww",),
+    JetOp.INTEGRAL: ("bc",), JetOp.MINUS_INTEGRAL: ("bc",), JetOp.SINE: ("bc",), JetOp.COSINE: ("bc",), JetOp.ANGLE: ("ce", "df"),
+}
+
+
+def write_wide_series(series: Series, expression: Callable[[int, str, str], str], number: Callable[[float], str]) -> list[str]:
+    """C text. `expression` is C for an operation on numbers of one motion, `number` a literal. Nothing for a long state, whose
+    jets lie order by order."""
+    if series.pitch > 1:
+        return []
+    used = [x for i in series.instructions for kind, x in zip(OPERANDS[i.op], i.operands, strict=True) if kind == "n"]
+    numbers = {k: f"LAG_WIDE_OF({number(series.numbers[k][1])})" if series.numbers[k][0] == Op.CONST else
+               f"lag_wide_read(numbers + {k} * LAG_ABREAST + lane)" for k in used}
+    head = ["const LagWide zero = LAG_WIDE_OF(0.0), one = LAG_WIDE_OF(1.0), two = LAG_WIDE_OF(2.0), half = LAG_WIDE_OF(0.5);",
+            "(void)numbers; (void)zero; (void)one; (void)two; (void)half;"]
+    return ["#define LINE(slot) (line + (slot) * LAG_ABREAST + lane)", "#define JET(slot) (jets + (slot) * LAG_WIDE_JET + lane)",
+            "static void wide_first(const double *numbers, double *line)", "{", *_indented(head),
+            *_first(series, numbers, expression), "}", "",
+            "static void wide_later(const int k, const double *numbers, double *jets)", "{", *_indented(head),
+            "    const LagWide order = LAG_WIDE_OF((double)k), share = LAG_WIDE_OF(1.0 / k), next = LAG_WIDE_OF(1.0 / (k + 1));",
+            "    (void)order; (void)share;", *_later(series, numbers), "}", "",
+            "static void wide_taylor(int first, int end, const double *numbers, double *jets, double *line)", "{",
+            "    if (first == 0)", "        wide_first(numbers, line);", "    for (int k = first > 0 ? first : 1; k < end; ++k)",
+            "        wide_later(k, numbers, jets);", "}", ""]
+
+
+def _indented(lines: Sequence[str], by: int = 4) -> list[str]:
+    return [" " * by + line for line in lines]
+
+
+def _letters(i: Instruction, numbers: Mapping[int, str]) -> dict[str, str]:
+    """What stands for the operands: numbers, and the present coefficients of jets."""
+    shown: dict[str, str] = {}
+    for letter, kind, x in zip("abcdef", OPERANDS[i.op], i.operands, strict=False):
+        if kind == "n":
+            shown[letter] = numbers[x]
+        elif kind in "jJ":
+            shown[f"x{letter}"] = f"x{x}"
+    return shown
+
+
+def _first(series: Series, numbers: Mapping[int, str], expression: Callable[[int, str, str], str]) -> list[str]:
+    """Statements of order 0. What is asked for number by number passes through memory."""
+    known = series.known
+    lines = [_LOOP, *(f"        const LagWide x{slot} = lag_wide_read(LINE({slot}));" for slot in range(known))]
+    lines += [f"        (void)x{slot};" for slot in range(known)]
+    for i in series.instructions:
+        shown, name = _letters(i, numbers), f"x{i.out}"
+        if i.op in _FIRST:
+            lines += [f"        const LagWide {name} = {_FIRST[i.op].format(**shown)};"]
+        else:
+            lines += _indented(_alone(i, shown, name, expression), 8)
+        if i.out in series.kept:
+            lines += [f"        lag_wide_write(LINE({series.kept[i.out]}), {name});"]
+        else:
+            lines += [f"        (void){name};"]
+    return [*lines, "    }"]
+
+
+def _alone(i: Instruction, shown: Mapping[str, str], name: str, expression: Callable[[int, str, str], str]) -> list[str]:
+    function = Op(i.operands[3]) if i.op in (JetOp.INTEGRAL, JetOp.MINUS_INTEGRAL) else Op.SIN if i.op is JetOp.SINE else Op.COS
+    angle = shown["xa"]
+    if i.op in (JetOp.INTEGRAL, JetOp.MINUS_INTEGRAL, JetOp.SINE, JetOp.COSINE) and function in (Op.SIN, Op.COS):
+        return [f"const LagWide {name} = lag_wide_{'sine' if function is Op.SIN else 'cosine'}({angle});"]
+    second = shown.get("b", shown.get("xb", "zero"))
+    texts = {JetOp.SQRT: "sqrt(x[i])", JetOp.POWER: "pow(x[i], y[i])", JetOp.ANGLE: "atan2(x[i], y[i])"}
+    text = texts.get(i.op) or expression(function, "x[i]", "y[i]")
+    return [f"LagWide {name};", "{", "    double x[LAG_WIDE], y[LAG_WIDE];", f"    const LagWide a = {angle}, b = {second};",
+            "    memcpy(x, &a, sizeof x);", "    memcpy(y, &b, sizeof y);", f"    {_ALONE}", f"        x[i] = {text};",
+            f"    memcpy(&{name}, x, sizeof x);", "}"]
+
+
+def _later(series: Series, numbers: Mapping[int, str]) -> list[str]:
+    """Statements of order k > 0."""
+    kept, n = series.kept, len(series.accelerations)
+    pairs: list[tuple[int, int]] = []
+    statements = [f"const LagWide x{slot} = LAG_WIDE_TERM(JET({slot}), k);" for slot in range(series.known)]
+    statements += [f"(void)x{slot};" for slot in range(series.known)]
+    for i in series.instructions:
+        slots = dict(zip("abcdef", i.operands, strict=False)) | {"w": i.out}
+        shown = _letters(i, numbers)
+        shown |= {f"f{letter}": f"lag_wide_read(JET({kept[x]}))" for letter, x in slots.items() if x in kept}
+        shown |= {f"j{letter}": f"JET({kept[x]})" for letter, x in slots.items() if x in kept}
+        shown |= {"s": str(len(pairs)), "t": str(len(pairs) + 1)}
+        pairs += [(kept[slots[both[0]]], kept[slots[both[1]]]) for both in _SUMS.get(i.op, ())]
+        statements += [f"const LagWide x{i.out} = {_LATER[i.op].format(**shown)};"]
+        if i.out in kept:
+            statements += [f"lag_wide_write(JET({kept[i.out]}) + k * LAG_ABREAST, x{i.out});"]
+        else:
+            statements += [f"(void)x{i.out};"]
+    for c in range(n):
+        statements += [f"lag_wide_write(JET({1 + c}) + (k + 1) * LAG_ABREAST, x{1 + n + c} * next);",
+                       f"lag_wide_write(JET({1 + n + c}) + (k + 1) * LAG_ABREAST, x{series.accelerations[c]} * next);"]
+    return [_LOOP, *_indented([*_sums(pairs), *statements], 8), "    }"]
+
+
+def _sums(pairs: Sequence[tuple[int, int]]) -> list[str]:
+    lines: list[str] = []
+    for first in range(0, len(pairs), _AT_ONCE):
+        group = range(first, min(first + _AT_ONCE, len(pairs)))
+        terms = [f"s{m} += LAG_WIDE_TERM(JET({pairs[m][0]}), {{a}}) * LAG_WIDE_TERM(JET({pairs[m][1]}), {{b}});" for m in group]
+        lines += [f"LagWide {', '.join(f's{m} = zero' for m in group)};"]
+        for condition, a, b in _TERMS:
+            lines += [f"{condition} {{", *(f"    {term.format(a=a, b=b)}" for term in terms), "}"]
+    return lines

@@ -1,0 +1,322 @@
+#include "methods/wide_taylor.h"
+
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+#include "methods/taylor.h"
+#include "model/function.h"
+#include "numbers/rough_power.h"
+#include "numbers/wide_jets.h"
+#include "state/ends.h"
+#include "state/state.h"
+
+enum { MOST_SLOTS = 1200 }; /* that stay near the processor */
+
+int lag_wide_taylor_serves(const LagModel *model)
+{
+    const int happens = model->n_events + model->n_modes + model->n_switches + model->n_resets + model->n_cones;
+    const int is_held = model->n_samplers + model->n_lookups + model->n_pieces + model->n_inputs;
+    return happens + is_held + model->n_multipliers + model->n_islands == 0 && model->jet_code && model->jet_pitch == 1
+        && !model->is_long_state && !model->series_may_hide && model->n_jet_slots <= MOST_SLOTS;
+}
+
+void lag_wide_taylor_layout(LagWideTaylor *s, const LagRun *like, LagArena *arena)
+{
+    const LagModel *model = like->model;
+    const size_t size = (size_t)like->motion.size * LAG_ABREAST;
+    s->model = model;
+    s->n = model->n;
+    s->size = like->motion.size;
+    lag_wide_scale_layout(&s->scale, &like->scale, arena);
+    lag_wide_series_layout(&s->series, model, arena);
+    double **const vectors[] = {&s->y, &s->carry, &s->old, &s->made, &s->made_carry, &s->way};
+    for (size_t i = 0; i < sizeof vectors / sizeof *vectors; ++i)
+        *vectors[i] = lag_take(arena, size);
+}
+
+/* Order and lengths are those of series alone. */
+static void plan(LagWideTaylor *s, const LagRun *like)
+{
+    const LagTaylor *one = &like->methods.taylor;
+    s->order = one->order;
+    s->last = one->last;
+    s->before_last = one->before_last;
+    s->longest = like->settings.max_step > 0 ? like->settings.max_step : INFINITY;
+}
+
+static double *jet(const LagWideTaylor *s, int slot) { return s->series.jets + (size_t)slot * LAG_WIDE_JET; }
+
+static const double *power_jet(const LagWideTaylor *s, int i) { return jet(s, s->model->jet_places[s->n + i]); }
+
+/* -------- motions come and go */
+
+static void place(double *wide, int lane, const double *one, int count)
+{
+    for (int i = 0; i < count; ++i)
+        wide[i * LAG_ABREAST + lane] = one[i];
+}
+
+static void take(const double *wide, int lane, double *one, int count)
+{
+    for (int i = 0; i < count; ++i)
+        one[i] = wide[i * LAG_ABREAST + lane];
+}
+
+static void place_numbers(LagWideTaylor *s, int lane, LagRun *run)
+{
+    LagTaylor *own = &run->methods.taylor;
+    const double *in[] = {run->d, run->c};
+    lag_call(&s->model->series, in, (double *[]){own->numbers}, own->work);
+    place(s->series.numbers, lane, own->numbers, s->model->series.out_size[0]);
+}
+
+static double energy_weight(const LagRun *run)
+{
+    const double unit = run->settings.tolerance * run->statistics.energy_scale;
+    return unit > 0 ? 1 / unit : 0;
+}
+
+int lag_wide_taylor_load(LagWideTaylor *s, int lane, LagRun *run)
+{
+    const LagMotion *m = &run->motion;
+    const LagTaylor *own = &run->methods.taylor;
+    const int is_series = run->methods.solver == LAG_SOLVER_TAYLOR && run->stiffness.passes == 0 && own->begun == 1;
+    if (!is_series || own->is_fresh || run->scale.is_resting || run->rests || !(m->t > m->t_old))
+        return 0;
+    plan(s, run);
+    lag_wide_scale_load(&s->scale, lane, &run->scale);
+    place(s->y, lane, m->y, s->size);
+    place(s->carry, lane, m->carry, s->size);
+    place(s->old, lane, m->other, s->size);
+    for (int slot = 0; slot < s->model->n_jets; ++slot)
+        s->series.line[slot * LAG_ABREAST + lane] = own->jets[(size_t)slot * LAG_JET_STRIDE];
+    place_numbers(s, lane, run);
+    s->t[lane] = m->t;
+    s->t_old[lane] = m->t_old;
+    s->stop[lane] = run->settings.t_stop;
+    s->length[lane] = m->t - m->t_old;
+    s->limit[lane] = s->wrong[lane] = INFINITY;
+    s->energy[lane] = energy_weight(run);
+    s->moves[lane] = s->taken[lane] = 1;
+    s->steps[lane] = (double)run->statistics.steps;
+    s->in_vain[lane] = s->missed[lane] = 0;
+    return 1;
+}
+
+void lag_wide_taylor_show(LagWideTaylor *s, int lane, LagRun *run, int is_whole)
+{
+    LagMotion *m = &run->motion;
+    LagTaylor *own = &run->methods.taylor;
+    m->t = m->t_end = s->t[lane];
+    m->t_old = s->t_old[lane];
+    take(s->y, lane, m->y, s->size);
+    take(s->carry, lane, m->carry, s->size);
+    take(s->old, lane, m->other, s->size);
+    run->statistics.steps = (int64_t)s->steps[lane];
+    run->statistics.tolerance_missed = (int32_t)s->missed[lane];
+    run->step = s->length[lane];
+    s->energy[lane] = energy_weight(run);
+    if (!is_whole)
+        return;
+    lag_wide_scale_store(&s->scale, lane, &run->scale);
+    own->begun = 0;
+    for (int i = 0; i < s->size; ++i) {
+        const int slot = i < 2 * s->n ? 1 + i : s->model->jet_places[s->n + i - 2 * s->n];
+        double *c = own->old_jets + (size_t)slot * LAG_JET_STRIDE;
+        take(jet(s, slot), lane, c, s->order + (i < 2 * s->n));
+        c[0] = i < 2 * s->n ? m->other[i] : c[0];
+    }
+}
+
+/* -------- steps, of as many lanes from `lane` on as a register holds */
+
+/* rough_power.h. */
+LAG_UNROLLED LagWide rough_log2(LagWide x)
+{
+    const LagWideWords bits = LAG_WIDE_WORDS(x), two52 = (LagWideWords)LAG_WIDE_WORDS(LAG_WIDE_OF(4503599627370496.0));
+    const LagWide exponent = LAG_WIDE_OF_WORDS((bits >> 52) | two52) - LAG_WIDE_OF(4503599627370496.0 + 1023);
+    const LagWide m = LAG_WIDE_OF_WORDS((bits & 0xfffffffffffff) | 0x3ff0000000000000) - LAG_WIDE_OF(1);
+    return exponent + m * (LAG_WIDE_OF(1.42286536) + m * (LAG_WIDE_OF(-0.58208551) + m * LAG_WIDE_OF(0.15922016)));
+}
+
+/* x^exponent for x >= 0 and small exponents. */
+LAG_UNROLLED LagWide rough_power(LagWide x, double exponent)
+{
+    const LagWide shift = LAG_WIDE_OF(6755399441055744.0), zero = LAG_WIDE_OF(0), one = LAG_WIDE_OF(1);
+    const LagWide y = LAG_WIDE_OF(exponent) * rough_log2(x), nearest = (y + shift) - shift;
+    const LagWide whole = nearest - LAG_WIDE_SELECT(nearest > y, one, zero), part = y - whole;
+    const LagWide scale = LAG_WIDE_OF_WORDS((LAG_WIDE_WORDS(whole + shift) + 1023) << 52);
+    const LagWide found = scale * (one + part * (LAG_WIDE_OF(0.69589012) + part * (LAG_WIDE_OF(0.22486495)
+                                                                                   + part * LAG_WIDE_OF(0.07924493))));
+    const LagWide few = LAG_WIDE_SELECT(x >= LAG_WIDE_OF(DBL_MIN), found, zero);
+    return LAG_WIDE_SELECT(x > LAG_WIDE_OF(DBL_MAX), LAG_WIDE_OF((double)INFINITY), few);
+}
+
+/* What the last steps have made becomes the beginning of the series, where they were good. */
+static void begin_series(LagWideTaylor *s, int lane)
+{
+    const int n = s->n;
+    const LagWide zero = LAG_WIDE_OF(0), good = lag_wide_read(s->taken + lane);
+    for (int slot = 0; slot < s->model->n_jets; ++slot) {
+        double *c = jet(s, slot) + lane;
+        lag_wide_write(c, LAG_WIDE_SELECT(good > zero, lag_wide_of(s->series.line, slot, lane), lag_wide_read(c)));
+    }
+    for (int i = 0; i < n; ++i) {
+        double *q = jet(s, 1 + i) + LAG_ABREAST + lane, *v = jet(s, 1 + n + i) + LAG_ABREAST + lane;
+        lag_wide_write(q, lag_wide_read(jet(s, 1 + n + i) + lane));
+        lag_wide_write(v, lag_wide_read(jet(s, s->model->jet_places[i]) + lane));
+    }
+    lag_wide_write(jet(s, 0) + LAG_ABREAST + lane, LAG_WIDE_OF(1));
+}
+
+/* The lengths at which the last two coefficients are worth a unit of error. */
+LAG_UNROLLED LagWide length_of(const LagWideTaylor *s, int lane)
+{
+    const int p = s->order;
+    const LagWide zero = LAG_WIDE_OF(0), one = LAG_WIDE_OF(1), step = lag_wide_read(s->length + lane);
+    LagWide last = zero, before = zero;
+    for (int i = 0; i < s->n; ++i) {
+        LagWide unit[2];
+        lag_wide_scale_units(&s->scale, i, lane, s->y, s->old, step, LAG_WIDE_OF(DBL_EPSILON) / step, &unit[0], &unit[1]);
+        for (int is_rate = 0; is_rate < 2; ++is_rate) {
+            const double *c = jet(s, 1 + i + is_rate * s->n) + lane;
+            const LagWide weight = LAG_WIDE_SELECT(unit[is_rate] > zero, one / unit[is_rate], zero);
+            last = lag_wide_max(LAG_WIDE_ABS(LAG_WIDE_TERM(c, p)) * weight, last);
+            before = lag_wide_max(LAG_WIDE_ABS(LAG_WIDE_TERM(c, p - 1)) * weight, before);
+        }
+    }
+    for (int i = 0; i < s->size - 2 * s->n; ++i) {
+        const double *c = power_jet(s, i) + lane;
+        const LagWide weight = lag_wide_read(s->energy + lane);
+        last = lag_wide_max(LAG_WIDE_ABS(LAG_WIDE_TERM(c, p - 1)) * LAG_WIDE_OF(lag_inverse[p - 1]) * weight, last);
+        before = lag_wide_max(LAG_WIDE_ABS(LAG_WIDE_TERM(c, p - 2)) * LAG_WIDE_OF(lag_inverse[p - 2]) * weight, before);
+    }
+    return lag_wide_min(rough_power(LAG_WIDE_OF(s->last) / last, lag_inverse[p - 1]),
+                        rough_power(LAG_WIDE_OF(s->before_last) / before, lag_inverse[p - 2]));
+}
+
+/* c_0 + c_1 h + ... + c_order h^order, from the coefficient of the order `first` on: in two chains. */
+LAG_UNROLLED LagWide series(const double *c, int first, int order, LagWide h, LagWide square)
+{
+    LagWide even = LAG_WIDE_OF(0), odd = LAG_WIDE_OF(0);
+    int k = order;
+    if ((order - first) % 2 == 0)
+        even = LAG_WIDE_TERM(c, k--);
+    for (; k > first; k -= 2) {
+        odd = odd * square + LAG_WIDE_TERM(c, k);
+        even = even * square + LAG_WIDE_TERM(c, k - 1);
+    }
+    return even + odd * h;
+}
+
+/* The integral of a series from 0 to h, over h. */
+LAG_UNROLLED LagWide mean(const double *c, int order, LagWide h)
+{
+    LagWide sum = LAG_WIDE_OF(0);
+    for (int k = order; k >= 0; --k)
+        sum = sum * h + LAG_WIDE_TERM(c, k) * LAG_WIDE_OF(lag_inverse[k]);
+    return sum;
+}
+
+static const double GROW = LAG_TAYLOR_GROW, WRONG = LAG_TAYLOR_WRONG, SHRINK = LAG_TAYLOR_SHRINK, REMAINS = LAG_TAYLOR_REMAINS,
+                    NOISE = LAG_TAYLOR_NOISE;
+
+/* The shortest step from t: lag_step_smallest. */
+LAG_UNROLLED LagWide smallest(LagWide t) { return lag_wide_max(LAG_WIDE_OF(4 * DBL_EPSILON) * LAG_WIDE_ABS(t), LAG_WIDE_OF(DBL_MIN)); }
+
+/* Where the next step ends: lag_step_end. */
+LAG_UNROLLED LagWide end_of(const LagWideTaylor *s, int lane, LagWide t, LagWide h)
+{
+    const LagWide stop = lag_wide_read(s->stop + lane), left = stop - t, half = LAG_WIDE_OF(0.5) * left;
+    return LAG_WIDE_SELECT(h >= left, stop, t + LAG_WIDE_SELECT(h + h > left, half, h));
+}
+
+static void go(LagWideTaylor *s, int lane)
+{
+    const int n = s->n, p = s->order;
+    const LagWide t = lag_wide_read(s->t + lane), before = lag_wide_max(lag_wide_read(s->length + lane), smallest(t));
+    LagWide wish = lag_wide_min(length_of(s, lane), LAG_WIDE_OF(GROW) * before);
+    wish = lag_wide_min(lag_wide_min(wish, LAG_WIDE_OF(s->longest)), lag_wide_read(s->limit + lane));
+    const LagWide t_new = end_of(s, lane, t, wish), h = t_new - t, square = h * h;
+    for (int i = 0; i < s->size; ++i) {
+        const size_t place = (size_t)i * LAG_ABREAST + (size_t)lane;
+        const double *c = (i < 2 * n ? jet(s, 1 + i) : power_jet(s, i - 2 * n)) + lane;
+        const LagWide way = i < 2 * n ? series(c + LAG_ABREAST, 0, p - 1, h, square) : mean(c, p - 1, h);
+        const LagWide y = lag_wide_read(s->y + place), whole = way * h + lag_wide_read(s->carry + place);
+        const LagWide sum = y + whole, taken = sum - y;
+        lag_wide_write(s->made + place, sum);
+        lag_wide_write(s->made_carry + place, (y - (sum - taken)) + (whole - taken));
+        if (i < 2 * n)
+            lag_wide_write(s->series.line + LAG_ABREAST + place, sum);
+    }
+    lag_wide_write(s->series.line + lane, t_new);
+    lag_wide_write(s->next + lane, t_new);
+}
+
+/* How far the accelerations at the end of the step are from the slope of the series there, in units of rates. */
+LAG_UNROLLED LagWide gap(const LagWideTaylor *s, int lane, LagWide h)
+{
+    const LagWide zero = LAG_WIDE_OF(0), square = h * h, before = lag_wide_read(s->length + lane);
+    LagWide largest = zero;
+    for (int i = 0; i < s->n; ++i) {
+        const int place = s->model->jet_places[i];
+        const LagWide slope = series(jet(s, place) + lane, 0, s->order - 1, h, square);
+        const LagWide miss = LAG_WIDE_ABS(lag_wide_of(s->series.line, place, lane) - slope);
+        LagWide unit[2];
+        lag_wide_scale_units(&s->scale, i, lane, s->y, s->made, before, LAG_WIDE_OF(DBL_EPSILON) / before, &unit[0], &unit[1]);
+        const LagWide gap = LAG_WIDE_SELECT(unit[1] > zero, miss / unit[1], zero);
+        largest = LAG_WIDE_SELECT(gap <= largest, largest, gap); /* a NaN stays */
+    }
+    return largest;
+}
+
+LAG_UNROLLED void choose(double *numbers, int i, int lane, LagWide is_good, LagWide good)
+{
+    double *place = numbers + (size_t)i * LAG_ABREAST + lane;
+    lag_wide_write(place, LAG_WIDE_SELECT(is_good > LAG_WIDE_OF(0), good, lag_wide_read(place)));
+}
+
+static void accept(LagWideTaylor *s, int lane, LagWide good, LagWide h)
+{
+    for (int i = 0; i < s->size; ++i) {
+        choose(s->old, i, lane, good, lag_wide_of(s->y, i, lane));
+        choose(s->y, i, lane, good, lag_wide_of(s->made, i, lane));
+        choose(s->carry, i, lane, good, lag_wide_of(s->made_carry, i, lane));
+    }
+    choose(s->t_old, 0, lane, good, lag_wide_read(s->t + lane));
+    choose(s->t, 0, lane, good, lag_wide_read(s->next + lane));
+    choose(s->length, 0, lane, good, h);
+    lag_wide_scale_note(&s->scale, lane, s->y);
+}
+
+static void judge(LagWideTaylor *s, int lane)
+{
+    const LagWide zero = LAG_WIDE_OF(0), one = LAG_WIDE_OF(1), infinite = LAG_WIDE_OF((double)INFINITY);
+    const LagWide t = lag_wide_read(s->t + lane), h = lag_wide_read(s->next + lane) - t, before = lag_wide_read(s->wrong + lane);
+    const LagWide wrong = gap(s, lane, h) * h * LAG_WIDE_OF(1.0 / (s->order + 1));
+    const LagWide is_faint = LAG_WIDE_SELECT(wrong * LAG_WIDE_OF(s->scale.tolerance) < LAG_WIDE_OF(NOISE), one, zero);
+    const LagWide is_noise = LAG_WIDE_SELECT(wrong > LAG_WIDE_OF(REMAINS) * before, is_faint, zero);
+    const LagWide is_near = LAG_WIDE_SELECT(wrong <= LAG_WIDE_OF(WRONG), one, is_noise);
+    const LagWide is_long = LAG_WIDE_SELECT(h >= smallest(t), one, zero);
+    const LagWide good = is_near * is_long * lag_wide_read(s->moves + lane);
+    lag_wide_write(s->taken + lane, good);
+    lag_wide_write(s->steps + lane, lag_wide_read(s->steps + lane) + good);
+    lag_wide_write(s->missed + lane, lag_wide_read(s->missed + lane) + LAG_WIDE_SELECT(wrong > one, good, zero));
+    lag_wide_write(s->in_vain + lane, LAG_WIDE_SELECT(good > zero, zero, lag_wide_read(s->in_vain + lane) + one));
+    lag_wide_write(s->wrong + lane, LAG_WIDE_SELECT(good > zero, infinite, wrong));
+    lag_wide_write(s->limit + lane, LAG_WIDE_SELECT(good > zero, infinite, LAG_WIDE_OF(SHRINK) * h));
+    accept(s, lane, good, h);
+}
+
+void lag_wide_taylor_step(LagWideTaylor *s)
+{
+    for (int lane = 0; lane < LAG_ABREAST; lane += LAG_WIDE)
+        begin_series(s, lane);
+    lag_wide_series_go_on(&s->series, s->order);
+    for (int lane = 0; lane < LAG_ABREAST; lane += LAG_WIDE)
+        go(s, lane);
+    lag_wide_series_begin(&s->series);
+    for (int lane = 0; lane < LAG_ABREAST; lane += LAG_WIDE)
+        judge(s, lane);
+}

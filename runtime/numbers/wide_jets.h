@@ -1,0 +1,67 @@
+/* The recurrences of jets.h for eight motions at once: a coefficient is eight numbers in a row, and those of a jet lie one after
+ * another.
+ *
+ * What waits for the latest coefficients are the ends of the sums of products, a_0 b_k + a_k b_0. What lies between them is known when
+ * an order begins, most of it before the one before has ended: one loop serves several sums from j = 2 to k - 2, then come a_1 b_(k - 1)
+ * and a_(k - 1) b_1. That is the order of additions everywhere, so that digits are those of every processor, by scene code and by
+ * instructions.
+ */
+#ifndef LAG_WIDE_JETS_H
+#define LAG_WIDE_JETS_H
+
+#include "numbers/jets.h"
+#include "numbers/wide.h"
+
+/* From one jet to the next; the coefficient of order k of a jet, of the lanes from that on which `jet` points to. */
+#define LAG_WIDE_JET (LAG_JET_STRIDE * LAG_ABREAST)
+#define LAG_WIDE_TERM(jet, k) lag_wide_read((jet) + (k) * LAG_ABREAST)
+
+/* From what lies between the ends: the sums over j = 0 .. k, and over j = 1 .. k. */
+#define LAG_WIDE_PRODUCT(between, a_0, a_k, b_0, b_k) (((between) + (a_0) * (b_k)) + (a_k) * (b_0))
+#define LAG_WIDE_INNER(between, a_k, b_0) ((between) + (a_k) * (b_0))
+
+/* w = u^exponent */
+LAG_UNROLLED LagWide lag_wide_power(const double *u, const double *w, LagWide exponent, int k)
+{
+    LagWide sum = LAG_WIDE_OF(0);
+    for (int j = 0; j < k; ++j)
+        sum += (exponent * LAG_WIDE_OF((double)(k - j)) - LAG_WIDE_OF((double)j)) * LAG_WIDE_TERM(u, k - j) * LAG_WIDE_TERM(w, j);
+    return sum * LAG_WIDE_OF(1.0 / k) * (LAG_WIDE_OF(1) / LAG_WIDE_TERM(u, 0));
+}
+
+/* Sines and cosines of as many angles as a register holds. */
+LAG_UNROLLED void lag_wide_circular(const LagWide *angle, LagWide *sine, LagWide *cosine)
+{
+    lag_sines_of_wide(angle, sine, cosine);
+    double x[LAG_WIDE], s[LAG_WIDE], c[LAG_WIDE], largest = 0;
+    memcpy(x, angle, sizeof x);
+    for (int i = 0; i < LAG_WIDE; ++i)
+        largest += fabs(x[i]);
+    if (largest <= LAG_LARGEST_ANGLE)
+        return;
+    memcpy(s, sine, sizeof s);
+    memcpy(c, cosine, sizeof c);
+    for (int i = 0; i < LAG_WIDE; ++i)
+        if (!(fabs(x[i]) <= LAG_LARGEST_ANGLE)) {
+            s[i] = sin(x[i]);
+            c[i] = cos(x[i]);
+        }
+    memcpy(sine, s, sizeof s);
+    memcpy(cosine, c, sizeof c);
+}
+
+LAG_UNROLLED LagWide lag_wide_sine(LagWide angle)
+{
+    LagWide sine, cosine;
+    lag_wide_circular(&angle, &sine, &cosine);
+    return sine;
+}
+
+LAG_UNROLLED LagWide lag_wide_cosine(LagWide angle)
+{
+    LagWide sine, cosine;
+    lag_wide_circular(&angle, &sine, &cosine);
+    return cosine;
+}
+
+#endif

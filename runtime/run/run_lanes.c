@@ -1,0 +1,343 @@
+#include "run/run_lanes.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "methods/taylor.h"
+#include "methods/wide_taylor.h"
+#include "run/advance.h"
+#include "state/account.h"
+#include "state/ends.h"
+#include "state/state.h"
+
+/* Steps that a run makes before it goes into a lane, at most: the first one sets everything in motion. Steps that are no good in a row,
+ * after which shorter ones do not help. */
+enum { MOST_FIRST = 3, PATIENCE = 4 };
+/* Steps from one glance at energies to the next; to the first look at stability and from one look to the next, and the same while it
+ * seems to rule; looks in a row after which it does. */
+enum { GLANCE = 16, FIRST_LOOK = 64, LOOK = 256, CLOSE_LOOK = 16, LOOKS = 4 };
+enum { LOOK_FOR_PROGRESS = 1 << 17 };
+static const double MOST_STEPS = 1e10; /* as in step.c */
+
+struct LagRunLanes {
+    LagBatch *batch;
+    void *block;
+    LagWideTaylor taylor;
+    int may_turn;  /* others go on where stability rules */
+    int is_plain;  /* reductions ask for coordinates and rates alone */
+    int opened;    /* lanes whose follower and run are there */
+    LagFollower follower[LAG_ABREAST];
+    int64_t job[LAG_ABREAST]; /* the run in each lane; -1: none */
+    double due[LAG_ABREAST];  /* when something is to be looked at */
+    int64_t glance[LAG_ABREAST], look[LAG_ABREAST]; /* after so many steps, too */
+    int64_t next, runs;  /* of the present call: the run to be started next, and how many there are */
+    uint8_t *done;       /* of each run */
+    int64_t counts[LAG_LANES_COUNTS];
+};
+
+static LagRun *run_in(const LagRunLanes *s, int lane) { return s->follower[lane].run; }
+
+/* -------- whether lanes serve */
+
+static int is_asked(const LagSettings *settings)
+{
+    const int32_t solver = settings->solver;
+    return (solver == LAG_SOLVER_AUTO || solver == LAG_SOLVER_STEPWISE || solver == LAG_SOLVER_TAYLOR) && settings->max_steps == 0;
+}
+
+/* What swings back the way it came is read from steps that are kept, which takes no time. */
+static int fits(const LagModel *model, const LagSettings *settings)
+{
+    if (settings->solver == LAG_SOLVER_TAYLOR)
+        return 1;
+    switch (lag_run_solver(model, settings, NULL)) {
+    case LAG_SOLVER_PIRK: case LAG_SOLVER_ERK9: case LAG_SOLVER_ERK: case LAG_SOLVER_ERK5: case LAG_SOLVER_ADAMS: case LAG_SOLVER_TAYLOR:
+        return !model->is_swing;
+    default: return 0;
+    }
+}
+
+static int takes_one_run(const LagSweep *sweep)
+{
+    for (int i = 0; i < sweep->n_reductions; ++i)
+        if (lag_reduce_takes_two(&sweep->reductions[i]) || sweep->reductions[i].keeps_cycles)
+            return 0;
+    return 1;
+}
+
+static int is_plain(const LagModel *model, const LagSweep *sweep)
+{
+    for (int i = 0; i < sweep->n_reductions; ++i) {
+        const LagReduction *what = &sweep->reductions[i];
+        if (what->kind != LAG_REDUCE_AT && (what->column > 2 * model->n || what->rate > 2 * model->n))
+            return 0;
+    }
+    return 1;
+}
+
+/* -------- birth and death */
+
+static int open_lane(LagRunLanes *s, const LagSettings *settings)
+{
+    const LagBatch *batch = s->batch;
+    LagRun *run = lag_run_new(batch->model, settings);
+    LagFollower *f = &s->follower[s->opened];
+    s->job[s->opened] = -1;
+    if (!run)
+        return 0;
+    ++s->opened;
+    lag_taylor_plan_for_eight(&run->methods.taylor, batch->model, run->scale.tolerance);
+    return lag_follow_new(f, batch->model, run, &batch->sweep, batch->at, batch->n_at);
+}
+
+static int open(LagRunLanes *s, const LagSettings *settings)
+{
+    LagArena arena = {NULL, 0};
+    while (s->opened < LAG_ABREAST)
+        if (!open_lane(s, settings))
+            return 0;
+    const LagRun *like = run_in(s, 0);
+    lag_wide_taylor_layout(&s->taylor, like, &arena);
+    s->block = calloc(arena.used + LAG_CACHE_LINE, sizeof(double));
+    if (!s->block)
+        return 0;
+    arena.base = lag_at_cache_line(s->block);
+    arena.used = 0;
+    lag_wide_taylor_layout(&s->taylor, like, &arena);
+    return 1;
+}
+
+LagRunLanes *lag_lanes_new(LagBatch *batch)
+{
+    const LagModel *model = batch->model;
+    LagSettings settings = batch->alone.run->settings;
+    const int is_wanted = batch->sweep.in_lanes && is_asked(&settings) && takes_one_run(&batch->sweep);
+    if (!is_wanted || !lag_wide_taylor_serves(model) || !fits(model, &settings))
+        return NULL;
+    LagRunLanes *s = calloc(1, sizeof *s);
+    if (!s)
+        return NULL;
+    s->batch = batch;
+    s->may_turn = lag_methods_turn(&settings) && lag_methods_alternate(model, LAG_SOLVER_TAYLOR);
+    s->is_plain = is_plain(model, &batch->sweep);
+    settings.solver = LAG_SOLVER_TAYLOR;
+    if (!open(s, &settings)) {
+        lag_lanes_free(s);
+        return NULL;
+    }
+    return s;
+}
+
+void lag_lanes_free(LagRunLanes *s)
+{
+    if (!s)
+        return;
+    for (int lane = 0; lane < s->opened; ++lane) {
+        lag_run_free(run_in(s, lane));
+        lag_follow_free(&s->follower[lane]);
+    }
+    free(s->block);
+    free(s);
+}
+
+const int64_t *lag_lanes_counts(const LagRunLanes *s) { return s->counts; }
+
+/* -------- a run comes and goes */
+
+/* Returns 0 when it was stopped. */
+static int make_alone(LagRunLanes *s, int64_t i)
+{
+    ++s->counts[LAG_LANES_ALONE];
+    s->done[i] = (uint8_t)lag_batch_alone(s->batch, i);
+    return s->done[i];
+}
+
+static void leave(LagRunLanes *s, int lane)
+{
+    s->job[lane] = -1;
+    s->taylor.moves[lane] = 0;
+}
+
+/* The run in the lane is over. What is not well is made again, and told as it then is. */
+static int end_run(LagRunLanes *s, int lane, LagStatus status)
+{
+    const int64_t i = s->job[lane];
+    LagFollower *f = &s->follower[lane];
+    leave(s, lane);
+    if (status == LAG_OK)
+        status = lag_follow_end(f);
+    if (status != LAG_OK)
+        return make_alone(s, i);
+    lag_batch_conclude(s->batch, f, i, status);
+    if (s->batch->outcomes[i].kind != LAG_RUN_DONE)
+        return make_alone(s, i);
+    ++s->counts[LAG_LANES_RUNS];
+    s->done[i] = 1;
+    return 1;
+}
+
+static void set_due(LagRunLanes *s, int lane)
+{
+    const LagFollower *f = &s->follower[lane];
+    s->due[lane] = f->n_pending > 0 || s->batch->model->n_roots > 0 ? -INFINITY : fmin(lag_follow_next(f), s->batch->sweep.t_stop);
+}
+
+/* The first steps of a run, until a lane can take it, or it is over: then there is nothing in the lane. */
+static int begin_run(LagRunLanes *s, int lane, int64_t i)
+{
+    LagFollower *f = &s->follower[lane];
+    LagRun *run = f->run;
+    LagStatus status = lag_batch_begin(s->batch, f, i);
+    if (s->batch->outcomes[i].kind == LAG_RUN_PARAMETER) {
+        lag_batch_conclude(s->batch, f, i, status);
+        s->done[i] = 1;
+        return 1;
+    }
+    s->job[lane] = i;
+    status = status == LAG_OK ? lag_follow_begin(f) : status;
+    for (int k = 0; k < MOST_FIRST && status == LAG_OK; ++k) {
+        status = f->n_pending > 0 ? lag_follow_step(f) : lag_advance_step(run);
+        if (status == LAG_OK && lag_run_time(run) >= s->batch->sweep.t_stop)
+            return end_run(s, lane, status);
+        if (status != LAG_OK || !lag_wide_taylor_load(&s->taylor, lane, run))
+            continue;
+        status = f->n_pending > 0 ? LAG_OK : lag_follow_visit(f, lag_run_time(run));
+        s->glance[lane] = run->statistics.steps + GLANCE;
+        s->look[lane] = FIRST_LOOK;
+        set_due(s, lane);
+        return status == LAG_OK ? 1 : end_run(s, lane, status);
+    }
+    leave(s, lane);
+    return make_alone(s, i);
+}
+
+/* -------- in between */
+
+/* Whether what choice.c would pass on to implicit steps, or nobody waits for, is better made alone. */
+static int is_unfit(LagRunLanes *s, int lane)
+{
+    LagRun *run = run_in(s, lane);
+    const int64_t steps = run->statistics.steps;
+    if (steps < s->look[lane])
+        return 0;
+    const double t = run->motion.t, done = t - s->batch->sweep.t_start;
+    const int looks = s->may_turn ? lag_stiffness_look(run, s->taylor.length[lane]) : 0;
+    const int64_t further = looks > 0 ? CLOSE_LOOK : steps < LOOK ? steps : LOOK;
+    s->look[lane] = steps + further;
+    return looks >= LOOKS
+        || (steps > LOOK_FOR_PROGRESS && (s->batch->sweep.t_stop - t) / done * (double)steps > MOST_STEPS);
+}
+
+/* The end of the step as a row: that of coordinates and rates alone where nothing else is asked for. */
+static LagStatus end_row(LagRunLanes *s, int lane)
+{
+    LagFollower *f = &s->follower[lane];
+    LagRun *run = f->run;
+    f->window.end_time = run->motion.t;
+    if (!s->is_plain)
+        return lag_run_row(run, f->window.end);
+    f->window.end[0] = run->motion.t;
+    memcpy(f->window.end + 1, run->motion.y, 2 * (size_t)s->taylor.n * sizeof *run->motion.y);
+    return LAG_OK;
+}
+
+static LagStatus watch(LagRunLanes *s, int lane, int is_shown)
+{
+    LagFollower *f = &s->follower[lane];
+    LagStatus status = end_row(s, lane);
+    if (status != LAG_OK)
+        return status;
+    const int open = lag_follow_glance(f);
+    if (open && !is_shown)
+        lag_wide_taylor_show(&s->taylor, lane, f->run, 1);
+    return lag_follow_watch(f, open);
+}
+
+/* After a step in the lane. Returns 0 when the batch was stopped. */
+static int attend(LagRunLanes *s, int lane)
+{
+    LagFollower *f = &s->follower[lane];
+    const double t = s->taylor.t[lane];
+    const int glances = s->taylor.steps[lane] >= (double)s->glance[lane], is_over = t >= s->batch->sweep.t_stop;
+    const int is_shown = glances || is_over || t >= lag_follow_next(f);
+    LagStatus status = LAG_OK;
+    lag_wide_taylor_show(&s->taylor, lane, f->run, is_shown);
+    if (lag_roots_suspect(f->run))
+        return end_run(s, lane, LAG_PAUSED);
+    if (glances) {
+        lag_account_glance(f->run);
+        s->glance[lane] += GLANCE;
+        if (lag_follow_is_over(f) || is_unfit(s, lane))
+            return end_run(s, lane, LAG_PAUSED);
+    }
+    if (t >= lag_follow_next(f))
+        status = lag_follow_visit(f, t);
+    if (status == LAG_OK && f->n_pending > 0)
+        status = watch(s, lane, is_shown);
+    if (status != LAG_OK || is_over)
+        return end_run(s, lane, status);
+    set_due(s, lane);
+    return 1;
+}
+
+/* -------- all of them */
+
+/* Returns 0 when it was stopped. */
+static int fill(LagRunLanes *s)
+{
+    for (int lane = 0; lane < LAG_ABREAST; ++lane)
+        while (s->job[lane] < 0 && s->next < s->runs)
+            if (*s->batch->stop || !begin_run(s, lane, s->next++))
+                return 0;
+    return 1;
+}
+
+static int is_busy(const LagRunLanes *s)
+{
+    for (int lane = 0; lane < LAG_ABREAST; ++lane)
+        if (s->job[lane] >= 0)
+            return 1;
+    return 0;
+}
+
+/* A step in all lanes. Returns 0 when it was stopped. */
+static int step(LagRunLanes *s)
+{
+    LagWideTaylor *taylor = &s->taylor;
+    lag_wide_taylor_step(taylor);
+    s->counts[LAG_LANES_ROOM] += LAG_ABREAST;
+    for (int lane = 0; lane < LAG_ABREAST; ++lane) {
+        if (s->job[lane] < 0)
+            continue;
+        ++s->counts[LAG_LANES_STEPS];
+        int goes_on = 1;
+        if (taylor->taken[lane] > 0) {
+            if (taylor->t[lane] >= s->due[lane] || taylor->steps[lane] >= (double)s->glance[lane])
+                goes_on = attend(s, lane);
+        } else if (taylor->in_vain[lane] > PATIENCE) {
+            goes_on = end_run(s, lane, LAG_PAUSED);
+        }
+        if (!goes_on)
+            return 0;
+    }
+    return 1;
+}
+
+int64_t lag_lanes_advance(LagRunLanes *s, int64_t runs)
+{
+    int64_t first = 0;
+    s->next = 0;
+    s->runs = runs;
+    s->done = calloc((size_t)runs + 1, sizeof *s->done);
+    if (!s->done)
+        return 0;
+    while (fill(s) && is_busy(s) && !*s->batch->stop && step(s)) {
+    }
+    for (int lane = 0; lane < LAG_ABREAST; ++lane)
+        leave(s, lane);
+    while (first < runs && s->done[first])
+        ++first;
+    free(s->done);
+    return first;
+}

@@ -1,0 +1,23 @@
+/* Runs in lanes: eight runs of a batch go on together, each at its own time and with its own steps, and a lane whose run has ended takes
+ * the next one.
+ *
+ * Steps are wide_taylor.h's, of what choice.c would leave to explicit methods or to series, and as good: a run whose steps turn out to
+ * be bound by stability, that steps do not get on with, or whose energy account does not close, is made again alone, as it would be
+ * without lanes. Whether and how a run goes in a lane depends on nothing but itself, and so do its digits.
+ */
+#ifndef LAG_RUN_LANES_H
+#define LAG_RUN_LANES_H
+
+#include "run/batch_state.h"
+
+/* NULL: there is no memory, or lanes do not serve what the batch does. */
+LagRunLanes *lag_lanes_new(LagBatch *batch);
+void lag_lanes_free(LagRunLanes *lanes);
+
+/* As lag_batch_advance. */
+int64_t lag_lanes_advance(LagRunLanes *lanes, int64_t runs);
+
+/* LAG_LANES_COUNTS numbers. */
+const int64_t *lag_lanes_counts(const LagRunLanes *lanes);
+
+#endif

@@ -1,0 +1,72 @@
+#include "state/wide_scale.h"
+
+#include <float.h>
+
+enum { VECTORS = 6 };
+
+void lag_wide_scale_layout(LagWideScale *s, const LagScale *like, LagArena *arena)
+{
+    const size_t n = (size_t)like->n, all = LAG_ABREAST;
+    s->n = like->n;
+    s->kinds = like->kinds;
+    s->kind = like->kind;
+    s->tolerance = like->tolerance;
+    s->cap = lag_take(arena, (2 * n + all - 1) / all * all); /* what follows begins at a line of the cache */
+    s->largest = lag_take(arena, 2 * n * all);
+    s->floor = lag_take(arena, 2 * n * all);
+    s->size = lag_take(arena, 2 * n * all);
+    s->group = lag_take(arena, 2 * (size_t)like->kinds * all);
+    s->noise = lag_take(arena, n * all);
+    s->onset = lag_take(arena, n * all);
+}
+
+/* The vectors of one motion, and of eight; how long they are. */
+typedef struct {
+    double *one, *wide;
+    int count;
+} Pair;
+
+static void pairs(const LagWideScale *s, const LagScale *one, Pair *all)
+{
+    const int n = s->n;
+    const Pair found[VECTORS] = {{one->largest, s->largest, 2 * n}, {one->floor, s->floor, 2 * n}, {one->size, s->size, n},
+                                 {one->group, s->group, 2 * s->kinds}, {one->noise, s->noise, n}, {one->onset, s->onset, n}};
+    memcpy(all, found, sizeof found);
+}
+
+void lag_wide_scale_load(LagWideScale *s, int lane, const LagScale *from)
+{
+    Pair all[VECTORS];
+    pairs(s, from, all);
+    memcpy(s->cap, from->cap, 2 * (size_t)s->n * sizeof *s->cap);
+    for (int k = 0; k < VECTORS; ++k)
+        for (int i = 0; i < all[k].count; ++i)
+            all[k].wide[i * LAG_ABREAST + lane] = all[k].one[i];
+}
+
+void lag_wide_scale_store(const LagWideScale *s, int lane, LagScale *to)
+{
+    Pair all[VECTORS];
+    pairs(s, to, all);
+    for (int k = 0; k < VECTORS; ++k)
+        for (int i = 0; i < all[k].count; ++i)
+            all[k].one[i] = all[k].wide[i * LAG_ABREAST + lane];
+}
+
+static int group_of(const LagWideScale *s, int i) { return i < s->n ? s->kind[i] : s->kinds + s->kind[i - s->n]; }
+
+void lag_wide_scale_note(LagWideScale *s, int lane, const double *y)
+{
+    for (int i = 0; i < 2 * s->n; ++i) {
+        double *group = s->group + (size_t)group_of(s, i) * LAG_ABREAST + lane;
+        const LagWide seen = lag_wide_magnitude(s, i, lag_wide_of(y, i, lane), lag_wide_of(s->largest, i, lane));
+        lag_wide_write(s->largest + (size_t)i * LAG_ABREAST + lane, seen);
+        lag_wide_write(group, lag_wide_max(seen, lag_wide_read(group)));
+    }
+    for (int i = 0; i < 2 * s->n; ++i) {
+        const LagWide own = LAG_WIDE_OF(LAG_SCALE_OWN) * lag_wide_of(s->largest, i, lane);
+        const LagWide shared = LAG_WIDE_OF(LAG_SCALE_GROUP) * lag_wide_of(s->group, group_of(s, i), lane);
+        const LagWide known = LAG_WIDE_OF(DBL_EPSILON / s->tolerance) * lag_wide_of(s->size, i, lane);
+        lag_wide_write(s->floor + (size_t)i * LAG_ABREAST + lane, lag_wide_max(lag_wide_max(own, shared), known));
+    }
+}

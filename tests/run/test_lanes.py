@@ -1,0 +1,129 @@
+"""Runs in lanes: eight runs of a batch at once, each with its own steps, as good as alone and the same in any company."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import lagrangia as lag
+from lagrangia.native.build import find_compiler
+from lagrangia.run.batch import Batch, Lanes
+from lagrangia.run.engines import load_engine
+from lagrangia.run.request import Request
+from lagrangia.study.sweep.measures import quantities, read_measures
+from lagrangia.study.sweep.plan import Design, Job
+
+EXAMPLES = Path(__file__).parents[2] / "models" / "examples"
+MEASURES = ("final(elbow.phi), max(elbow.phi), time_of_max(elbow.phi), mean(lower.b.y), first_time(elbow.phi < 0), "
+            "at(0.7, der(elbow.phi))")
+DAMPED = """model Damped
+  parameter Real d = 1;
+  Revolute hinge(a = world, phi(start = 1));
+  Bar      bar(m = 1, L = 1, a = hinge.b);
+  TorsionDamper damper(a = hinge.a, b = hinge.b, c = d);
+end Damped;
+"""
+
+
+def prepared(model: lag.Model, outputs: str, runs: int = 37, **asked: object) -> tuple[lag.Model, Job]:
+    measures = read_measures(outputs)
+    initial = {"elbow.phi": np.linspace(0.1, 1, runs)}
+    request = Request(**{"stop": 2.0, "tolerance": 1e-8, "initial": initial, **asked})
+    return model.reporting(quantities(measures)).prepared_for(measures, request, Design())
+
+
+def advanced(model: lag.Model, job: Job, values: np.ndarray) -> tuple[np.ndarray, np.ndarray, Lanes]:
+    engine = model.engine_for("auto")
+    assert engine is not None
+    with Batch(engine.runtime, engine.model, job.sweep) as batch:
+        results, outcomes, _ = batch.advance(values)
+        return results, outcomes, batch.lanes
+
+
+@pytest.fixture(scope="module")
+def pendulum() -> lag.Model:
+    return lag.load(EXAMPLES / "double_pendulum.lag")
+
+
+def test_results_are_those_of_the_motion(pendulum: lag.Model) -> None:
+    """Against the same measures of runs made one by one with another method, at a smaller tolerance."""
+    suited, job = prepared(pendulum, MEASURES)
+    values = job.variations.values(0, job.runs)
+    found, outcomes, lanes = advanced(suited, job, values)
+    assert lanes.runs == job.runs and lanes.alone == 0 and (outcomes["kind"] == 0).all()
+    assert lanes.steps > 0.75 * lanes.room
+    other, reference = prepared(pendulum, MEASURES, tolerance=1e-12, solver="erk")
+    exact, _, none = advanced(other, reference, values)
+    assert none == Lanes()
+    assert found == pytest.approx(exact, abs=2e-7)
+    assert (outcomes["energy"] < 1e-8).all()
+
+
+def test_a_run_does_not_depend_on_its_company(pendulum: lag.Model) -> None:
+    """Bit by bit: fewer runs, another order, one after another in the same lane."""
+    suited, job = prepared(pendulum, MEASURES)
+    values = job.variations.values(0, job.runs)
+    all_of_them, outcomes, _ = advanced(suited, job, values)
+    backward, others, _ = advanced(suited, job, values[::-1])
+    assert all_of_them.tobytes() == np.ascontiguousarray(backward[::-1]).tobytes()
+    assert outcomes.tobytes() == np.ascontiguousarray(others[::-1]).tobytes()
+    for first, last in ((0, 1), (5, 8), (20, 36)):
+        assert advanced(suited, job, values[first:last])[0].tobytes() == all_of_them[first:last].tobytes()
+
+
+def test_a_run_that_fails_leaves_the_others_alone(pendulum: lag.Model) -> None:
+    suited, job = prepared(pendulum, "final(elbow.phi)")
+    values = job.variations.values(0, job.runs)
+    whole = advanced(suited, job, values)[0]
+    values[7] = 1e300
+    found, outcomes, _ = advanced(suited, job, values)
+    keep = np.arange(job.runs) != 7
+    assert outcomes["kind"][7] != 0 or np.isfinite(found[7]).all()
+    assert found[keep].tobytes() == whole[keep].tobytes()
+
+
+def test_what_is_stiff_is_made_alone() -> None:
+    """Where stability rules a run, it is the run that it would be without lanes, byte for byte."""
+    model = lag.loads(DAMPED)
+    measures = read_measures("final(hinge.phi)")
+    request = Request(stop=20.0, tolerance=1e-6, parameters={"d": np.linspace(0.1, 3e3, 9)})
+    suited, job = model.prepared_for(measures, request, Design())
+    values = job.variations.values(0, job.runs)
+    found, outcomes, lanes = advanced(suited, job, values)
+    assert lanes.alone > 0 and lanes.runs > 0 and (outcomes["kind"] == 0).all()
+    apart = replace(job, sweep=replace(job.sweep, in_lanes=False))
+    alone = advanced(suited, apart, values)[0]
+    assert alone[-1].tobytes() == found[-1].tobytes()
+    assert alone == pytest.approx(found, abs=1e-6)
+
+
+@pytest.mark.parametrize("name", ["stick_slip", "bouncing_ball", "four_bar", "pendulum"])
+def test_what_lanes_do_not_serve_is_as_it_was(name: str) -> None:
+    """Events, friction, loops, and what swings back the way it came."""
+    model = lag.load(EXAMPLES / f"{name}.lag")
+    measures = read_measures(f"final({model.coordinate_names[0]})")
+    suited, job = model.prepared_for(measures, Request(stop=0.5, initial={}), Design())
+    assert advanced(suited, job, np.empty((9, 0)))[2] == Lanes()
+
+
+@pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
+@pytest.mark.parametrize("name", ["double_pendulum", "spring_pendulum"])
+def test_compiled_series_have_the_digits_of_interpreted_ones(name: str) -> None:
+    """Also where engines change over in the middle of a sweep."""
+    model = lag.load(EXAMPLES / f"{name}.lag")
+    measures = read_measures(", ".join(f"final({c})" for c in model.coordinate_names))
+    request = Request(stop=2.0, initial={model.coordinate_names[-1]: np.linspace(0.3, 0.9, 11)})
+    suited, job = model.prepared_for(measures, request, Design())
+    values = job.variations.values(0, job.runs)
+    results = []
+    tape = load_engine(suited.scene, native=False)
+    assert tape is not None
+    with Batch(tape.runtime, tape.model, job.sweep) as batch:
+        results.append(batch.advance(values)[0])
+        native = load_engine(suited.scene, native=True)
+        assert native is not None and native.model.struct.wide_taylor
+        tape.model.adopt(native.model)
+        results.append(batch.advance(values)[0])
+        assert batch.lanes.runs == 2 * job.runs
+    assert np.isfinite(results[0]).all() and results[0].tobytes() == results[1].tobytes()
