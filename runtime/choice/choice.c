@@ -297,7 +297,7 @@ LagFacts lag_facts(const LagModel *model, const LagSettings *settings)
         .is_named = settings->solver == LAG_SOLVER_AUTO,
         .fits_transition = lag_transition_fits(model, settings),
         .has_jacobian = lag_methods_permit(model, LAG_SOLVER_IMPLICIT),
-        .has_conditions = model->n_switches > model->n_lengths,
+        .has_conditions = model->n_switches > model->n_lengths || model->n_delays > 0,
         .has_corners = model->has_corners,
         .has_modes = model->n_modes > 0,
         .has_inputs = model->n_inputs > 0,

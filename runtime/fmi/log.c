@@ -81,7 +81,7 @@ int lag_instance_allows(LagInstance *instance, LagCall call, const char *functio
 static const char *name_of(const LagInstance *s, LagStatus status, int index, int rate)
 {
     const LagModel *m = s->model;
-    if (status == LAG_BAD_INTERVAL)
+    if (status == LAG_BAD_INTERVAL || status == LAG_BAD_DELAY)
         return "";
     if (status == LAG_INPUT_JUMPS)
         return s->fmu->names[1 + 4 * m->n + m->n_outputs + LAG_ENERGIES + index];
@@ -109,6 +109,7 @@ LagAnswer lag_instance_failed(LagInstance *s, LagStatus status)
     case LAG_INPUT_JUMPS: text = "an input that moves a support jumps: set the inputs that are its rates, too"; break;
     case LAG_TURNED_OFF: text = "at a singular position the motion went over to another way of moving"; break;
     case LAG_BAD_INTERVAL: text = "the interval between the instants of a sampled value is not positive"; break;
+    case LAG_BAD_DELAY: text = "a delay is not positive, or was to change during the run"; break;
     case LAG_OUT_OF_MEMORY: text = "no memory is left"; break;
     default: break;
     }

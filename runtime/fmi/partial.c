@@ -22,7 +22,7 @@ static int along_d(const LagModel *m) { return m->n_switches > 0 ? m->n_modes + 
 size_t lag_partial_size(const LagFmu *fmu)
 {
     const LagModel *m = fmu->model;
-    return 1 + 4 * (size_t)m->n + (size_t)(m->n_inputs + m->n_parameters + m->n_outputs + along_d(m) + m->n_switches);
+    return 1 + 4 * (size_t)m->n + LAG_N_U(m) + (size_t)(m->n_parameters + m->n_outputs + along_d(m) + m->n_switches);
 }
 
 static Directions places(const LagInstance *s)
@@ -32,7 +32,7 @@ static Directions places(const LagInstance *s)
     d.t = s->directions;
     d.x = d.t + 1;
     d.u = d.x + 2 * m->n;
-    d.d = d.u + m->n_inputs;
+    d.d = d.u + LAG_N_U(m);
     d.p = d.d + along_d(m);
     d.slope = d.p + m->n_parameters;
     d.y = d.slope + 2 * m->n;

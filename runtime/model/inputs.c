@@ -186,6 +186,8 @@ void lag_inputs_at(const LagInputs *inputs, double t, double *u)
     find_values(inputs, t, u);
     if (inputs->n_pieces > 0)
         set_pieces(inputs, t, u);
+    if (inputs->history->n > 0)
+        lag_history_at(inputs->history, t, u + inputs->n);
 }
 
 double lag_inputs_next(const LagInputs *inputs, double t)

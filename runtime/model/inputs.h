@@ -7,6 +7,7 @@
 #define LAG_INPUTS_H
 
 #include "base/status.h"
+#include "model/history.h"
 
 typedef struct {
     int version; /* counts how often the table was set */
@@ -16,6 +17,7 @@ typedef struct {
     int left;       /* the present segment lies between rows left and left + 1; -1: before the table */
     int n_pieces;      /* as in the model */
     const int *pieces; /* 4 n_pieces */
+    const LagHistory *history; /* of delayed values, which stand behind the inputs */
 } LagInputs;
 
 LagStatus lag_inputs_set(LagInputs *inputs, const double *times, const double *values, int rows);
@@ -37,7 +39,7 @@ int lag_inputs_jump(const LagInputs *inputs, const double *before, const double 
 /* Values at t by the present segment: at a jump, those of its own side. Rates of pieces are those of the polynomial. */
 void lag_inputs_at(const LagInputs *inputs, double t, double *u);
 
-/* Slopes in the present segment. */
+/* Slopes in the present segment; those of delayed values are lag_history_rates. */
 void lag_inputs_slope(const LagInputs *inputs, double *slope);
 
 /* The first corner after t, or infinity. */

@@ -4,7 +4,7 @@
  * `LAG_API const LagModel lag_model`; a caller without a C compiler fills one with tapes (tape.h).
  *
  * Notation: q coordinates, v = dq/dt, a = dv/dt, t time, p parameters, c what depends on parameters alone ("hoisted"),
- * u inputs, d modes (values that change only at events) and, where steps are taken, switches, y outputs, lambda multipliers.
+ * u inputs and, behind them, delayed values, d modes (values that change only at events) and, where steps are taken, switches, y outputs, lambda multipliers.
  * Corrections of constrained states are those of least kinetic energy: nearest in the mass metric.
  */
 #ifndef LAG_MODEL_H
@@ -62,6 +62,9 @@ enum { LAG_KICK, LAG_CONTACT, LAG_ONE_WAY, LAG_SIGNAL = 4 }; /* LAG_SIGNAL besid
 
 typedef struct LagModel LagModel;
 
+/* Of u: inputs and delayed values. */
+#define LAG_N_U(model) ((size_t)((model)->n_inputs + (model)->n_delays))
+
 struct LagModel {
     int n; /* coordinates */
     int n_parameters, n_hoisted, n_inputs, n_modes, n_events, n_outputs, n_initial;
@@ -82,6 +85,8 @@ struct LagModel {
     int n_pieces;   /* inputs that stand where functions of time do: polynomials between rows, whose coefficients are modes */
     int n_samplers; /* at whose instants held values change */
     int n_held;     /* values that are held between instants: modes */
+    int n_delays;   /* delayed values */
+    int breaks_rise; /* no delayed value is made of others at once: what breaks is smoother a lag later */
     const int *coordinate_kind; /* n + n_lost: group of like coordinates */
     const int *fixed;           /* 2 (n + n_lost): LAG_START_..., of positions then rates */
     const int *event_kind;      /* n_events */
@@ -93,6 +98,7 @@ struct LagModel {
     const int *pieces;          /* 4 n_pieces: the input, those that are its first two rates (-1: none), the first of its modes */
     const int *samplers;        /* n_samplers: the event whose argument is a whole number at its instants, from 0 on */
     const int *held;            /* n_held: the mode of each */
+    const int *stated;          /* n_delays: whether it is said what was before the start */
     const LagTable *tables;
     int outputs_need_acceleration; /* a or lambda */
     int switches_need_acceleration;
@@ -150,6 +156,9 @@ struct LagModel {
     LagFunction roots;      /* t, q, v, u, d, c -> g, dg/dt   n_roots each */
     LagFunction held_first; /* p                -> held values before any instant */
     LagFunction samples;    /* t, q, v, u, d, p, fires -> held values, where samplers fire (1) or not (0) */
+    LagFunction lags;       /* p                -> by how much each delayed value is late */
+    LagFunction delayed;    /* t, q, v, u, d, c -> what is read late   n_delays each */
+    LagFunction before;     /* t, p             -> what that was before the start; where nothing is said, 0 */
 
     int n_jets;            /* 0: there are no series */
     int jet_pitch;         /* distance between the coefficients of a jet: 1, or n_jets and more where they lie order by order */

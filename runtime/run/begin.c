@@ -8,6 +8,7 @@
 #include "model/function.h"
 #include "choice/parts.h"
 #include "run/run.h"
+#include "steps/delays.h"
 #include "steps/sampling.h"
 #include "steps/segment.h"
 #include "steps/branch.h"
@@ -71,6 +72,15 @@ static void clear(LagRun *run)
     run->scheduled = 0;
 }
 
+/* What is held and what is read late: either may be made of the other. */
+static LagStatus take_first(LagRun *run)
+{
+    LagStatus status = lag_delays_begin(run);
+    if (status == LAG_OK && lag_sampling_take(run, run->motion.t, run->motion.y))
+        status = lag_delays_begin(run);
+    return status;
+}
+
 LagStatus lag_run_start(LagRun *run, const double *q_given, const double *v_given)
 {
     run->started = 0;
@@ -98,7 +108,8 @@ LagStatus lag_run_start(LagRun *run, const double *q_given, const double *v_give
         return run->failure.status;
     lag_segment_enter(run);
     lag_project_present(run);
-    lag_sampling_take(run, run->motion.t, run->motion.y);
+    if (take_first(run) != LAG_OK)
+        return run->failure.status;
     double energies[3];
     lag_energies(run, run->motion.t, run->motion.y, energies);
     run->start_energy = energies[2];

@@ -9,6 +9,7 @@
 #include "state/evaluate.h"
 #include "model/function.h"
 #include "choice/parts.h"
+#include "steps/delays.h"
 #include "steps/sampling.h"
 #include "steps/singular.h"
 
@@ -19,7 +20,7 @@ static size_t work_size(const LagModel *model)
                                       &model->place, &model->steer, &model->jacobian, &model->tangent, &model->velocity,
                                       &model->force, &model->regular, &model->residual, &model->nearest,
                                       &model->kick, &model->switches, &model->resets, &model->roots,
-                                      &model->held_first, &model->samples};
+                                      &model->held_first, &model->samples, &model->lags, &model->delayed, &model->before};
     size_t largest = 0;
     for (size_t i = 0; i < sizeof functions / sizeof *functions; ++i)
         largest = functions[i]->n_work > largest ? functions[i]->n_work : largest;
@@ -33,13 +34,13 @@ static void layout(LagRun *run, LagArena *arena)
     run->p = lag_take(arena, (size_t)model->n_parameters);
     run->nothing_given = lag_take(arena, (size_t)model->n_parameters);
     run->c = lag_take(arena, (size_t)model->n_hoisted);
-    run->u = lag_take(arena, (size_t)model->n_inputs);
-    run->u_slope = lag_take(arena, (size_t)model->n_inputs);
+    run->u = lag_take(arena, LAG_N_U(model));
+    run->u_slope = lag_take(arena, LAG_N_U(model));
     run->d = lag_take(arena, (size_t)(model->n_modes + model->n_switches + model->n_resets + model->n_rests));
     run->d_before = lag_take(arena, (size_t)model->n_modes);
     run->event_a = lag_take(arena, events);
-    lag_sampling_layout(run, arena);
     run->event_b = lag_take(arena, events);
+    lag_sampling_layout(run, arena);
     run->acceleration = lag_take(arena, n);
     run->power = lag_take(arena, (size_t)model->n_power);
     run->multipliers = lag_take(arena, (size_t)model->n_multipliers);
@@ -73,6 +74,7 @@ static void connect_parts(LagRun *run, const LagModel *model)
     run->inputs.n = model->n_inputs;
     run->inputs.n_pieces = model->n_pieces;
     run->inputs.pieces = model->pieces;
+    run->inputs.history = &run->history;
     run->motion.n = model->n;
     run->motion.size = 2 * model->n + model->n_power;
     run->motion.rhs = lag_accelerations;
@@ -133,6 +135,7 @@ void lag_run_free(LagRun *run)
     if (!run)
         return;
     lag_inputs_free(&run->inputs);
+    lag_history_free(&run->history);
     if (lag_parts.islands_close)
         lag_parts.islands_close(&run->methods.islands);
     free(run->block);
@@ -162,6 +165,8 @@ LagStatus lag_run_set_parameters(LagRun *run, const double *given, const double 
     const double *in[] = {given ? given : run->nothing_given, mask ? mask : run->nothing_given};
     lag_call(&model->parameters, in, &run->p, run->work);
     apply_parameters(run);
+    if (run->started && lag_delays_change(run))
+        return run->failure.status;
     if (run->started) {
         lag_account_close(run);
         run->segment_over = 1;

@@ -1,4 +1,4 @@
-/* Layout of the bytes: Header, the run's struct, its vectors, its table of inputs. */
+/* Layout of the bytes: Header, the run's struct, its vectors, its table of inputs, what is on its way to be read late. */
 #include "run/snapshot.h"
 
 #include <stdlib.h>
@@ -8,7 +8,7 @@
 #include "state/stepper.h"
 
 typedef struct {
-    uint64_t struct_size, memory_size, table_size; /* bytes, doubles, doubles */
+    uint64_t struct_size, memory_size, table_size, history_size; /* bytes, doubles each */
     uint64_t run, memory; /* addresses the saved run had */
 } Header;
 
@@ -22,7 +22,8 @@ static uint64_t table_size(const LagRun *run) { return (uint64_t)run->inputs.row
 
 size_t lag_snapshot_size(const LagRun *run)
 {
-    return sizeof(Header) + sizeof *run + (run->memory_size + (size_t)table_size(run)) * sizeof(double);
+    const size_t tables = (size_t)table_size(run) + lag_history_size(&run->history);
+    return sizeof(Header) + sizeof *run + (run->memory_size + tables) * sizeof(double);
 }
 
 static unsigned char *append(unsigned char *place, const void *from, size_t size)
@@ -34,13 +35,15 @@ static unsigned char *append(unsigned char *place, const void *from, size_t size
 
 void lag_snapshot_take(const LagRun *run, unsigned char *bytes)
 {
-    const Header header = {sizeof *run, run->memory_size, table_size(run), address(run), address(run->memory)};
+    const Header header = {sizeof *run, run->memory_size, table_size(run), lag_history_size(&run->history), address(run),
+                           address(run->memory)};
     const size_t rows = (size_t)run->inputs.rows;
     unsigned char *place = append(bytes, &header, sizeof header);
     place = append(place, run, sizeof *run);
     place = append(place, run->memory, run->memory_size * sizeof(double));
     place = append(place, run->inputs.times, rows * sizeof(double));
-    append(place, run->inputs.values, rows * (size_t)run->inputs.n * sizeof(double));
+    place = append(place, run->inputs.values, rows * (size_t)run->inputs.n * sizeof(double));
+    lag_history_save(&run->history, place);
 }
 
 static uint64_t read_word(const void *base, size_t k)
@@ -92,6 +95,11 @@ static void keep_own(LagRun *result, const LagRun *run)
     result->inputs = run->inputs;
     result->inputs.rows = rows;
     result->inputs.left = left;
+    result->history.pieces = run->history.pieces;
+    result->history.marks = run->history.marks;
+    result->history.first = run->history.first;
+    result->history.capacity = run->history.capacity;
+    result->history.mark_capacity = run->history.mark_capacity;
 }
 
 static LagStatus set_table(LagRun *run, const unsigned char *table, uint64_t count)
@@ -107,6 +115,14 @@ static LagStatus set_table(LagRun *run, const unsigned char *table, uint64_t cou
     return status;
 }
 
+/* Numbers that the history of a saved struct had. */
+static uint64_t saved_history(const LagRun *run, const LagRun *saved)
+{
+    LagHistory past = saved->history;
+    past.n = run->history.n;
+    return lag_history_size(&past);
+}
+
 LagStatus lag_snapshot_restore(LagRun *run, const unsigned char *bytes, size_t size)
 {
     Header header;
@@ -118,15 +134,20 @@ LagStatus lag_snapshot_restore(LagRun *run, const unsigned char *bytes, size_t s
     const unsigned char *vectors = bytes + sizeof header + sizeof saved;
     const size_t most = size / sizeof(double);
     if (header.struct_size != sizeof saved || header.memory_size != run->memory_size || header.table_size > most
-        || size != sizeof header + sizeof saved + (run->memory_size + (size_t)header.table_size) * sizeof(double)
+        || header.history_size > most || header.history_size != saved_history(run, &saved)
+        || size != sizeof header + sizeof saved
+               + (run->memory_size + (size_t)(header.table_size + header.history_size)) * sizeof(double)
         || header.table_size % (1 + (uint64_t)run->inputs.n) != 0)
         return LAG_BAD_SETTINGS;
     result = saved;
     if ((header.run != address(run) || header.memory != address(run->memory)) && !relocate(&header, run, &saved, &result))
         return LAG_OUT_OF_MEMORY;
-    const LagStatus status = set_table(run, vectors + run->memory_size * sizeof(double), header.table_size);
+    const unsigned char *table = vectors + run->memory_size * sizeof(double);
+    const LagStatus status = set_table(run, table, header.table_size);
     if (status != LAG_OK)
         return status;
+    if (header.history_size > 0 && !lag_history_load(&run->history, &saved.history, table + header.table_size * sizeof(double)))
+        return LAG_OUT_OF_MEMORY;
     keep_own(&result, run);
     memcpy(run->memory, vectors, run->memory_size * sizeof(double));
     *run = result;

@@ -15,6 +15,7 @@ double lag_step_end(const LagRun *run, double h)
     const double t = run->motion.t, end = lag_min(run->segment_end, run->settings.t_stop);
     const int has_row = run->methods.table->ends_at_rows && run->wanted > t;
     const double limit = has_row ? lag_min(run->wanted, end) : end, left = limit - t;
+    h = lag_min(h, run->history.shortest); /* what is read late is known then */
     if (run->impacts.seen > t && h > run->impacts.seen - t)
         return lag_min(run->impacts.seen, limit);
     if (run->sliding.stops > t && h > run->sliding.stops - t)

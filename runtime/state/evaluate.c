@@ -30,6 +30,7 @@ void lag_conditions_by(LagRun *run, double t, const double *q, const double *v, 
     double *out[] = {g, rate};
     lag_inputs_at(&run->inputs, t, run->u);
     lag_inputs_slope(&run->inputs, run->u_slope);
+    lag_history_rates(&run->history, t, run->u_slope + run->model->n_inputs);
     lag_call(&run->model->switches, in, out, run->work);
 }
 

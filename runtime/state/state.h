@@ -45,9 +45,12 @@ struct LagRun {
     double *inside, *inside_carry; /* a state within a step */
     double *careful_state;         /* (q, v) */
     double *work;                 /* scratch of the model's functions */
+    double *late_values, *late_first, *late_now; /* of a piece of the history; at the start; at one time */
+    double *late_rates; /* rates and switches before an event */
     int *fixed;                   /* as start */
 
     LagInputs inputs;
+    LagHistory history;
     LagAssembly assembly;
     LagProjection projection;
     LagScale scale;
@@ -77,6 +80,7 @@ struct LagRun {
     int silent_table;     /* the table that says nothing in this segment; -1: none */
     int inputs_version;   /* of the table of inputs that is in force in this segment */
     double segment_end;   /* time of the next event */
+    double other_end;     /* the same, but for those of what is read late */
     double wanted;        /* time of the row that is asked for */
     double row_spacing;   /* of the rows that are asked for at once, on average; 0: nobody knows */
     double paced;         /* when progress was looked at */

@@ -4,6 +4,7 @@
 #include <math.h>
 
 #include "model/function.h"
+#include "steps/delays.h"
 #include "model/schedule.h"
 
 void lag_sampling_layout(LagRun *run, LagArena *arena)
@@ -11,6 +12,7 @@ void lag_sampling_layout(LagRun *run, LagArena *arena)
     run->fires = lag_take(arena, (size_t)run->model->n_samplers);
     run->sampled = lag_take(arena, (size_t)run->model->n_samplers);
     run->held = lag_take(arena, (size_t)run->model->n_held);
+    lag_delays_layout(run, arena);
 }
 
 LagStatus lag_sampling_begin(LagRun *run)

@@ -12,6 +12,7 @@
 #include "model/schedule.h"
 #include "model/table.h"
 #include "steps/branch.h"
+#include "steps/delays.h"
 #include "steps/sampling.h"
 #include "steps/step.h"
 #include "state/stepper.h"
@@ -34,7 +35,7 @@ void lag_segment_enter(LagRun *run)
     const double t = run->motion.t;
     const double scheduled = lag_schedule_next(model, run->event_a, run->event_b, t);
     const double corner = lag_inputs_next(&run->inputs, t + lag_time_resolution(t));
-    run->segment_end = fmin(scheduled, corner);
+    run->segment_end = lag_delays_enter(run, fmin(scheduled, corner));
     run->segment_over = 0;
     const double inside = middle(t, run->segment_end, run->settings.t_stop);
     const double *in[] = {&inside, run->p};
@@ -96,7 +97,7 @@ LagStatus lag_segment_evaluate(LagRun *run)
         lag_stepper_choose(run, run->choice.trouble(run, LAG_TROUBLE_DISTURBED));
         run->choice.reset(run);
     }
-    const int is_bend = lag_switches_enter(run);
+    const int is_bend = lag_delays_look_for_bend(run, lag_switches_enter(run));
     if (run->sliding.jams)
         return lag_fail(run, LAG_NO_IMPULSE, -1, 0, lag_impacts_striking(run));
     if (run->sliding.count > run->methods.table->most_sliding)
@@ -136,11 +137,13 @@ LagStatus lag_segment_next(LagRun *run)
     const int jumping = lag_inputs_jump(&run->inputs, run->d_before, run->d, t, is_new, &jump);
     if (jumping >= 0)
         return lag_fail(run, LAG_INPUT_JUMPS, jumping, 0, jump);
+    lag_delays_await_kick(run);
     lag_kick(run, t, run->motion.y);
     lag_impacts_note_jump(run, t, run->motion.y);
     const LagStatus status = lag_impacts_strike(run);
     if (status != LAG_OK)
         return status;
+    lag_delays_look_for_kick(run);
     lag_project_present(run);
     lag_sampling_take(run, t, run->motion.y);
     lag_account_close(run);

@@ -6,6 +6,7 @@
 #include "numbers/extremes.h"
 #include "events/rest.h"
 #include "steps/branch.h"
+#include "steps/delays.h"
 #include "steps/segment.h"
 #include "steps/turns.h"
 
@@ -49,6 +50,8 @@ LagStatus lag_step(LagRun *run)
     if (!lag_turn(run))
         return lag_fail(run, LAG_NOT_FINITE, -1, 0, 0);
     lag_switches_resolve(run);
+    if (run->model->n_delays > 0)
+        lag_history_cut(&run->history, run->motion.t);
     if (run->segment_over) {
         const LagStatus status = lag_segment_next(run);
         if (status != LAG_OK)
@@ -63,6 +66,8 @@ LagStatus lag_step(LagRun *run)
     LagStatus status = run->methods.table->step(run);
     if (status == LAG_OK)
         status = lag_roots_watch(run);
+    if (status == LAG_OK && run->model->n_delays > 0)
+        status = lag_delays_note(run);
     if (status == LAG_OK && run->model->n_multipliers > 0)
         lag_branch_watch(run);
     if (status == LAG_OK) {

@@ -22,10 +22,3 @@ def test_errors_stand_where_people_wrote(text: str, code: str, said: str, scene:
     (first, *_) = found.value.diagnostics
     assert first.code == code and first.span is not None and str(first.span).partition("scene.lag:")[2].startswith("2:")
     assert said in str(found.value) and "--> library" not in str(found.value)
-
-
-def test_what_is_not_there_yet_is_not_taken_for_something_else(scene: Write) -> None:
-    with pytest.raises(lag.LagError, match=r"L0901.*not supported yet: delay") as found:
-        scene("model A Revolute h(a = world); Bar b(m = 1, L = 1, a = h.b);\n"
-              "  AppliedTorque t(on = h.b, torque = -delay(h.phi, 0.2)); end A;").simulate(at=[1.0])
-    assert "did you mean" not in str(found.value) and " FMU" in str(found.value)

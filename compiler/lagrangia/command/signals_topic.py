@@ -26,7 +26,21 @@ connect          connect(sensor.y, control.u) gives the one that has no value th
 States count in no energy; what their forces do to the mechanism is work. In M, C and K of lag linearize, in FMUs and the exports
 to python and casadi each is the rate of a coordinate z.integral of inertia 1, on which nothing depends; A and B have the state.
 Not supported yet: states in energies and in the places of frames (let them act as forces), arrays of them (an array of components
-does), natural modes and written equations of scenes that have them, delay(x, T).
+does), natural modes and written equations of scenes that have them.
+
+What acts late
+    AppliedTorque control(on = pole.b, torque = -k*delay(hinge.phi, 0.05));
+    Real x(start = 1);
+  equation
+    der(x) = -1[1/s]*delay(x, T, before = cos(time*1[rad/s]));
+
+delay(x, T) is x as it was T earlier: of positions, rates, states, held values, inputs and functions of time. T > 0 may be a
+parameter, and stays as it is during a run. Before the start it is x as it is there, or what `before` says, a function of time.
+What breaks (the start, events, corners, instants) breaks again T later, one derivative smoother each time: these are events, so
+that no step goes across them. No step is longer than the shortest delay. In the library: Delay(T = 0.1, u = ...).
+In all solvers of steps (erk, erk5, adams, implicit), sweeps, runs in steps (save and restore keep the past) and FMUs for
+Co-Simulation, whose saved states have it. Not supported yet: Model Exchange, whose importers keep no past; rest, modes, linearize
+and response, written equations and exports; delayed values in places and energies; the rate of one (delay the rate).
 
 Sampled values
     Real e(start = 0); Real i(start = 0); Force F(start = 0);

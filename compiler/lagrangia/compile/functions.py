@@ -18,6 +18,7 @@ from lagrangia.constraints.initial import InitialConditions, initial_function, s
 from lagrangia.constraints.parameters import all_parameters, at_start, parameters_of, scalars
 from lagrangia.constraints.rows import Constraints
 from lagrangia.dynamics.constrained_motion import ConstrainedMotion, RegularMotion
+from lagrangia.dynamics.delaying import Delaying, find_delaying
 from lagrangia.dynamics.hamilton import Hamilton
 from lagrangia.dynamics.impulses import find_kick
 from lagrangia.dynamics.jacobians import Jacobian, build_jacobian
@@ -28,6 +29,7 @@ from lagrangia.dynamics.sampling import Sampling, find_sampling
 from lagrangia.dynamics.switches import Switches, find_roots, find_switches, find_thresholds
 from lagrangia.frames.kinematics import Kinematics
 from lagrangia.language.consequences import speaks_of_contact_forces
+from lagrangia.language.delays import refuse_delays
 from lagrangia.language.observables import observe
 from lagrangia.language.samplers import refuse_held
 from lagrangia.needs.linear_cost import weigh_linear
@@ -69,40 +71,42 @@ def build_functions(
     power, energy = _power(motion, motion.source_power), ca.vertcat(motion.T, motion.V, motion.H)
     jacobian = build_jacobian(kinematics, motion, is_implicit)
     flow = [hamilton.velocity, hamilton.force] if hamilton else []
-    kick, switches, sampling = find_kick(kinematics, motion), find_switches(motion), find_sampling(kinematics)
+    sampling, delaying, kick = find_sampling(kinematics), find_delaying(kinematics), find_kick(kinematics, motion)
+    switches = find_switches(motion, delaying.values)
     found, hoisted = _hoisted({
         "rhs": switches.hold([motion.acceleration, power, multipliers]), "outputs": switches.hold([y]), "energies": [energy],
         **_constrained(motion, energy, switches), "flow": flow, "jacobian": switches.hold(jacobian.values), "kick": [kick.rates],
-        **_watched(motion, switches)}, motion.p)
+        "delayed": switches.hold([ca.densify(delaying.values)]), **_watched(motion, switches)}, motion.p)
     t, q, v, a, u, c = motion.t, motion.q, motion.v, motion.a, motion.u, hoisted.c
     d = kinematics.algebra.mode_symbols
-    given, mask, p = all_parameters(kinematics, motion.p.numel())
     state, labels = [t, q, v, u, d, c], ["t", "q", "v", "u", "d", "c"]
     full = [t, q, v, a, symbols, u, ca.vertcat(d, switches.symbols, motion.impacts.impulses, switches.rest_symbols), c]
     all_labels = [*labels[:3], "a", "lambda", *labels[3:]]
     table = _functions_of_steps(motion, jacobian, switches, found, d, c) | {
-        "parameters": ca.Function("parameters", [given, mask], [p], ["given", "mask"], ["p"]),
-        "hoist": ca.Function("hoist", [motion.p], [hoisted.values], ["p"], ["c"]),
-        "start": start_function(kinematics, initial),
+        **_functions_of_parameters(kinematics, motion, hoisted.values), "start": start_function(kinematics, initial),
         "outputs": ca.Function("outputs", full, found["outputs"], all_labels, ["y"]),
         "energies": ca.Function("energies", state, found["energies"], labels, ["energies"]),
     }
     table |= _functions_of_constraints(motion, found, d, c) | _flow_functions(motion, hamilton, found["flow"], c)
     table |= _mode_functions(motion, modes) | _kick_function(state, found["kick"], kick.before)
     table |= _start_functions(kinematics, motion, initial) | _sampling_functions(kinematics, motion, sampling)
+    table |= _delay_functions(motion, delaying, [*state[:4], full[-2], c], found["delayed"])
     needs = bool(y.numel()) and ca.depends_on(y, ca.vertcat(a, symbols))
     patterns, refused, pays = _add_linear(table, kinematics, motion)
-    patterns |= {"reset_places": _reset_places(kinematics, motion), **_patterns(jacobian, switches, modes)}
-    refused |= _refusals(bool(jacobian.values) or "jacobian_waits" in jacobian.sizes, bool(len(patterns.get("cones", ()))))
+    patterns |= {"reset_places": _reset_places(kinematics, motion), **_patterns(jacobian, switches, modes)} | delaying.patterns
+    refused |= _refusals(jacobian, bool(len(patterns.get("cones", ()))), bool(delaying.stated))
     return Functions(table, names, tuple(kind for _, kind in _events(modes)), power.numel(), needs, patterns, refused,
-                     {**jacobian.sizes, "n_lengths": switches.lengths}, pays, hoisted.settled, find_thresholds(motion, switches))
+                     {**jacobian.sizes, "n_lengths": switches.lengths, "breaks_rise": int(delaying.rises)}, pays, hoisted.settled,
+                     find_thresholds(motion, switches))
 
 
-def _refusals(has_jacobian: bool, has_cones: bool) -> dict[str, str]:
+def _refusals(jacobian: Jacobian, has_cones: bool, is_late: bool) -> dict[str, str]:
     """Solvers that cannot run a scene, and why."""
     implicit = "not supported yet: implicit steps of so many coordinates that all act on each other"
     pirk = "not supported yet: friction in the plane, whose slips stop within its long steps"
-    return ({} if has_jacobian else {"implicit": implicit}) | ({"pirk": pirk} if has_cones else {})
+    late = dict.fromkeys(("pirk", "erk9"), "not supported yet: something acts late, of which its steps tell too little")
+    has_jacobian = bool(jacobian.values) or "jacobian_waits" in jacobian.sizes
+    return ({} if has_jacobian else {"implicit": implicit}) | ({"pirk": pirk} if has_cones else {}) | (late if is_late else {})
 
 
 def build_island_functions(kinematics: Kinematics, motion: Motion) -> Functions:
@@ -117,17 +121,20 @@ def build_island_functions(kinematics: Kinematics, motion: Motion) -> Functions:
         **_watched(motion, switches)}, motion.p)
     d = kinematics.algebra.mode_symbols
     t, q, v, u, c = motion.t, motion.q, motion.v, motion.u, hoisted.c
-    given, mask, p = all_parameters(kinematics, motion.p.numel())
     state = [t, q, v, u, d, c]
-    table = _functions_of_steps(motion, jacobian, switches, found, d, c) | {
-        "parameters": ca.Function("parameters", [given, mask], [p], ["given", "mask"], ["p"]),
-        "hoist": ca.Function("hoist", [motion.p], [hoisted.values], ["p"], ["c"]),
-    } | _functions_of_constraints(motion, found, d, c) | _mode_functions(motion, modes)
+    table = _functions_of_steps(motion, jacobian, switches, found, d, c) | _functions_of_parameters(
+        kinematics, motion, hoisted.values) | _functions_of_constraints(motion, found, d, c) | _mode_functions(motion, modes)
     table |= _kick_function(state, found["kick"], kick.before)
     patterns, refused, pays = _add_linear(table, kinematics, motion)
     return Functions(table, (), tuple(kind for _, kind in _events(modes)), power.numel(), False,
                      patterns | _patterns(jacobian, switches, modes),
                      refused, {**jacobian.sizes, "n_lengths": switches.lengths}, pays, hoisted.settled)
+
+
+def _functions_of_parameters(kinematics: Kinematics, motion: Motion, hoisted: ca.SX) -> dict[str, ca.Function]:
+    given, mask, p = all_parameters(kinematics, motion.p.numel())
+    return {"parameters": ca.Function("parameters", [given, mask], [p], ["given", "mask"], ["p"]),
+            "hoist": ca.Function("hoist", [motion.p], [hoisted], ["p"], ["c"])}
 
 
 def _watched(motion: Motion, switches: Switches) -> dict[str, list[ca.SX]]:
@@ -217,6 +224,8 @@ def _add_linear(table: dict[str, ca.Function], kinematics: Kinematics,
     """The patterns of a linear scene, why the solver `linear` cannot run one that is none, and whether `auto` takes it."""
     if motion.impacts.places:
         return {}, {"linear": "rates are reset at events"}, None
+    if kinematics.graph.model.delays:
+        return {}, {"linear": f"something acts late ({kinematics.graph.model.delays[0].span})"}, None
     form = find_linear_form(kinematics, motion)
     if not isinstance(form, LinearForm):
         return {}, {"linear": form}, None
@@ -237,6 +246,7 @@ def people_functions(
     differentiated once more;  lambda (m,): the multipliers. At states off the constraints rhs and lambda keep d2 Phi/dt2 = 0.
     """
     refuse_held(kinematics.graph.model, "M, h and accelerations as functions")
+    refuse_delays(kinematics.graph.model, "M, h and accelerations as functions")
     _names, y = _outputs(kinematics, outputs)
     y = _solved(with_reactions(y, kinematics, motion, constraints), motion)
     expressions = {
@@ -253,6 +263,7 @@ def people_derivatives(kinematics: Kinematics, motion: Motion, given: Collection
     """jacobian_u: d(dv/dt)/du (n, n_u) and jacobian_p: d(dv/dt)/dp (n, n_p), as functions of t, q, v, u, p;
     parameters: p -> all values with which these and `people_functions` reckon, (n_p,)."""
     refuse_held(kinematics.graph.model, "derivatives of accelerations")
+    refuse_delays(kinematics.graph.model, "derivatives of accelerations")
     (a,), p = kinematics.algebra.by_inputs([motion.acceleration]), motion.p
     parameters = parameters_of(kinematics, p, given)
     slopes = {"jacobian_u": [ca.jacobian(a, motion.u)], "jacobian_p": [ca.jacobian(a, p) @ ca.jacobian(parameters, p)]}
@@ -427,6 +438,17 @@ def _sampling_functions(kinematics: Kinematics, motion: Motion, sampling: Sampli
     labels = ["t", "q", "v", "u", "d", "p", "fires"]
     return {"held_first": ca.Function("held_first", [motion.p], [ca.densify(sampling.first)], ["p"], ["held"]),
             "samples": ca.Function("samples", state, [ca.densify(sampling.values)], labels, ["held"])}
+
+
+def _delay_functions(motion: Motion, delaying: Delaying, state: list[ca.SX], values: list[ca.SX]) -> dict[str, ca.Function]:
+    """By how much, what is late as a function of `state`, and what that was before the start."""
+    if not delaying.stated:
+        return {}
+    table = {"lags": ca.Function("lags", [motion.p], [ca.densify(delaying.lags)], ["p"], ["lags"]),
+             "delayed": ca.Function("delayed", state, values, ["t", "q", "v", "u", "d", "c"], ["x"])}
+    if any(delaying.stated):
+        table["before"] = ca.Function("before", [motion.t, motion.p], [ca.densify(delaying.before)], ["t", "p"], ["x"])
+    return table
 
 
 def find_samplers(modes: list[Mode]) -> dict[str, tuple[int, ...]]:

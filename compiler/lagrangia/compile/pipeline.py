@@ -18,6 +18,7 @@ from lagrangia.base.records import dataclass
 from lagrangia.base.result_files import require_file
 from lagrangia.language.classes import build_class_table
 from lagrangia.language.component_library import drawn_library, library
+from lagrangia.language.delays import refuse_delays
 from lagrangia.language.dimensions import check_dimensions
 from lagrangia.language.flattening import flatten
 from lagrangia.language.given_values import Given, redeclared
@@ -199,6 +200,7 @@ def compile_energies(path: Path, model: str | None = None, structural: Mapping[s
                  "lag simulate, FMUs, --to python and --to casadi have them")
         _refuse_moving_inputs(flat)
         refuse_held(flat, "written equations")
+        refuse_delays(flat, "written equations")
         kinematics, constraints = _kinematics(flat, is_general=False)
         if not any(row.balanced for row in constraints.all_rows):  # which numbers that others could set may be the reason of
             kinematics, constraints = _kinematics(flat, is_general=True)

@@ -92,7 +92,7 @@ def _is_of_one_freedom(motion: Motion) -> bool:
 
 def divide(scene: Scene, kinematics: Kinematics, motion: Motion, initial: InitialConditions) -> Scene:
     """The scene with its islands, each as a scene of its own, where there are some."""
-    reason, groups = _whole(motion, bool(kinematics.graph.model.samplers))
+    reason, groups = _whole(motion, kinematics.graph.model)
     if reason:
         return replace(scene, refused={**scene.refused, "islands": reason})
     motions = [island_motion(kinematics, motion, groups, k) for k in range(len(groups))]
@@ -104,14 +104,16 @@ def divide(scene: Scene, kinematics: Kinematics, motion: Motion, initial: Initia
                    notes={**scene.notes, "form": form.why})
 
 
-def _whole(motion: Motion, is_sampled: bool) -> tuple[str, list[tuple[int, ...]]]:
+def _whole(motion: Motion, model: FlatModel) -> tuple[str, list[tuple[int, ...]]]:
     """Why a scene is not divided; its islands."""
     if motion.q.numel() > MOST_COORDINATES:
         return f"not supported yet: islands of more than {MOST_COORDINATES} coordinates", []
     if motion.impacts.places:
         return "not supported yet: islands of scenes with events that reset rates", []
-    if is_sampled:
+    if model.samplers:
         return "not supported yet: islands of scenes with values that are held between instants", []
+    if model.delays:
+        return "not supported yet: islands of scenes with delays", []
     groups = find_islands(motion)
     if len(groups) > MOST_ISLANDS:
         return f"not supported yet: more than {MOST_ISLANDS} islands", []
@@ -160,6 +162,8 @@ def _sizes(n: int, n_parameters: int, n_inputs: int, n_modes: int, functions: Fu
     }
     if "held" in functions.patterns:
         found |= {"n_held": len(functions.patterns["held"]), "n_samplers": len(functions.patterns["samplers"])}
+    if "stated" in functions.patterns:
+        found |= {"n_delays": len(functions.patterns["stated"]), "is_steady": 0}
     if "pieces" in functions.patterns:
         found["n_pieces"] = len(functions.patterns["pieces"]) // 4
     found["jacobian_cost"] = _jacobian_cost(tapes, found["n_colours"])
@@ -247,6 +251,7 @@ def _told(kinematics: Kinematics, initial: InitialConditions) -> dict[str, objec
     return {"warnings": told, "allowed": list(model.allowed), "contacts": contacts, "files": files, "kinetic": kinetic,
             **({"samplers": [str(sampler.span) for sampler in model.samplers],
                 "held": [held.name for sampler in model.samplers for held in sampler.held]} if model.samplers else {}),
+            **({"delays": [str(delay.span) for delay in model.delays]} if model.delays else {}),
             "signals": {state.coordinate: name for name, state in model.states.items()}}
 
 

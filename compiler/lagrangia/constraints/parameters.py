@@ -165,7 +165,7 @@ class _ParameterLeaves:
 
     def symbol(self, name: str, level: int) -> Value | None:
         variable = self.model.variables[name.removeprefix("pre(").removesuffix(")")]
-        if variable.kind in ("coordinate", "input", "held"):
+        if variable.kind in ("coordinate", "input", "held", "delayed"):
             self._refuse(f"the {variable.kind} '{name}'")
         return self.parameter(name, variable.span) if variable.kind == "parameter" else None
 

@@ -35,6 +35,8 @@ def energy_flow(kinematics: Kinematics, constraints: Constraints, energies: Ener
     if energies.loads:
         work = energies.loads[0].statement
         return f"{work.component or 'a force'} puts energy in ({work.span})"
+    if delays := kinematics.graph.model.delays:
+        return f"something acts late ({delays[0].span})"
     if motion.impacts.places:
         return f"rates are reset at events ({kinematics.graph.model.whens[0].span})"
     if supports:

@@ -129,7 +129,7 @@ def build_motion(kinematics: Kinematics, energies: Energies, constraints: Constr
         acceleration, way, counted = _solve(kinematics, energies, bodies, momentum, inertial, v, short)
         if short is not None and way == "collected":
             momentum, inertial = short.momentum, Later(short.whole)
-    p, u = (_stack(kinematics, kind) for kind in ("parameter", "input"))
+    p, u = _stack(kinematics, "parameter"), _stack(kinematics, "input", "delayed")
     inertia, index = short.inertia if short and way == "collected" else None, kinematics.algebra.index
     return Motion(q, v, a, t, u, p, T, V, D, H, momentum, inertial, acceleration, bodies, constrained, dissipated, source, way,
                   counted, inertia, impacts, (*index.lengths.values(),), frozenset(index.asked))
@@ -199,8 +199,10 @@ def generalised_force(energies: Energies, q: ca.SX) -> ca.SX:
     return ca.densify(ca.jtimes(positions, q, forces, True))
 
 
-def _stack(kinematics: Kinematics, kind: str) -> ca.SX:
-    names = [name for name, variable in kinematics.graph.model.variables.items() if variable.kind == kind]
+def _stack(kinematics: Kinematics, *kinds: str) -> ca.SX:
+    """Of one kind after the other."""
+    variables = kinematics.graph.model.variables
+    names = [name for kind in kinds for name, variable in variables.items() if variable.kind == kind]
     return ca.vertcat(*[x for name in names for x in scalars_of(kinematics.symbols.values[name])])
 
 

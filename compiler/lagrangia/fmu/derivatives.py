@@ -19,6 +19,7 @@ from lagrangia.compile.functions import state_space
 from lagrangia.compile.instructions import tape_of
 from lagrangia.compile.pipeline import Compilation
 from lagrangia.constraints.parameters import all_parameters
+from lagrangia.dynamics.delaying import find_delaying
 from lagrangia.dynamics.switches import find_switches
 from lagrangia.fmu.factors import DEPENDENT, factor_kinds
 from lagrangia.frames.kinematics import Kinematics
@@ -52,7 +53,9 @@ def build_derivatives(
     forward, adjoint = _both([t, q, v, u, along_d, given], [slope, y, rates], [t, q, v, u, ca.vertcat(d, rests), given])
     free = [k for k, is_free in enumerate(settable) if is_free]
     chosen = given[free] if free else ca.SX(0, 1)
-    rows = _kinds_with_shares(ca.vertcat(slope, y), rates, ca.vertcat(t, q, v, u), ca.vertcat(d, rests), given, shares)
+    n_inputs = u.numel() - len(compilation.flat.delays)  # delayed values come behind them, and nobody sets these
+    inputs, late = ca.vertsplit(u, [0, n_inputs, u.numel()])
+    rows = _kinds_with_shares(ca.vertcat(slope, y), rates, ca.vertcat(t, q, v, inputs), ca.vertcat(d, rests, late), given, shares)
     kinds = factor_kinds(values, [], chosen)
     parameter_rows = [{k: own.kind(k) for k in row} for row, own in zip(_rows(values, chosen), kinds, strict=True)]
     return Derivatives(tape_of(forward), tape_of(adjoint), rows, tuple(parameter_rows))
@@ -65,7 +68,7 @@ def _equations(compilation: Compilation, outputs: tuple[str, ...],
     kinematics, motion = compilation.struck, compilation.run
     symbols, (a, y, place, steer) = state_space(kinematics, motion, compilation.constraints, outputs)
     _t, q, v, *_ = symbols
-    switches = find_switches(motion)
+    switches = find_switches(motion, find_delaying(kinematics).values)
     a, y = switches.hold([a, y])
     shares = ca.vertcat(switches.symbols, motion.impacts.impulses) if switches.symbols.numel() else ca.SX(0, 1)
     still = ca.SX.zeros(switches.slopes.numel(), 1)

@@ -30,6 +30,7 @@ from lagrangia.fmu.variables import Exportable, FmuModel, build_fmu_model
 from lagrangia.fmu.xml import About
 from lagrangia.fmu.xml2 import write_fmi2
 from lagrangia.fmu.xml3 import write_build_description, write_fmi3
+from lagrangia.language.delays import refuse_delays
 from lagrangia.native.prebuilt import find_fmu
 from lagrangia.native.table_code import MOST_WRITTEN, are_long
 from lagrangia.run.engines import compile_seconds, saved_seconds
@@ -92,7 +93,7 @@ def export_fmus(
 ) -> list[Path]:
     """One archive for each version, from one description of the scene. Raises LagError."""
     versions = VERSIONS if fmi == "both" else read_choice(fmi, VERSIONS, "version of FMI")
-    kinds = read_choice(kind, KINDS, "kind of FMU")
+    kinds = _possible(model, read_choice(kind, KINDS, "kind of FMU"))
     chosen = read_platforms(platforms)
     (asked,) = read_choice(engine, ENGINES, "engine of an FMU")
     if asked == "tape" and chosen != (host_platform(),):
@@ -114,6 +115,14 @@ def export_fmus(
             opened.stream.write(content)
         written.append(here)
     return written
+
+
+def _possible(model: Exportable, kinds: tuple[str, ...]) -> tuple[str, ...]:
+    """The kinds that the scene can be. Raises LagError L0901."""
+    if model.compilation.flat.delays and kinds == ("me",):
+        refuse_delays(model.compilation.flat, "an FMU for Model Exchange", "an importer's integrator keeps no past of its steps; "
+                      "Co-Simulation does: --kind cs")
+    return ("cs",) if model.compilation.flat.delays else kinds
 
 
 def _checked_info(info: Mapping[str, str] | None) -> Mapping[str, str]:
@@ -196,7 +205,8 @@ def build_extras(model: Exportable, described: FmuModel) -> Extras:
     import casadi as ca
 
     files, equations = model_files(model), ""
-    if not model.compilation.flat.samplers:  # whose accelerations the state alone does not tell
+    flat = model.compilation.flat
+    if not (flat.samplers or flat.delays):  # whose accelerations the state alone does not tell
         functions = ca.StringSerializer()
         functions.pack(list(model.functions().values()))
         files = {"functions.casadi": functions.encode().encode()} | files

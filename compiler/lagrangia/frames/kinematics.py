@@ -316,10 +316,11 @@ def build_kinematics(graph: ComponentGraph, is_general: bool = True, massless: t
     positions, rates = symbols(names), {name: symbol(f"der({name})") for name in names}
     accelerations = {name: symbol(f"der(der({name}))") for name in names}
     time, tau = symbol("t"), symbol("tau")
-    variables = [v for v in graph.model.variables.values() if v.kind in ("parameter", "input")]
+    variables = [v for v in graph.model.variables.values() if v.kind in ("parameter", "input", "delayed")]
     values = {v.name: _shaped(v.name, v.shape, ()) for v in variables}
     inputs = [(v.name, x) for v in variables if v.kind == "input" for x in scalars_of(values[v.name])]
-    moving = ca.vertcat(*positions.values(), *rates.values(), *accelerations.values(), *(x for _, x in inputs))
+    late = (values[delay.name] for delay in graph.model.delays)
+    moving = ca.vertcat(*positions.values(), *rates.values(), *accelerations.values(), *(x for _, x in inputs), *late)
     numbers = compiled_numbers(graph.model, is_general, massless)
     compiled = {name: _compiled(values[name], known) for name, known in numbers.items()}
     algebra = CasadiAlgebra(time, moving)

@@ -119,6 +119,7 @@ def _of_positions(model: FlatModel) -> list[Stated]:
     stated += [((w.position,), "a position that a force works on", w.span) for w in model.works]
     stated += [(when.expressions(), "an event", when.span) for when in model.whens]
     stated += [(sampler.expressions(), "a value that is held", sampler.span) for sampler in model.samplers]
+    stated += [(delay.expressions(), "what is read late", delay.span) for delay in model.delays]
     stated += [((v.start,), "a start value", v.start.span) for v in model.variables.values() if v.start is not None]
     return stated
 

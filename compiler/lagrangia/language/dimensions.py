@@ -14,7 +14,7 @@ from lagrangia.base.records import dataclass
 from lagrangia.language.algorithms import FlatFunction
 from lagrangia.language.elements import length
 from lagrangia.language.figures import CHOICES, OPTIONS, WORDS
-from lagrangia.language.flat import Equation, Figure, FlatModel, Sampler, Variable, When, is_frame, places_of
+from lagrangia.language.flat import Delay, Equation, Figure, FlatModel, Sampler, Variable, When, is_frame, places_of
 from lagrangia.language.folding import fold
 from lagrangia.language.frame_attributes import ATTRIBUTES, dimension_of
 from lagrangia.language.lookups import lookup_of
@@ -78,6 +78,8 @@ def check_dimensions(model: FlatModel) -> FlatModel:
         checker.guard(checker.check_when, when)
     for sampler in model.samplers:
         checker.guard(checker.check_sampler, sampler)
+    for delay in model.delays:
+        checker.guard(checker.check_delay, delay)
     for energy in (energy for energy in model.energies if not energy.is_signal):
         wanted = _WATT if energy.kind == "dissipation" else _JOULE
         what = "a dissipation function" if energy.kind == "dissipation" else f"a {energy.kind} energy"
@@ -170,6 +172,12 @@ class _Checker:
             self.expect(node, _SECOND, what)
         for held in sampler.held:
             self.same(self.declared(self.model.variables[held.name]), self.quantity(held.value), held.span, "be equal")
+
+    def check_delay(self, delay: Delay) -> None:
+        """A time, and what was before in the unit of what is late."""
+        self.expect(delay.lag, _SECOND, "a delay")
+        if delay.before is not None:
+            self.same(self.quantity(delay.value), self.quantity(delay.before), delay.span, "be equal")
 
     def declared(self, variable: Variable) -> Quantity:
         return _in_unit(variable.unit) if variable.unit else ANY

@@ -11,7 +11,7 @@ from lagrangia.language.lookups import Lookup, ReadTable
 from lagrangia.language.names import FRAME_FUNCTIONS
 from lagrangia.language.tree import Array, Call, EnergyKind, Flat, FrameRef
 
-Kind = Literal["parameter", "input", "coordinate", "variable", "held"]
+Kind = Literal["parameter", "input", "coordinate", "variable", "held", "delayed"]
 
 
 @dataclass(frozen=True)
@@ -157,6 +157,21 @@ class Sampler:
 
 
 @dataclass(frozen=True)
+class Delay:
+    """The variable `name` is `value` as it was `lag` seconds earlier; before the start, `before`, or as it is there."""
+
+    name: str
+    value: Flat
+    lag: Flat
+    before: Flat | None
+    span: Span
+
+    def expressions(self) -> tuple[Flat, ...]:
+        """All that it reads."""
+        return (self.value, self.lag, *(() if self.before is None else (self.before,)))
+
+
+@dataclass(frozen=True)
 class Figure:
     """A statement of a drawing section: a word of figures.py with its arguments and options."""
 
@@ -205,6 +220,7 @@ class FlatModel:
     lookups: Mapping[Lookup, Span] = field(default_factory=dict)  # tables of files that are asked for
     tables: Mapping[Lookup, ReadTable] = field(default_factory=dict)  # as they were read
     samplers: tuple[Sampler, ...] = ()
+    delays: tuple[Delay, ...] = ()
     at_rest: Span | None = None  # where it says that it starts in equilibrium
     moving_inputs: Mapping[str, bool] = field(default_factory=dict)  # in places or energies; whether their rates matter
     allowed: tuple[str, ...] = ()  # codes of warnings that the model says are meant: annotation(allow = "L0224")

@@ -8,6 +8,7 @@ from lagrangia.base.diagnostics import Diagnostic, LagError, Report, Span, TooMu
 from lagrangia.language.algorithms import FlatFunction, flatten_function
 from lagrangia.language.classes import ClassTable
 from lagrangia.language.connections import Bindings, Connection, bound_to, connected
+from lagrangia.language.delays import check_delays, declare_delays, variable_of, with_delays
 from lagrangia.language.experiments import allowed_of, experiment_of
 from lagrangia.language.figures import WORDS
 from lagrangia.language.flat import (
@@ -108,6 +109,9 @@ class _Flattening:
         self.names.root = root
         self._add_world(root, instantiation)
         self._visit(root)
+        delays = declare_delays(self.names.delays, self.report)
+        self.report.raise_errors()
+        self.variables.update({delay.name: variable_of(delay) for delay in delays.values()})
         bound = self._bind_variables()
         self.report.raise_errors()
         model = FlatModel(
@@ -115,11 +119,13 @@ class _Flattening:
             tuple(self.energies), tuple(self.works), tuple(self.initial), tuple(self.whens), self.functions,
             self.structural,
             experiment_of(self.table, definition, self.names, Scope(root)), definition.name_span, (), tuple(self.figures),
-            self.states, self.names.lookups, {}, tuple(self.samplers), self.at_rest, {}, allowed_of(self.table, definition),
+            self.states, self.names.lookups, {}, tuple(self.samplers), (), self.at_rest, {}, allowed_of(self.table, definition),
             self.components,
         )
+        model = with_delays(model, delays)
         refuse_states_elsewhere(model, self.report)
         check_held(model, self.report)
+        check_delays(model, self.report)
         self.report.raise_errors()
         looks = (find_unread, find_idle, find_without_effect)
         warnings = tuple(d for look in looks for d in look(model, root, self.table).diagnostics)
@@ -457,7 +463,8 @@ class _Flattening:
     def _let_vary(self) -> None:
         """What may vary and is bound to what does so, is a variable."""
         bindings = {name: variable.binding for name, variable in self.variables.items()}
-        moving = {name for name, variable in self.variables.items() if variable.kind in ("coordinate", "input", "held")}
+        kinds = ("coordinate", "input", "held", "delayed")
+        moving = {name for name, variable in self.variables.items() if variable.kind in kinds}
         for name, variable in self.variables.items():
             if variable.may_vary and variable.binding is not None and any(
                     not isinstance(leaf, Ref) or leaf.name in moving for leaf in leaves([variable.binding], bindings)):

@@ -48,10 +48,6 @@ FUNCTIONS: Mapping[str, tuple[int, ...] | None] = {
 FRAME_FUNCTIONS = frozenset({"shift", "turn"})
 CONSTANTS = {"pi": math.pi}
 _ALIASES = {"arcsin": "asin", "arccos": "acos", "arctan": "atan", "ln": "log", "ceiling": "ceil", "pow": "^", "hypot": "norm"}
-_NOT_YET = {
-    "delay": "what acts late cannot be written yet: a lag comes near, FirstOrder late(T = 0.2, u = h.phi), or let it be an input "
-             "of an FMU",
-}
 _EACH_WHOLE = "write `each` before it if every element is to have the whole of it"
 _UNIT_BEHIND = "a unit stands behind a literal alone, as in 30[deg]; square brackets behind a name pick an element"
 _MOST_ITERATIONS = 100_000  # of one loop
@@ -83,6 +79,7 @@ class Names:
     root: Instance | None = None
     work: Work = field(default_factory=Work)
     lookups: dict[Lookup, Span] = field(default_factory=dict)  # tables of files, and where they are asked for first
+    delays: dict[str, Call[Flat]] = field(default_factory=dict)  # what acts late, by the names of what stands for it
     _structural: dict[str, Flat] = field(default_factory=dict)
     _pending: list[str] = field(default_factory=list)
     _dealt: dict[tuple[int, int], tuple[Bound, Flat]] = field(default_factory=dict)
@@ -234,15 +231,18 @@ class Names:
         if node.function in scope.instance.members and self.table.function(node.function, node.span) is None:
             fail("L0204", f"'{node.function}' is no function", node.span,
                  f"elements are picked with square brackets: {node.function}[1]")
-        return self._checked_call(Call(node.function, arguments, named, node.span))
+        call = Call(node.function, arguments, named, node.span)
+        if node.function == "delay" and self.table.function("delay", node.span) is None:
+            name = f"delay({len(self.delays) + 1})"
+            self.delays[name] = call
+            return Ref(name, (), node.span)
+        return self._checked_call(call)
 
     def _checked_call(self, node: Call[Flat]) -> Call[Flat]:
         if self.table.function(node.function, node.span) is not None:
             self.define_function(node.function, node.span)
             function = self.functions[node.function]
             return Call(node.function, function.arrange(node), (), node.span)
-        if node.function in _NOT_YET:
-            fail("L0901", f"not supported yet: {node.function}", node.span, _NOT_YET[node.function])
         if node.function not in FUNCTIONS:
             user = [name for name, c in {**self.table.library, **self.table.user}.items() if c.kind == "function"]
             hint = f"it is called '{_ALIASES[node.function]}' here" if node.function in _ALIASES else suggest(

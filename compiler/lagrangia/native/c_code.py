@@ -112,6 +112,8 @@ def may_hide(tape: Tape) -> bool:
 
 def motion_series(tapes: Mapping[str, Tape]) -> Series | str:
     """Taylor coefficients of the motion, or why there are none."""
+    if "delayed" in tapes:
+        return "not supported yet: something acts late"
     if len(tapes["rhs"].code) // 4 > _LONGEST_SERIES:
         return f"not supported yet beyond {_LONGEST_SERIES} operations"
     try:

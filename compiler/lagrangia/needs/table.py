@@ -245,9 +245,10 @@ def _time(parts: _Parts) -> Iterable[Need]:
     yield Need("explicit time", timed, "t stands in the accelerations" if timed else "t does not stand in the accelerations",
                _line(place_of_time(parts.kinematics)) if timed else "")
     modes = parts.kinematics.algebra.modes
-    conditions = _counted(parts.scene.sizes["n_events"], "condition")
-    yield Need("time events", bool(modes), f"{conditions} on time" if modes else "nothing switches",
-               _line(place_of_time(parts.kinematics, is_event=True)) if modes else "",
+    conditions, delays = _counted(parts.scene.sizes["n_events"], "condition"), parts.kinematics.graph.model.delays
+    told = [f"{conditions} on time"] * bool(modes) + ["what breaks at an event breaks again a delay later"] * bool(delays)
+    place = place_of_time(parts.kinematics, is_event=True) if modes else delays[0].span if delays else None
+    yield Need("time events", bool(told), ", ".join(told) or "nothing switches", _line(place) if told else "",
                saving="restarts, and the search for switching times")
     yield _state_events(parts)
     yield _islands(parts)

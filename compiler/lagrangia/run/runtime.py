@@ -46,6 +46,7 @@ class Status(IntEnum):
     INPUT_JUMPS = 18
     TURNED_OFF = 19
     BAD_INTERVAL = 20
+    BAD_DELAY = 21
 
 
 _STATUS = tuple(Status)

@@ -213,7 +213,7 @@ def explain(scene: Scene, failure: Failure, parameters: Sequence[float] = ()) ->
         return (f"the motion cannot be continued beyond t = {failure.time:.9g}{where}: two ways of moving meet there, in a "
                 "singular position (a dead point, a linkage folded flat), and rounding led from one to the other; try another "
                 "tolerance or solver, or a start beside it")
-    if failure.status in (Status.TABLE_ENDED, Status.INPUT_JUMPS, Status.BAD_INTERVAL):
+    if failure.status in (Status.TABLE_ENDED, Status.INPUT_JUMPS, Status.BAD_INTERVAL, Status.BAD_DELAY):
         return _of_given(scene, failure)
     if failure.status is Status.TOO_MANY_STEPS:
         return (f"the limit of steps is reached at t = {failure.time:.6g}{where}; raise --max-steps, or loosen the tolerance")
@@ -229,6 +229,12 @@ def _of_given(scene: Scene, failure: Failure) -> str:
         name = scene.inputs[failure.index].name
         return (f"the input '{name}' moves places, and jumps by {failure.value:.3g} at t = {failure.time:.9g}: what it moves "
                 f"would have no speed; give der({name}) and der(der({name})) with it, or all of it as a table before the run")
+    if failure.status is Status.BAD_DELAY:
+        place = scene.notes["delays"][failure.index]
+        if failure.rate:
+            return (f"the delay at {place} was to become {failure.value:g} s during the run; delays stay as they are until it "
+                    "starts anew")
+        return f"the delay at {place} must be positive, and is {failure.value:g} s"
     return (f"the interval of the sampled values at {scene.notes['samplers'][failure.index]} must be positive, and is "
             f"{failure.value:g} s")
 

@@ -20,6 +20,7 @@ from lagrangia.constraints.singular_positions import told
 from lagrangia.dynamics.equilibrium import Rest, find_all, find_rest, onto_constraints
 from lagrangia.frames.joints import all_reactions, reaction_ports
 from lagrangia.frames.planar import LENGTHS, SIZE
+from lagrangia.language.delays import refuse_delays
 from lagrangia.language.dimensions import unit_of
 from lagrangia.language.observables import observe
 from lagrangia.language.tree import Ref
@@ -57,6 +58,9 @@ class Study:
     """One scene with its numbers: parameters, start values, constant inputs, and the time at which it is looked at."""
 
     def __init__(self, compilation: "Compilation", values: Values, time: float | None) -> None:
+        refuse_delays(compilation.flat, "rest and small motion",
+                      "what is late changes what is stable, and has endlessly many modes: run it from a start beside rest "
+                      "(--initial), or put a lag in its place, FirstOrder")
         self.c, self.scene, self.values = compilation, compilation.scene, values
         self.time = self.scene.start if time is None else a_number("time", time)
         if not math.isfinite(self.time):

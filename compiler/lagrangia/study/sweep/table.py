@@ -266,7 +266,7 @@ def _in_general(scene: Scene, kind: int, status: int, index: int, rate: int) -> 
             Status.NO_PROGRESS: "there is no progress", Status.TABLE_ENDED: "a table ends",
             Status.INPUT_JUMPS: "an input that moves places jumps",
             Status.TURNED_OFF: "two ways of moving meet",
-            Status.BAD_INTERVAL: "an interval between instants is not positive"}
+            Status.BAD_INTERVAL: "an interval between instants is not positive", Status.BAD_DELAY: "a delay is not positive"}
     column = (scene.rates if rate else scene.coordinates)[index].name if 0 <= index < scene.n else ""
     where = f" ({column})" if column and status != Status.INITIAL_FAILED else ""
     return what.get(Status(status), Status(status).name.lower().replace("_", " ")) + where
