@@ -43,7 +43,7 @@ def test_numbers_with_units_leave_nothing_to_check(tmp_path: Path) -> None:
 
 def test_a_singular_mass_matrix_is_said(tmp_path: Path) -> None:
     text = ("model Scene\n  coordinate Length x, y; parameter Mass m = 1; parameter Stiffness k = 2;\n"
-            "  energy kinetic m*(der(x) + der(y))^2/2; potential k*x^2 + k*y^2;\nend Scene;\n")
+            "  energy kinetic m*(der(x) + (2 + sin(x/1[m]))*der(y))^2/2; potential k*x^2 + k*y^2;\nend Scene;\n")
     (tmp_path / "scene.lag").write_text(text, encoding="utf-8")
     assert "not positive" in told(tmp_path / "scene.lag")
 
