@@ -125,3 +125,48 @@ def test_threads_that_are_first_together_all_get_instances() -> None:
         for thread in threads:
             thread.join()
         assert found == [point(1, 2)] * 4
+
+
+def test_the_first_instances_and_later_ones_are_filled_alike() -> None:
+    """Before and after what fills them is written, and where arguments are wrong."""
+    @records.dataclass(frozen=True)
+    class Row:
+        a: int
+        b: int = 2
+        c: list[int] = dataclasses.field(default_factory=list)
+        e: list[int] = dataclasses.field(default_factory=list, init=False)
+
+    def of(*given: int, **named: Any) -> dict[str, Any]:
+        row = Row(*given, **named)
+        with pytest.raises(dataclasses.FrozenInstanceError):
+            row.a = 1  # type: ignore[misc]
+        return {**row.__dict__}
+
+    first = [of(1), of(1, 3), of(b=1, a=2), of(1, c=[4])]
+    assert first[0] == {"a": 1, "b": 2, "c": [], "e": []} and first[3]["c"] == [4]
+    filled = Row.__init__
+    assert Row(1).c is not Row(1).c and Row.__init__ is filled
+    for _ in range(records._FEW):
+        Row(1)
+    assert Row.__init__ is not filled
+    assert [of(1), of(1, 3), of(b=1, a=2), of(1, c=[4])] == first[:4]
+    for given, named in (((), {}), ((1, 2, [], 4), {}), ((1,), {"a": 1}), ((1,), {"d": 1}), ((1,), {"f": 1})):
+        @records.dataclass
+        class Again:
+            a: int
+            b: int = 2
+            c: int = 3
+            d: list[int] = dataclasses.field(default_factory=list, init=False)
+
+        with pytest.raises(TypeError):
+            Again(*given, **named)  # type: ignore[arg-type]
+
+
+def test_a_field_that_no_argument_fills_is_the_class_s_or_comes_after() -> None:
+    @records.dataclass
+    class Later:
+        a: int
+        d: int = dataclasses.field(default=7, init=False)
+        after: int = dataclasses.field(init=False)
+
+    assert Later(1).d == 7 and not hasattr(Later(1), "after")

@@ -1,8 +1,8 @@
-"""`dataclass` of the standard library, but that the methods of a class are written when one of them is first called.
+"""`dataclass` of the standard library, but that the methods of a class are written when it pays, or one of them is first called.
 
 Writing them takes 0.6 ms for each class, a third of what importing the compiler takes, and most classes have no instance in a
-process. Of those that have some, the standard library tells the fields; what puts them into a new instance is written here, in
-one text a class, and takes half the time of calls of object.__setattr__.
+process, or a few: these are filled field by field. Of classes with many the standard library tells the fields; what puts them
+into a new instance is written here, in one text a class, and takes half the time of calls of object.__setattr__.
 """
 
 import dataclasses
@@ -12,12 +12,13 @@ from functools import partial
 from reprlib import recursive_repr
 from threading import RLock
 from types import MemberDescriptorType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 __all__ = ["dataclass"]
 _DATA = ("__dataclass_fields__", "__match_args__")
 _WRITTEN = (*_DATA, "__dataclass_params__")
 _MADE = object()  # in place of a value that a factory makes
+_FEW = 60  # instances take as long, field by field, as it takes to write what fills them
 _lock = RLock()  # of threads that use a class for the first time together
 
 if TYPE_CHECKING:
@@ -45,6 +46,8 @@ class _Pending:
     def __init__(self, cls: type, written: type, frozen: bool) -> None:
         self.cls, self.written, self.frozen = cls, written, frozen
         self.names: list[str] = []
+        self.count = 0  # of instances that were filled field by field
+        self.few: _Fields | None = None  # their fields
 
     def stand_in(self, eq: bool) -> None:
         """Where the class does not define them itself."""
@@ -53,7 +56,7 @@ class _Pending:
             del defined["__hash__"]
         for name in ("__init__", *_DATA):
             if name not in defined:
-                setattr(self.cls, name, _Attribute(self, name) if name in _DATA else self.method(name, self.write))
+                setattr(self.cls, name, _Attribute(self, name) if name in _DATA else self.filler())
                 self.names.append(name)
         rest = {"__repr__": _repr, **({"__eq__": _eq} if eq else {}), **({"__hash__": _hash} if eq and self.frozen else {})}
         for name, write in rest.items():
@@ -70,6 +73,28 @@ class _Pending:
             return getattr(self.cls, name)(*arguments, **named)
 
         return call
+
+    def filler(self) -> Any:
+        """Fills the first instances, as what takes its place does."""
+
+        def __init__(instance: Any, *given: Any, **named: Any) -> None:
+            self.count += 1
+            if self.count == 1:
+                self.few = _plain_fields(self.cls, self.written)
+                if self.few is not None and self.frozen:
+                    _refuse_changes(self.cls, frozenset((*self.few.names, *self.few.factories)))
+            values = self.few.values(given, named) if self.few is not None and self.count <= _FEW else None
+            if values is None:  # many instances, or arguments that are wrong
+                self.write()
+                self.cls.__init__(instance, *given, **named)  # type: ignore[misc]
+                return
+            put = object.__setattr__ if self.frozen else setattr
+            for name, value in values.items():
+                put(instance, name, value)
+            if hasattr(instance, "__post_init__"):
+                instance.__post_init__()
+
+        return __init__
 
     def put(self, name: str, write: Callable[[type], Any]) -> None:
         """In the place of what stood in for it."""
@@ -91,7 +116,7 @@ class _Pending:
             if "__init__" in self.names:
                 self.cls.__init__ = _init(self.cls, self.frozen)  # type: ignore[misc]
             if self.frozen:
-                _refuse_changes(self.cls)
+                _refuse_changes(self.cls, frozenset(field.name for field in dataclasses.fields(self.cls)))
             self.names = []
 
 
@@ -129,9 +154,54 @@ def _init(cls: type, frozen: bool) -> Any:
     return made
 
 
-def _refuse_changes(cls: Any) -> None:
-    names = frozenset(field.name for field in dataclasses.fields(cls))
+class _Fields:
+    """Those of a class that inherits none."""
 
+    def __init__(self, written: type) -> None:
+        self.names: list[str] = []  # of arguments
+        self.defaults: dict[str, Any] = {}  # of these
+        self.factories: dict[str, Callable[[], Any]] = {}
+        for name in inspect.get_annotations(written):
+            default = written.__dict__.get(name, dataclasses.MISSING)
+            field = default if isinstance(default, dataclasses.Field) else None
+            if field is None or field.init:
+                self.names.append(name)
+            if field is not None:
+                default = field.default
+            if field is not None and field.default_factory is not dataclasses.MISSING:
+                self.factories[name] = field.default_factory
+            elif default is not dataclasses.MISSING:
+                self.defaults[name] = default
+        self.known = frozenset(self.names)
+
+    def values(self, given: tuple[Any, ...], named: dict[str, Any]) -> dict[str, Any] | None:
+        """Of an instance; None where arguments are missing, too many or unknown."""
+        values = dict(zip(self.names, given, strict=False))
+        if named:
+            values |= named
+        if len(values) < len(given) + len(named) or not values.keys() <= self.known:
+            return None
+        if len(values) < len(self.names):
+            values = self.defaults | values
+        for name, make in self.factories.items():
+            if name not in values:
+                values[name] = make()
+        return values if self.known <= values.keys() else None
+
+
+def _plain_fields(cls: type, written: type) -> _Fields | None:
+    """None for a class that inherits some, or has a variable of its own. `written` has the defaults."""
+    if any("__dataclass_fields__" in base.__dict__ for base in cls.__mro__[1:]):
+        return None
+    if any(isinstance(x, dataclasses.Field) and not x.init and x.default_factory is dataclasses.MISSING
+           for x in written.__dict__.values()):
+        return None  # it is the class's, or comes after
+    own = inspect.get_annotations(written).values()
+    is_usual = not any(getattr(x, "__origin__", x) is ClassVar or (isinstance(x, str) and "ClassVar" in x) for x in own)
+    return _Fields(written) if is_usual else None
+
+
+def _refuse_changes(cls: Any, names: frozenset[str]) -> None:
     def __setattr__(self: object, name: str, value: object) -> None:
         if type(self) is cls or name in names:
             raise dataclasses.FrozenInstanceError(f"cannot assign to field {name!r}")

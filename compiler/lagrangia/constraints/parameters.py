@@ -85,11 +85,12 @@ def _declared(variable: Variable) -> list[float | None]:
 
 def default_parameters(kinematics: Kinematics) -> tuple[ca.SX, ca.DM]:
     """The symbols of all parameters, and their values when none is given."""
-    p = parameter_symbols(kinematics)
-    if p.numel() == 0:
-        return p, ca.DM(0, 1)
-    given, mask, values = all_parameters(kinematics, p.numel())
-    return p, ca.evalf(ca.substitute(values, ca.vertcat(given, mask), ca.DM.zeros(2 * p.numel())))
+    if kinematics.declared is None:
+        p = parameter_symbols(kinematics)
+        given, mask, values = all_parameters(kinematics, p.numel())
+        zeros = ca.DM.zeros(2 * p.numel())
+        kinematics.declared = p, ca.evalf(ca.substitute(values, ca.vertcat(given, mask), zeros)) if p.numel() else ca.DM(0, 1)
+    return kinematics.declared
 
 
 def require_possible(kinematics: Kinematics) -> None:

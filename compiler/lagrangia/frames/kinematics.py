@@ -83,6 +83,7 @@ class Kinematics:
     reactions: dict[str, tuple[ca.SX, ...]] = field(default_factory=dict)  # symbols of those that outputs ask for
     forces: dict[str, ca.SX] = field(default_factory=dict)  # the same of equations: language/consequences.py
     evaluator: Evaluator = field(init=False)
+    declared: tuple[ca.SX, ca.DM] | None = None  # once somebody asked: constraints/parameters.py
     _poses: list[dict[str, Pose]] = field(default_factory=lambda: [{}, {}, {}])
     _still: "Kinematics | None" = None
     _amounts: dict[int, Value] = field(default_factory=dict)  # of steps that never change, by the ids of their expressions
