@@ -39,6 +39,7 @@ ROOMS = """
     fmu
     play
     editor
+    site
     model
     bench
     command

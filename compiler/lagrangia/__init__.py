@@ -7,7 +7,7 @@
 
 The rooms, in the order in which they may import each other (tests/test_structure.py holds it): base, native, run; from text to a
 scene: algebra, language, frames, constraints, dynamics, needs, compile; what is done with them: view, study, paper, draw, fmu,
-play; with texts: editor; `model` is the interface in Python, which bench and command use. Each room's __init__.py says what
+play; with texts: editor, site; `model` is the interface in Python, which bench and command use. Each room's __init__.py says what
 belongs there. The C of a run is in runtime/, in folders of the same kind, tests are in tests/<room>/, and what they share in
 tests/helpers/.
 

@@ -14,3 +14,10 @@ def add_format(parser: ArgumentParser) -> None:
 def add_server(parser: ArgumentParser) -> None:
     """Of `lag server`."""
     parser.add_argument("--stdio", action="store_true", help="over standard input and output, as always: editors like to say so")
+
+
+def add_doc(parser: ArgumentParser) -> None:
+    """Of `lag doc`."""
+    add = parser.add_argument
+    add("files", nargs="*", metavar="FILE", help="your own, beside the library")
+    add("-o", "--output", default="site", metavar="FOLDER", help="where to: site by default")

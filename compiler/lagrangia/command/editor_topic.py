@@ -14,6 +14,10 @@ a class:
 L0801 nothing uses it   L0802 it hides something   L0803 a quantity in a formula without a name   L0804 a name against the custom
 L0805 Real(unit = ...) where a type says the same   L0806 not laid out as lag format does it
 
+lag doc [FILE ...] [-o FOLDER]
+Pages of the library and of your files: text, a picture of each component (alone, its ports held or moved by what is not drawn),
+parameters with units and defaults, ports, energies and equations as they are written, who uses it, source. Opens from files.
+
 lag server
 The language server, over standard input and output: pip install 'lagrangia[editor]'. Errors of syntax, names and units come while
 you type, those of all other phases when the text is saved. Neovim:
