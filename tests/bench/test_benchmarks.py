@@ -31,6 +31,7 @@ COMMANDS = [
     ["many_runs.py", "--runs", "50", "--repeats", "1"],
     ["stepping.py", "--steps", "200", "--repeats", "1"],
     ["rollouts.py", "--runs", "20", "--repeats", "1"],
+    ["ensemble.py", "--runs", "20", "--repeats", "1"],
     pytest.param(["fmu_steps.py", "--repeats", "2"], marks=pytest.mark.slow, id="fmu_steps.py --repeats"),
     pytest.param(["suite.py", "--scenes", "pendulum,four-bar", "--solvers", "erk,casadi:erk,heyoka,mujoco,exudyn,rumoca", *TINY],
                  marks=pytest.mark.slow, id="suite.py --scenes"),
