@@ -3,8 +3,8 @@
     python tests/benchmarks/ensemble.py [--runs N] [--repeats N]
 
 Our sweep as it is, in lanes, the same with one run after another, and heyoka's taylor_adaptive_batch (8 lanes, its loop over
-batches in Python) where it is installed. The error is the median over the runs of that of elbow.phi at the end, against series at a
-tolerance of 1e-14. Processor time of this process: the shortest of the repeats, in which all ways take turns.
+batches in Python) where it is installed. The error is the median over the runs of that of elbow.phi at the end, against series
+at a tolerance of 1e-14. Processor time of this process: the shortest of the repeats, in which all ways take turns.
 """
 
 import argparse

@@ -80,6 +80,7 @@ def _letters(i: Instruction, numbers: Mapping[int, str]) -> dict[str, str]:
 def _first(series: Series, numbers: Mapping[int, str], expression: Callable[[int, str, str], str]) -> list[str]:
     """Statements of order 0. What is asked for number by number passes through memory."""
     known = series.known
+    angles: set[str] = set()
     lines = [_LOOP, *(f"        const LagWide x{slot} = lag_wide_read(LINE({slot}));" for slot in range(known))]
     lines += [f"        (void)x{slot};" for slot in range(known)]
     for i in series.instructions:
@@ -87,7 +88,7 @@ def _first(series: Series, numbers: Mapping[int, str], expression: Callable[[int
         if i.op in _FIRST:
             lines += [f"        const LagWide {name} = {_FIRST[i.op].format(**shown)};"]
         else:
-            lines += _indented(_alone(i, shown, name, expression), 8)
+            lines += _indented(_alone(i, shown, name, angles, expression), 8)
         if i.out in series.kept:
             lines += [f"        lag_wide_write(LINE({series.kept[i.out]}), {name});"]
         else:
@@ -95,11 +96,17 @@ def _first(series: Series, numbers: Mapping[int, str], expression: Callable[[int
     return [*lines, "    }"]
 
 
-def _alone(i: Instruction, shown: Mapping[str, str], name: str, expression: Callable[[int, str, str], str]) -> list[str]:
+def _alone(i: Instruction, shown: Mapping[str, str], name: str, angles: set[str], expression: Callable[[int, str, str], str]
+           ) -> list[str]:
+    """Functions of numbers; those of `angles` have their sines and cosines."""
     function = Op(i.operands[3]) if i.op in (JetOp.INTEGRAL, JetOp.MINUS_INTEGRAL) else Op.SIN if i.op is JetOp.SINE else Op.COS
     angle = shown["xa"]
     if i.op in (JetOp.INTEGRAL, JetOp.MINUS_INTEGRAL, JetOp.SINE, JetOp.COSINE) and function in (Op.SIN, Op.COS):
-        return [f"const LagWide {name} = lag_wide_{'sine' if function is Op.SIN else 'cosine'}({angle});"]
+        both = f"sine_{angle}", f"cosine_{angle}"
+        call = [f"LagWide {', '.join(both)};", f"lag_wide_circular(&{angle}, {', '.join(f'&{x}' for x in both)});"]
+        lines = [*([] if angle in angles else call), f"const LagWide {name} = {both[function is Op.COS]};"]
+        angles.add(angle)
+        return lines
     second = shown.get("b", shown.get("xb", "zero"))
     texts = {JetOp.SQRT: "sqrt(x[i])", JetOp.POWER: "pow(x[i], y[i])", JetOp.ANGLE: "atan2(x[i], y[i])"}
     text = texts.get(i.op) or expression(function, "x[i]", "y[i]")
@@ -134,8 +141,9 @@ def _later(series: Series, numbers: Mapping[int, str]) -> list[str]:
 
 def _sums(pairs: Sequence[tuple[int, int]]) -> list[str]:
     lines: list[str] = []
-    for first in range(0, len(pairs), _AT_ONCE):
-        group = range(first, min(first + _AT_ONCE, len(pairs)))
+    most = -(-len(pairs) // -(-len(pairs) // _AT_ONCE)) if pairs else 1  # loops of few sums wait for each addition
+    for first in range(0, len(pairs), most):
+        group = range(first, min(first + most, len(pairs)))
         terms = [f"s{m} += LAG_WIDE_TERM(JET({pairs[m][0]}), {{a}}) * LAG_WIDE_TERM(JET({pairs[m][1]}), {{b}});" for m in group]
         lines += [f"LagWide {', '.join(f's{m} = zero' for m in group)};"]
         for condition, a, b in _TERMS:
