@@ -13,7 +13,8 @@ all solvers, FMUs of both kinds, sweeps, lag equilibrium, linearize and response
 The equation is solved for der(z), and may read positions, rates, time, inputs and other states.
 
 In the library   FirstOrder, SecondOrder, Integrator, Limiter, RateLimiter, Sensor; PI and PID with limits, whose integral does
-                 not wind up; DCMotor between two frames; chirp(time, f0, f1, duration)
+                 not wind up; DCMotor between two frames; chirp(time, f0, f1, duration); Hysteresis(low = 19, high = 21, off = 1,
+                 on = 0, u = x), a relay with two thresholds, which switches by events at their exact times
 connect          connect(sensor.y, control.u) gives the one that has no value the value of the other; control(u = sensor.y) too
 
     Sensor sensor(T = 0.002, u = axle.phi);
