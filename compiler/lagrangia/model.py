@@ -149,18 +149,25 @@ class Model(Analysed, Swept):
     def simulate(self, *, stop: float | None = None, start: float | None = None, tolerance: float | None = None,
                  interval: float | None = None, at: Sequence[float] | None = None, parameters: Given = None,
                  initial: Given = None, inputs: Any = None, solver: str = "auto", max_step: float = 0.0,
-                 max_steps: int = 0, controllers: "Mapping[str, Controller] | None" = None, every: float = 0.0) -> Trajectory:
+                 max_steps: int = 0, controllers: "Mapping[str, Controller] | None" = None, every: float = 0.0,
+                 from_: "str | Mapping[str, float] | None" = None) -> Trajectory:
         """Integrate from `start` to `stop` (s); rows every `interval`, or at the times `at`.
 
         `tolerance` is relative to the size of each coordinate and rate. `parameters` and `initial` map names to values in SI
         units; `inputs` maps names to constants, or is a pair (times, {name: values}) of tables that are linear in between.
         `solver` is "auto", a name from solvers.WAYS, or an integrator of CasADi as "casadi:cvodes". `controllers` maps inputs to
         functions f(t, run) -> value, asked `every` so many seconds, where rows are then; run["x"] is the present (SteppedRun).
+        `from_`: "equilibrium" begins at rest, {"hinge.w": 12} in steady motion with these rates, reached from `initial`.
         Raises LagError for wrong input, RunError (with what was computed in `.trajectory`) when the run cannot go on, Interrupted
         (with it in `.result`) after Ctrl-C. Without a C compiler an EngineWarning says that CasADi runs in place of "auto";
         InputWarnings name inputs without values and tables of inputs that end before the run.
         """
         request = Request(start, stop, tolerance, interval, at, solver, max_step, max_steps, parameters, initial, inputs)
+        if from_ is not None:
+            from lagrangia.study.steady_start import begun
+
+            found = begun(self, from_, parameters, initial, inputs, plan(self.scene, request).start)
+            request = replace(request, initial=found.values)
         if controllers is not None or every:
             from lagrangia.study.controlled import simulate_controlled
 

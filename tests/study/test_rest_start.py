@@ -42,7 +42,7 @@ def test_what_begins_at_rest_stays(name: str, tmp_path: Path, capsys: pytest.Cap
 
 
 @pytest.mark.parametrize(("given", "code", "what"), [
-    ("--from steady", 2, "not supported yet: a start in steady motion"), ("--from equilibrum", 2, "did you mean 'equilibrium'?"),
+    ("--from steady", 2, "rates of coordinates, and none is given"), ("--from equilibrum", 2, "did you mean 'equilibrium'?"),
     ("--from equilibrium -p k=0", 1, "no position of rest was found"),
 ])
 def test_what_cannot_be(given: str, code: int, what: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

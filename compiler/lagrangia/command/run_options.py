@@ -18,7 +18,8 @@ def add_simulate(parser: ArgumentParser) -> None:
     add("--at", metavar="T,T,...", help="the times of the rows, instead of an interval")
     add("-p", "--parameter", action="append", default=[], metavar="NAME=VALUE", help="a parameter: -p L=2 -p 'k=1[kN/m]' -p n=20")
     add_values(parser)
-    add("--from", dest="start_from", metavar="equilibrium", help="start at rest, at the position reached from the start values")
+    add("--from", dest="start_from", metavar="equilibrium",
+        help='start at rest, at the position reached from the start values; or in steady motion: "steady hinge.w=12"')
     add("--outputs", metavar="NAME,NAME,...", help="quantities to report besides coordinates, rates and outputs")
     add("--reactions", action="store_true", help="report the force and torque of every joint and tie")
     add("-o", "--output", metavar="FILE",

@@ -98,9 +98,13 @@ def _from_rest(options: Namespace, model: Model, request: Request, time: float) 
     """The same, begun at rest where that is asked for."""
     if options.start_from is None:
         return request
-    from lagrangia.study.rest_start import start_at_rest
+    from lagrangia.study.steady_start import begun
 
-    found = start_at_rest(model, options.start_from, request.parameters, request.initial, request.inputs, time)
+    name, *rates = options.start_from.split()
+    given = values_with_units(assignments(rates, "--from steady"), model.scene.start_units)
+    if given and name != "steady":
+        fail("L0706", "rates belong to steady motion", None, f'write: --from "steady {rates[0]}"')
+    found = begun(model, given or name, request.parameters, request.initial, request.inputs, time)
     if not options.quiet:
         print(found.told, file=sys.stderr)
     return replace(request, initial=found.values)

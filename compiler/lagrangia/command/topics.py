@@ -397,7 +397,7 @@ table): momentum stays as it is there, which an FMU knows.
 
 _ANALYSIS = """\
 lag equilibrium FILE    positions of rest: the one reached from the start, and others from --starts N places; stability, reactions
-                        lag simulate FILE --from equilibrium begins a run at the first of them
+          lag simulate FILE --from equilibrium begins at the first, --from "steady hinge.w=12" where all else stands still
 lag linearize FILE      M x'' + C x' + K x = F u and z' = A z + B w, y = C z + D w; -o FILE.json, FILE.mat, FILE.npz
 lag modes FILE          natural frequencies, damping ratios, mode shapes; --mass-normalised, --plot FILE, -o FILE.json;
                         --animate FILE.html (.svg, .gif, .mp4) plays --mode N (1), larger than life and with loops closed

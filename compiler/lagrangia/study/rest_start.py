@@ -8,7 +8,7 @@ from lagrangia.base.records import dataclass
 from lagrangia.run.scene import Scene
 from lagrangia.study.equilibria import Equilibria
 
-STARTS = ("equilibrium",)
+STARTS = ("equilibrium", "steady")
 
 
 class Resting(Protocol):
@@ -31,9 +31,6 @@ class RestStart:
 def start_at_rest(model: Resting, name: str, parameters: Any, guesses: Any, inputs: Any, time: float) -> RestStart:
     """Where nothing moves under the loads of that time, s: the position reached from the guesses. Raises LagError L0706, L0901,
     RunError where there is none."""
-    if name == "steady":
-        fail("L0901", "not supported yet: a start in steady motion", None, "start rates in the model, or with --initial, and let "
-             "it run until it is steady; --from equilibrium starts at rest")
     if name not in STARTS:
         fail("L0706", f"a run cannot start from '{name}'", None, *filter(None, [suggest(name, STARTS)]))
     found = model.equilibrium(parameters=parameters, initial=guesses, inputs=inputs, time=time, starts=1)

@@ -1,0 +1,71 @@
+"""Runs that begin in steady motion stay in it."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import lagrangia as lag
+from lagrangia.command.cli import main
+
+GOVERNOR = """model Governor "A ball on a turning arm, held by a spring, and the lag of what measures it"
+  parameter Mass m = 0.5; parameter Stiffness k = 200; parameter Length l = 0.2;
+  World world(gravity = {0, 0});
+  Revolute hinge(a = world); Disc hub(m = 1, r = 0.1, center = hinge.b);
+  Prismatic arm(a = hinge.b, along = {1, 0}, s(start = 0.25)); PointMass ball(m = m, center = arm.b);
+  Spring s(k = k, stretch = arm.s - l);
+  FirstOrder seen(T = 0.1, u = arm.s/1[m]);
+  annotation(experiment(StopTime = 1, Tolerance = 1e-11));
+end Governor;"""
+FLYBALLS = """model Watt "Flyballs: m l^2 w^2 sin cos = (m + M) g l sin at constant spin, as a ring of inertia of its own"
+  parameter Mass m = 0.5, M = 2; parameter Length l = 0.3; parameter Inertia J = 0.1; parameter Acceleration g = 9.81;
+  coordinate Angle spin; coordinate Angle theta(start = 40[deg]);
+  energy
+    kinetic J*der(spin)^2/2 + m*(l^2*der(theta)^2 + (der(spin)*l*sin(theta))^2);
+    kinetic M*(2*l*sin(theta)*der(theta))^2/2;
+    potential -2*(m + M)*g*l*cos(theta);
+  annotation(experiment(StopTime = 1, Tolerance = 1e-11));
+end Watt;"""
+
+
+def test_a_ball_stays_where_its_spring_holds_it() -> None:
+    """k (s - l) = m w^2 s."""
+    run = lag.loads(GOVERNOR).simulate(at=np.linspace(0, 1, 11), from_={"hinge.w": 8.0})
+    s = 200 * 0.2 / (200 - 0.5 * 64)
+    assert np.abs(np.array(run["arm.s"]) - s).max() < 1e-11 and np.abs(np.array(run["seen.y"]) - s).max() < 1e-11
+    assert np.abs(np.array(run["hinge.w"]) - 8).max() < 1e-11
+
+
+def test_flyballs_rise_with_the_speed() -> None:
+    """cos(theta) = (m + M) g/(m l w^2)."""
+    model = lag.loads(FLYBALLS)
+    for w in (20.0, 30.0):
+        run = model.simulate(at=[0.0, 1.0], from_="steady", initial={"der(spin)": w})
+        assert np.abs(np.array(run["theta"]) - np.arccos(2.5 * 9.81 / (0.5 * 0.3 * w**2))).max() < 1e-10
+
+
+def test_the_command_line_says_where_it_begins(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "scene.lag").write_text(GOVERNOR)
+    command = ["simulate", str(tmp_path / "scene.lag"), "-o", str(tmp_path / "rows.csv"), "--from"]
+    assert main([*command, "steady hinge.w=8"]) == 0
+    assert "starts in steady motion: der(hinge.phi) = 8, arm.s = 0.238095" in capsys.readouterr().err
+    assert main([*command, "steady hinge.x=8"]) == 2
+    assert main([*command, "equilibrium hinge.w=8"]) == 2
+
+
+@pytest.mark.parametrize(("text", "rates", "said"), [
+    ("AppliedTorque t(on = hub.center, torque = 1);", {"hinge.w": 8.0}, r"hinge.phi is accelerated \(.*has to drive it"),
+    ("AxialSpring more(a = world, b = ball.center, k = 5, along = {1, 0});", {"hinge.w": 8.0}, "depend on the positions"),
+    ("AppliedForce f(at = ball.center, force = {1[N]*sin(9*time), 0});", {"hinge.w": 8.0}, "is accelerated|depend on"),
+    ("", {"arm.v": 1.0}, "arm.s is accelerated"),
+])
+def test_what_is_no_steady_motion_is_told(text: str, rates: dict[str, float], said: str) -> None:
+    with pytest.raises(lag.RunError, match=f"no such steady motion.*({said})"):
+        lag.loads(GOVERNOR.replace("  annotation", f"  {text}\n  annotation")).simulate(at=[1.0], from_=rates)
+
+
+def test_closed_loops_are_refused() -> None:
+    loop = """model L Revolute O(a = world, phi(start = 1)), A; Bar one(m = 1, L = 1, a = O.b), two(m = 1, L = 1, a = A.b);
+  Prismatic p(a = world, along = {1, 0}); equation connect(one.b, A.a); connect(two.b, p.b); end L;"""
+    with pytest.raises(lag.LagError, match=r"L0901.*steady motion of a scene with closed loops"):
+        lag.loads(loop).simulate(at=[1.0], from_={"O.w": 1.0})
