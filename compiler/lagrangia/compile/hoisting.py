@@ -7,6 +7,7 @@ parameters change sign and factor, and cost nothing until a sum needs the value.
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import field
+from functools import cached_property
 from itertools import pairwise
 
 import casadi as ca
@@ -35,13 +36,13 @@ class Hoisted:
 def hoist(groups: Sequence[Sequence[ca.SX]], p: ca.SX) -> Hoisted:
     """A group holds the results of one function: what several results share is computed once, and is then not taken apart for the
     sake of one of them."""
-    constants = _Constants({s.__hash__() for s in ca.symvar(p)} if p.numel() else set())
+    constants = _Constants(p)
     found: list[ca.SX] = []
     is_large = False
     for group in groups:
         dense = [ca.densify(expression) for expression in group]
         column = ca.vertcat(ca.SX(0, 1), *dense)
-        is_too_large = ca.n_nodes(column) > _MOST_OPERATIONS
+        is_too_large = column.numel() > _MOST_OPERATIONS or ca.n_nodes(column) > _MOST_OPERATIONS
         found += dense if is_too_large else _gathered(dense, column, constants)
         is_large |= is_too_large
     found, c, values = _merged(found, constants) if constants.values else (found, ca.SX(0, 1), ca.SX(0, 1))
@@ -65,10 +66,15 @@ def _merged(expressions: list[ca.SX], constants: "_Constants") -> tuple[list[ca.
 class _Constants:
     """What is hoisted, each with its symbol."""
 
-    parameters: set[int]
+    p: ca.SX
     symbols: list[ca.SX] = field(default_factory=list)
     values: list[ca.SX] = field(default_factory=list)
     known: dict[int, Expression] = field(default_factory=dict)
+
+    @cached_property
+    def parameters(self) -> frozenset[int]:
+        """Hashes of their symbols."""
+        return symbols_in(self.p)
 
     def named(self, value: Expression) -> Expression:
         """The symbol of a value; a number stays one."""

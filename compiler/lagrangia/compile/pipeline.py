@@ -104,7 +104,7 @@ def _compile(syntax: "Syntax", flat: "FlatModel", outputs: tuple[str, ...], form
         made_of = constraints, formulas.for_any_mass, find_partition(kinematics, constraints, initial)
         motion = build_motion(kinematics, energies, *made_of)
         hit, run = _with_impacts(kinematics, energies, motion, made_of)
-        initial = with_motion(initial, kinematics, motion.momentum, motion.acceleration)
+        initial = with_motion(initial, kinematics, motion.momentum if motion.constrained else None, motion.acceleration)
     with _timed(took, "functions"):
         flow, stuck, hamilton = _flow(kinematics, constraints, energies, run, waits(run))
         functions = build_functions(hit, run, constraints, initial, hamilton, _reported(kinematics.graph, outputs))

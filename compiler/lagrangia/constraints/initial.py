@@ -71,12 +71,16 @@ def build_initial(kinematics: Kinematics, constraints: Constraints) -> InitialCo
     return _Starts(kinematics).build(constraints)
 
 
-def with_motion(initial: InitialConditions, kinematics: Kinematics, momentum: ca.SX, acceleration: ca.SX) -> InitialConditions:
-    """With what is known of the motion: which rates move no mass, and what accelerations are.
+def with_motion(initial: InitialConditions, kinematics: Kinematics, momentum: ca.SX | None, acceleration: ca.SX
+                ) -> InitialConditions:
+    """With what is known of the motion: which rates move no mass, and what accelerations are. `momentum`: None where all rates
+    move some.
 
     Raises LagError L0603 for equations of accelerations that contacts decide.
     """
-    return _settle(_loosen(initial, momentum, ca.vertcat(*kinematics.symbols.rates.values())), kinematics, acceleration)
+    if momentum is not None:
+        initial = _loosen(initial, momentum, ca.vertcat(*kinematics.symbols.rates.values()))
+    return _settle(initial, kinematics, acceleration)
 
 
 def _loosen(initial: InitialConditions, momentum: ca.SX, v: ca.SX) -> InitialConditions:
@@ -150,7 +154,6 @@ class _PrescribedStart:
 
 
 def _prescribed_starts(kinematics: Kinematics) -> Iterator[_PrescribedStart]:
-    p, defaults = default_parameters(kinematics)
     for coordinate in kinematics.graph.dependent_coordinates:
         if kinematics.dependents[coordinate.name].terms:
             continue
@@ -159,6 +162,7 @@ def _prescribed_starts(kinematics: Kinematics) -> Iterator[_PrescribedStart]:
                 (coordinate.name, coordinate.start, coordinate.is_fixed, value_of(here)),
                 (coordinate.rate_name, coordinate.rate_start, coordinate.is_rate_fixed, rate_of_dual(here))):
             if start is not None:
+                p, defaults = default_parameters(kinematics)
                 both = kinematics.at_start([ca.SX(value), as_expression(kinematics.evaluator.value(start))])
                 numbers = ca.substitute(with_declared_inputs(kinematics, both), [p], [ca.SX(defaults)])
                 begins, stated = (float(ca.evalf(x)) for x in numbers)

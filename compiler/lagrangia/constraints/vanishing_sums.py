@@ -23,6 +23,8 @@ _MOST_PARTS = 64
 
 def split_vanishing_sums(kinematics: Kinematics, constraints: Constraints) -> Constraints | None:
     """The constraints with the parts of such sums in their places; None where there are none with the parameters as declared."""
+    if not constraints.rows:
+        return None
     sums, rows, found = _Sums(kinematics), list[Row](), list[Row]()
     for row in constraints.rows:
         parts = sums.parts_of(ca.SX(row.value(kinematics, 0))) if row.is_holonomic else None

@@ -87,17 +87,16 @@ def _sign_of(x: ca.SX, numbering: Numbering) -> Pair:
 
 def find_switches(motion: Motion, late: ca.SX | None = None) -> Switches:
     """Those of the conditions in the forces, and in what acts `late`, that the state decides, or time in a way that is not known
-    beforehand; behind them
-    those of events, the gaps of those that are contacts (or rates that go one way), and the rates of these, which are kept at 0
-    where something rests."""
+    beforehand; behind them those of events, the gaps of those that are contacts (or rates that go one way), and the rates of
+    these, which are kept at 0 where something rests."""
     numbering, events = Numbering(), motion.impacts.conditions
-    forces = [motion.h] if late is None or not late.numel() else [motion.h, late]
-    may_have = not motion.operations.union(*map(operations_in, forces[1:])).isdisjoint(_BENT | {ca.OP_SQRT})
+    others = [late] if late is not None and late.numel() else []
+    may_have = not motion.operations.union(*map(operations_in, others)).isdisjoint(_BENT | {ca.OP_SQRT})
     if not may_have and not events.numel():
         return Switches()
     signs = {_sign_of(x, numbering) for x in motion.lengths}
     movers = ca.vertcat(motion.t, motion.q, motion.v, motion.u)
-    found, rests, cones = conditions_in(forces, movers, motion.v, numbering)
+    found, rests, cones = conditions_in([motion.h, *others], movers, motion.v, numbering)
     if not found and not events.numel():
         return Switches()
     found = {pair: found[pair] for pair in sorted(found, key=lambda pair: pair not in signs)}
