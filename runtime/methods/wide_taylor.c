@@ -16,7 +16,7 @@ enum { MOST_SLOTS = 1200 }; /* that stay near the processor */
 int lag_wide_taylor_serves(const LagModel *model)
 {
     const int happens = model->n_events + model->n_modes + model->n_switches + model->n_resets + model->n_cones;
-    const int is_held = model->n_samplers + model->n_lookups + model->n_pieces + model->n_inputs;
+    const int is_held = model->n_samplers + model->n_lookups + model->n_pieces + model->n_inputs + model->n_delays;
     return happens + is_held + model->n_multipliers + model->n_islands == 0 && model->jet_code && model->jet_pitch == 1
         && !model->is_long_state && !model->series_may_hide && model->n_jet_slots <= MOST_SLOTS;
 }
