@@ -1,4 +1,4 @@
-"""Options of what people do with their texts: format, server."""
+"""Options of what people do with their texts: format, server, doc, new, test."""
 
 from argparse import ArgumentParser
 
@@ -21,3 +21,16 @@ def add_doc(parser: ArgumentParser) -> None:
     add = parser.add_argument
     add("files", nargs="*", metavar="FILE", help="your own, beside the library")
     add("-o", "--output", default="site", metavar="FOLDER", help="where to: site by default")
+
+
+def add_new(parser: ArgumentParser) -> None:
+    """Of `lag new`."""
+    parser.add_argument("folder", metavar="NAME", help="of the project and its new folder")
+
+
+def add_test(parser: ArgumentParser) -> None:
+    """Of `lag test`."""
+    add = parser.add_argument
+    add("files", nargs="*", metavar="FILE", help="files or folders; the folder tests by default")
+    add("--tolerance", default="1e-6", metavar="SHARE", help="allowed differences from stored tables, by the largest value")
+    add("--update", action="store_true", help="store what the runs give")

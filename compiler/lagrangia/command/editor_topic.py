@@ -14,6 +14,14 @@ a class:
 L0801 nothing uses it   L0802 it hides something   L0803 a quantity in a formula without a name   L0804 a name against the custom
 L0805 Real(unit = ...) where a type says the same   L0806 not laid out as lag format does it
 
+lag new NAME
+A folder with a part, a scene that uses it, a test, and the line for CI: lag format --check . && lag lint *.lag && lag test
+
+lag test [FILE|FOLDER ...] [--tolerance 1e-6] [--update]
+Runs the models whose names begin with Test, of the folder tests by default; of a file that is named and has none, the last one.
+Where MODEL.csv stands beside the file, the motion is compared at its times: each column may differ by so much of its largest value.
+--update stores what the runs give. Exit code 1 where a run or a comparison fails, 2 where a text is wrong.
+
 lag doc [FILE ...] [-o FOLDER]
 Pages of the library and of your files: text, a picture of each component (alone, its ports held or moved by what is not drawn),
 parameters with units and defaults, ports, energies and equations as they are written, who uses it, source. Opens from files.

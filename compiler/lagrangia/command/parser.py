@@ -51,11 +51,13 @@ COMMANDS = (
     _Command("lint", "look for what could be written better", "lint:lint_command", f"{_TEXTS}:add_check"),
     _Command("server", "answer an editor: the language server", "server:server_command", f"{_EDITS}:add_server"),
     _Command("doc", "write the library and your files as pages to be read", "doc:doc_command", f"{_EDITS}:add_doc"),
+    _Command("new", "begin a project: part, scene, test", "new:new_command", f"{_EDITS}:add_new"),
+    _Command("test", "run models that test others, and compare with stored tables", "test:test_command", f"{_EDITS}:add_test"),
 )
 _FMU_CHECK = _Command("check", "look for errors in an FMU, whoever made it, and in its motion", "fmu_check:check_fmu_command",
                       f"{_TEXTS}:add_fmu_check")
 _HELP = _Command("help", "longer texts: the language, the library, the solver", "help:help_command", f"{_TEXTS}:add_help")
-_WITHOUT_WARNINGS = ("help", "format", "server", "doc")  # commands that tell none
+_WITHOUT_WARNINGS = ("help", "format", "server", "doc", "new")  # commands that tell none
 
 
 def build_parser() -> argparse.ArgumentParser:

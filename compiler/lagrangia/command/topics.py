@@ -487,7 +487,7 @@ TOPICS: Mapping[str, tuple[str, Callable[[], str]]] = {
     "equations": ("the equations of motion for people: forms, formats, names", lambda: _EQUATIONS),
     "fmu": ("FMUs: export, check, simulate", lambda: _FMU),
     "analysis": ("equilibria, small motion, modes, frequency response", lambda: _ANALYSIS),
-    "editor": ("texts: layout, style, language server", lambda: EDITOR),
+    "editor": ("texts: layout, style, tests, pages, language server", lambda: EDITOR),
     "errors": ("diagnostics and exit codes", lambda: _ERRORS),
 }
 
