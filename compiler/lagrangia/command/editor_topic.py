@@ -18,8 +18,8 @@ lag new NAME
 A folder with a part, a scene that uses it, a test, and the line for CI: lag format --check . && lag lint *.lag && lag test
 
 lag test [FILE|FOLDER ...] [--tolerance 1e-6] [--update]
-Runs the models whose names begin with Test, of the folder tests by default; of a file that is named and has none, the last one.
-Where MODEL.csv stands beside the file, the motion is compared at its times: each column may differ by so much of its largest value.
+Runs models whose names begin with Test, of the folder tests by default; of a named file that has none, the last one.
+Where MODEL.csv stands beside it, the motion is compared at its times: each column may differ by that share of its largest value.
 --update stores what the runs give. Exit code 1 where a run or a comparison fails, 2 where a text is wrong.
 
 lag doc [FILE ...] [-o FOLDER]

@@ -8,6 +8,8 @@ from lagrangia.editor.layout import Laid, line_of
 from lagrangia.editor.statements import Statement
 from lagrangia.editor.words import Piece
 
+_NOWHERE = -1
+
 
 @dataclass(slots=True)
 class _Stop:
@@ -75,7 +77,7 @@ def _groups(statements: Sequence[Statement], stops: Sequence[_Stop | None]) -> I
                              for k, own in enumerate(statements)))
     for j, (k, stop) in enumerate(marks):
         first = stops[group[0]] if group else None
-        if first is not None and (blocks[k] != blocks[group[0]] or first.stand != stop.stand):
+        if first is not None and (blocks[k] != blocks[group[0]] or first.stand != stop.stand or stop.stand == _NOWHERE):
             following = marks[j + 1] if j + 1 < len(marks) and blocks[marks[j + 1][0]] == blocks[group[0]] else None
             if following is not None and following[1].stand == first.stand and stop.natural > first.stand:
                 continue
@@ -86,12 +88,12 @@ def _groups(statements: Sequence[Statement], stops: Sequence[_Stop | None]) -> I
         yield group
 
 
-def _stop(laid: Laid, piece: Piece, natural: int) -> _Stop | None:
-    """None where the word and the begin of its statement stand in different lines of the text."""
+def _stop(laid: Laid, piece: Piece, natural: int) -> _Stop:
+    """It stands nowhere where the begin of its statement is in another line of the text."""
     first = laid.pieces[0]
     lines = first.text.count("\n")
     for other in laid.pieces[1:]:
         if other.start > piece.start:
             break
         lines += other.lines + other.text.count("\n")
-    return None if lines or piece.lines else _Stop(piece.start - first.start, natural)
+    return _Stop(_NOWHERE if lines or piece.lines else piece.start - first.start, natural)
