@@ -86,8 +86,7 @@ class Model(Analysed, Swept):
         self.scene: Scene = found if found is not None else self._keep(self.compilation.scene)
 
     def _keep(self, scene: Scene) -> Scene:
-        read = [self.path.parent / item.path for item in self.compilation.syntax.imports]
-        read += [Path(name) for name in scene.notes["files"]]
+        read = [Path(name) for name in (*self.compilation.flat.read, *scene.notes["files"])]
         keep_scene(scene, self.path, self.model, self.structural, self.outputs, read, self.formulas)
         return scene
 

@@ -11,6 +11,7 @@ from collections.abc import Sequence
 
 from lagrangia.base.diagnostics import EngineWarning, LagError, RunError, render_all
 from lagrangia.base.interruptions import INTERRUPTED, ended_as_by_control_c
+from lagrangia.base.search_path import searching_in
 from lagrangia.base.spelling import prepare_output
 from lagrangia.command.idle_options import refuse_idle
 from lagrangia.command.parser import WRONG, build_parser
@@ -32,7 +33,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _execute(parsed: argparse.Namespace) -> int:
     try:
         refuse_idle(parsed, parsed.parser.get_default)
-        code = int(parsed.command(parsed))
+        with searching_in(getattr(parsed, "path", [])):
+            code = int(parsed.command(parsed))
         sys.stdout.flush()
         return code
     except LagError as error:

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from lagrangia.base.diagnostics import LagError, Report, Source, fail, render_all
 from lagrangia.base.result_files import write_text
-from lagrangia.compile.pipeline import read_source
+from lagrangia.compile.sources import read_source
 from lagrangia.editor.formatting import formatted
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from lagrangia.base.diagnostics import Diagnostic, LagError, render_all
 from lagrangia.command.arguments import allowed_codes
-from lagrangia.compile.pipeline import read_source
+from lagrangia.compile.sources import read_source
 from lagrangia.editor.reading import Reading, read_text
 from lagrangia.editor.style import look_at_style
 from lagrangia.model import Model

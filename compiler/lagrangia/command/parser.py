@@ -104,6 +104,9 @@ class _Parser(argparse.ArgumentParser):
                 add = self.add_argument
                 add("--allow", action="append", default=[], metavar="CODE,...", help="warnings that are meant: L0224")
                 add("--strict", action="store_true", help="take warnings for errors")
+                if command is not _FMU_CHECK:
+                    add("--path", action="append", default=[], metavar="FOLDER",
+                        help="where packages are looked for, before $LAGRANGIA_PATH")
             _function(command.options)(self)
         return super().parse_known_args(*arguments, **settings)
 

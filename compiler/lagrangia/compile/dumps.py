@@ -11,6 +11,7 @@ from lagrangia.language.tree import (
     Binary,
     Boolean,
     Call,
+    EnumerationLiteral,
     Flat,
     FrameRef,
     IfExpression,
@@ -89,6 +90,8 @@ def _text(node: Flat) -> str:
             return f"{value:g}"
         case Boolean(value) | String(value):
             return repr(value)
+        case EnumerationLiteral(type_name, name):
+            return f"{type_name}.{name}"
         case Time():
             return "time"
         case Local(name):

@@ -1,10 +1,11 @@
 """What is wrong in a file beside the model that is run: in models, types and functions that it does not use."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 
 from lagrangia.base.diagnostics import Diagnostic, LagError, Source
+from lagrangia.compile.packages import Packages
 from lagrangia.compile.pipeline import deep_recursion, read_files
 from lagrangia.language.classes import ClassTable, build_class_table
 from lagrangia.language.component_library import library
@@ -20,21 +21,23 @@ def faults_elsewhere(path: Path) -> list[Diagnostic]:
     """All but values that only who uses a model can give. Raises LagError where the file cannot be read."""
     with deep_recursion():
         syntax, imported = read_files(path)
-        return faults_beside(build_class_table(library(), [syntax, *imported]), syntax)
+        return faults_beside(build_class_table(library(), [syntax, *imported], Packages(syntax).find), syntax)
 
 
 def faults_beside(table: ClassTable, syntax: Syntax) -> list[Diagnostic]:
     """The same of a file that is read, and its classes."""
     with deep_recursion():
-        used = {element.type_name for c in syntax.classes for element in c.elements if element.type_name != c.name}
+        own = [c for c in table.user.values() if c.name_span.source is syntax.source]
+        used = {element.type_name.rpartition(".")[2] for c in own for element in c.elements if element.type_name != c.name}
         run = next((c for c in reversed(syntax.classes) if c.kind == "model" and not c.is_partial), None)
-        others = [c for c in syntax.classes if c.kind == "model" and c is not run and c.name not in used]
+        others = [c for c in own if c.kind in ("model", "block") and not (run and c.name_span == run.name_span)
+                  and c.name_span.text not in used]
         found: dict[Diagnostic, None] = {}
         for definition in others:
             found |= dict.fromkeys(_faults(table, definition))
-        for stand_in in _stand_ins(syntax, used):
-            own = stand_in.name_span.source
-            found |= dict.fromkeys(d for d in _faults(table, stand_in) if d.span is not None and d.span.source is not own)
+        for stand_in in _stand_ins(syntax.source.name, own, used):
+            place = stand_in.name_span.source
+            found |= dict.fromkeys(d for d in _faults(table, stand_in) if d.span is not None and d.span.source is not place)
         return list(found)
 
 
@@ -45,14 +48,16 @@ def _faults(table: ClassTable, definition: ClassDefinition) -> Iterator[Diagnost
         yield from (diagnostic for diagnostic in error.diagnostics if diagnostic.code != _LACKS_A_VALUE)
 
 
-def _stand_ins(syntax: Syntax, used: set[str]) -> Iterator[ClassDefinition]:
+def _stand_ins(file: str, own: Sequence[ClassDefinition], used: set[str]) -> Iterator[ClassDefinition]:
     """Models of which each calls a function of the file, or has a coordinate of a type that is not used."""
-    for definition in syntax.classes:
+    for definition in own:
         name, line = definition.name_span.text, ""
+        if "." in definition.name:
+            name = definition.name
         if definition.kind == "function":
             inputs = [e for e in definition.elements if isinstance(e, Declaration) and "input" in e.prefixes]
             line = f"Real y = {name}({', '.join('1' for _ in inputs)});"
-        elif definition.kind == "type" and definition.name not in used:
+        elif definition.kind == "type" and definition.name_span.text not in used and not definition.literals:
             line = f"coordinate {name} q;"
         if line:
-            yield from parse(Source(syntax.source.name, f"model UsesIt {line} end UsesIt;")).classes
+            yield from parse(Source(file, f"model UsesIt {line} end UsesIt;")).classes

@@ -15,7 +15,8 @@ from typing import TYPE_CHECKING, Any
 
 from lagrangia.base.diagnostics import Report, Source, fail, suggest
 from lagrangia.base.records import dataclass
-from lagrangia.base.result_files import require_file
+from lagrangia.compile.packages import Packages, enclosing
+from lagrangia.compile.sources import read_source
 from lagrangia.language.classes import build_class_table
 from lagrangia.language.component_library import drawn_library, library
 from lagrangia.language.delays import refuse_delays
@@ -39,8 +40,9 @@ if TYPE_CHECKING:
     from lagrangia.dynamics.motion import Motion
     from lagrangia.frames.graph import ComponentGraph
     from lagrangia.frames.kinematics import Kinematics
+    from lagrangia.language.classes import ClassTable
     from lagrangia.language.flat import FlatModel
-    from lagrangia.language.tree import ImportFile, Syntax
+    from lagrangia.language.tree import ClassDefinition, ImportFile, Syntax
     from lagrangia.run.scene import Scene
 
 PHASES = ("syntax", "flat", "graph", "kinematics", "energies", "motion", "needs", "c")
@@ -244,10 +246,12 @@ def flatten_file(path: Path, model: str | None = None, structural: Mapping[str, 
 def flatten_files(syntax: "Syntax", imported: "list[Syntax]", model: str | None = None,
                   structural: Mapping[str, Any] | None = None, is_drawn: bool = False) -> "FlatModel":
     """The same of files that are read. Raises LagError."""
-    table = build_class_table(drawn_library() if is_drawn else library(), [syntax, *imported])
-    flat = flatten(table, _choose(syntax, model), structural)
-    unused = find_unused_imports(syntax, _brought(syntax, imported)) if syntax.imports else Report()
-    return replace(flat, warnings=(*flat.warnings, *unused.diagnostics), tables=read_tables(flat.lookups))
+    packages = Packages(syntax)
+    table = build_class_table(drawn_library() if is_drawn else library(), [syntax, *imported], packages.find)
+    flat = flatten(table, _choose(syntax, table, model), structural)
+    unused = find_unused_imports(syntax, _brought(syntax, imported)) if syntax.imports or table.files else Report()
+    read = tuple(file.source.name for file in (*imported, *packages.read))
+    return replace(flat, warnings=(*flat.warnings, *unused.diagnostics), tables=read_tables(flat.lookups), read=read)
 
 
 def _brought(main: "Syntax", imported: "list[Syntax]") -> "list[tuple[ImportFile, list[Syntax]]]":
@@ -264,21 +268,6 @@ def _brought(main: "Syntax", imported: "list[Syntax]") -> "list[tuple[ImportFile
             files += [new for other in file.imports if (new := target(other)) not in files and new is not main]
         found.append((item, files))
     return found
-
-
-def read_source(path: Path) -> Source:
-    """Raises LagError L000x for what cannot be read as text."""
-    try:
-        require_file(path)
-        return Source(str(path), path.read_bytes().decode("utf-8"))
-    except FileNotFoundError:
-        fail("L0001", f"there is no file '{path}'")
-    except IsADirectoryError:
-        fail("L0001", f"'{path}' is a folder")
-    except OSError as error:
-        fail("L0001", f"'{path}' cannot be read: {error.strerror}")
-    except UnicodeDecodeError as error:
-        fail("L0101", f"'{path}' is not a text file in UTF-8: byte {error.object[error.start]:#04x} at offset {error.start}")
 
 
 def read_files(path: Path, read: Callable[[Path], Source] = read_source) -> "tuple[Syntax, list[Syntax]]":
@@ -302,21 +291,30 @@ def read_files(path: Path, read: Callable[[Path], Source] = read_source) -> "tup
             found[target] = parse(read(here.parent / item.path))
             pending.append((here.parent / item.path, found[target]))
     report.raise_errors()
-    return main, [syntax for syntax in found.values() if syntax is not main]
+    return main, [*(syntax for syntax in found.values() if syntax is not main), *enclosing(main)]
 
 
-def _choose(syntax: "Syntax", name: str | None) -> Any:
-    models = [c for c in syntax.classes if c.kind == "model"]
+def _choose(syntax: "Syntax", table: "ClassTable", name: str | None) -> Any:
+    """By its full name or its own, or the last one of the file that is complete and stands in no other class."""
+    models = [c for c in table.user.values() if c.name_span.source is syntax.source and c.kind in ("model", "block")]
     if name is not None:
-        chosen = [c for c in models if c.name == name]
-        if not chosen:
-            fail("L0003", f"'{syntax.source.name}' has no model '{name}'", None,
-                 *filter(None, [suggest(name, [c.name for c in models])]))
+        chosen = [c for c in models if c.name == name] or [c for c in models if c.name_span.text == name]
+        if len(chosen) != 1:
+            hints = [suggest(name, [c.name for c in models])] if not chosen else [f"it is {_either(chosen)}"]
+            what = "has no model" if not chosen else "has more than one model"
+            fail("L0003", f"'{syntax.source.name}' {what} '{name}'", None, *filter(None, hints))
         return chosen[0]
     complete = [c for c in models if not c.is_partial]
-    if not complete:
-        fail("L0003", f"'{syntax.source.name}' has no model to run", None, "a scene is: model Name ... end Name;")
-    return complete[-1]
+    outer = [c for c in complete if any(c.name_span == top.name_span for top in syntax.classes)]
+    if not outer:
+        hint = f"those in its packages are run by name: --model {_either(complete[-5:])}" if complete else (
+            "a scene is: model Name ... end Name;")
+        fail("L0003", f"'{syntax.source.name}' has no model to run", None, hint)
+    return outer[-1]
+
+
+def _either(models: "list[ClassDefinition]") -> str:
+    return " or ".join(c.name for c in models)
 
 
 @contextmanager

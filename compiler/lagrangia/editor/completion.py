@@ -11,8 +11,8 @@ from lagrangia.editor.telling import heading, unit_of
 from lagrangia.language.classes import BUILTIN_TYPES
 from lagrangia.language.figures import WORDS
 from lagrangia.language.frame_attributes import ATTRIBUTES, OF_ANY_FRAME
-from lagrangia.language.instances import ATTRIBUTES as VARIABLE_ATTRIBUTES
-from lagrangia.language.names import FRAME_FUNCTIONS, FUNCTIONS
+from lagrangia.language.functions import FRAME_FUNCTIONS, FUNCTIONS
+from lagrangia.language.instantiation import ATTRIBUTES as VARIABLE_ATTRIBUTES
 from lagrangia.language.tree import ClassDefinition, Declaration
 from lagrangia.language.units import known_units
 

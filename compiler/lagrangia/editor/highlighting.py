@@ -6,7 +6,7 @@ from pygments.lexer import RegexLexer, bygroups, words
 from pygments.token import Comment, Keyword, Name, Number, Operator, Punctuation, String, Whitespace
 
 from lagrangia.language.classes import BUILTIN_TYPES
-from lagrangia.language.names import FRAME_FUNCTIONS, FUNCTIONS
+from lagrangia.language.functions import FRAME_FUNCTIONS, FUNCTIONS
 from lagrangia.language.syntax import tables
 
 _WORDS = tables().words  # of the grammar, by what they may be

@@ -14,7 +14,7 @@ from pygls.uris import to_fs_path
 
 from lagrangia.base.diagnostics import LIBRARY, Diagnostic, LagError, Source
 from lagrangia.base.version import VERSION
-from lagrangia.compile.pipeline import read_source
+from lagrangia.compile.sources import read_source
 from lagrangia.editor.changes import fixes, renamed, same
 from lagrangia.editor.completion import proposals
 from lagrangia.editor.formatting import formatted

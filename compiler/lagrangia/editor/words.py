@@ -61,7 +61,7 @@ def _recognized(text: str, found: Tables) -> list[Piece]:
         if kind == COMMENT:
             continue
         if kind == "NAME" and piece.text in found.words:
-            kind = next((other for other in found.words[piece.text] if other in row), kind)
+            kind = found.meant(piece.text, row, text, piece.start + len(piece.text)) or kind
             pieces[k] = piece._replace(kind=kind)
         while True:
             if (action := row.get(kind)) is None:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 from lagrangia.base.diagnostics import LagError, RunError
 from lagrangia.base.records import dataclass
+from lagrangia.base.search_path import searching_in
 from lagrangia.fmu.export import EXTRA, SCENE
 from lagrangia.fmu.process import SPOKEN, Job, Outcome, run_job
 from lagrangia.fmu.run import Opened
@@ -59,7 +60,11 @@ def source_of(opened: Opened, folder: Path, load: Load) -> Native | None:
     except (ValueError, KeyError, TypeError):
         return None
     path = Path(os.path.realpath(folder / base / file))
-    return load(path, name, structural, tuple(outputs)) if path.is_relative_to(folder.resolve()) else None
+    if not path.is_relative_to(folder.resolve()):
+        return None
+    inside = [str(place) for place in (folder / base / part for part in scene.get("path", [])) if place.is_dir()]
+    with searching_in(inside):
+        return load(path, name, structural, tuple(outputs))
 
 
 def compare(opened: Opened, folder: str, kinds: list[str], load: Load) -> list[Comparison]:

@@ -18,8 +18,8 @@ from lagrangia.base.diagnostics import LagError, fail
 from lagrangia.base.folders import data_folder
 from lagrangia.base.records import dataclass
 from lagrangia.base.result_files import Target, keep_apart
+from lagrangia.base.search_path import search_path
 from lagrangia.base.version import VERSION
-from lagrangia.compile.pipeline import read_files
 from lagrangia.fmu.build import DARWIN, PLATFORMS, Platform, build_binaries, host_platform, read_platforms, universal
 from lagrangia.fmu.page import license_text, write_page, write_terminals
 from lagrangia.fmu.pictures import Icon, draw_graph, draw_icon
@@ -218,12 +218,13 @@ def build_extras(model: Exportable, described: FmuModel) -> Extras:
 
 def model_files(model: Exportable) -> dict[str, bytes]:
     """The .lag files and their tables, as they lie to each other so that they find each other, and what to compile of them."""
-    main, imported = read_files(model.path)
-    places = {Path(item.source.name).resolve(): item.source.text.encode() for item in (main, *imported)}
-    places |= {Path(name).resolve(): Path(name).read_bytes() for name in model.scene.notes["files"]}
+    names = (str(model.path), *model.compilation.flat.read, *model.scene.notes["files"])
+    places = {Path(name).resolve(): Path(name).read_bytes() for name in names}
     base = os.path.commonpath([place.parent for place in places])
     files = {place.relative_to(base).as_posix(): content for place, content in places.items()}
     scene = {"file": model.path.resolve().relative_to(base).as_posix(), "model": model.model,
+             "path": [folder.resolve().relative_to(base).as_posix() for folder in search_path()
+                      if folder.resolve().is_relative_to(base)],
              "structural": dict(model.structural), "outputs": list(model.outputs)}
     return files | {SCENE: (json.dumps(scene, indent=2, sort_keys=True) + "\n").encode()}
 

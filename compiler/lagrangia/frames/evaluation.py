@@ -36,6 +36,7 @@ from lagrangia.language.tree import (
     Binary,
     Boolean,
     Call,
+    EnumerationLiteral,
     Flat,
     FrameRef,
     IfExpression,
@@ -117,6 +118,9 @@ class Evaluator:
                 return array_of(tuple(self.value(item, level, local) for item in items), node.span)
             case String(_, span):
                 fail("L0302", "a text is no number", span)
+            case EnumerationLiteral(type_name, _, _, span):
+                fail("L0302", f"a value of {type_name} is no number", span,
+                     "it can be compared: if e == E.a; Integer(e) is its place")
 
     def variable(self, name: str, level: int, span: Span) -> Value:
         """The value of a variable, by its binding where it has one. Raises LagError."""

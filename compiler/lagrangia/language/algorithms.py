@@ -6,7 +6,7 @@ from typing import Any
 from lagrangia.base.diagnostics import Span, fail, suggest
 from lagrangia.base.records import dataclass
 from lagrangia.language.instances import Instance, Scope
-from lagrangia.language.names import Names, read_unit
+from lagrangia.language.names import Names
 from lagrangia.language.tree import (
     Assignment,
     Call,
@@ -22,6 +22,7 @@ from lagrangia.language.tree import (
     Section,
     String,
 )
+from lagrangia.language.units_written import read_unit
 
 
 @dataclass(frozen=True)
@@ -65,9 +66,9 @@ class _Builder:
         self.count = 0
         for declaration in self.declarations:
             base = names.table.base_type(declaration.type_name, declaration.type_span)
-            if base is None or base[0] not in ("Real", "Integer") or declaration.dimensions:
+            if base is None or base.builtin not in ("Real", "Integer") or declaration.dimensions or base.dimensions:
                 fail("L0902", "not supported yet: a function variable that is no scalar number", declaration.name_span)
-            units = [a.value.value for a in (*base[1], *declaration.arguments)
+            units = [a.value.value for a in (*base.attributes, *declaration.arguments)
                      if a.name == "unit" and isinstance(a.value, String)]
             if units:
                 read_unit(units[-1], declaration.span)
@@ -158,8 +159,9 @@ class _LocalNames(Names):
     """Name resolution inside a function: its own variables, and the functions and constants of the kernel."""
 
     def __init__(self, names: Names, known: Mapping[str, str]) -> None:
-        super().__init__(names.table, names.report, names.functions, names.define_function, work=names.work,
-                         lookups=names.lookups)
+        super().__init__(names.table, names.report, names.functions, names.define, work=names.work,
+                         lookups=names.lookups, make_package=names.make_package,
+                         packages=names.packages)
         self.known = known  # the name that each variable's value has
 
     def resolve(self, node: Reference, scope: Scope) -> Flat:

@@ -2,57 +2,112 @@
 
 from collections.abc import Iterable
 from dataclasses import field
+from functools import cached_property
 
 from lagrangia.base.diagnostics import Report, Source, Span, fail, suggest
 from lagrangia.base.records import dataclass
-from lagrangia.language.tree import Argument, ClassDefinition, Declaration, Extends, Syntax
+from lagrangia.language.scoping import Finder, Scopes, has_scopes, lifted, nowhere
+from lagrangia.language.tree import Argument, ClassDefinition, Declaration, Expression, Extends, Syntax
 
 _FOREIGN = {"double": "Real", "float": "Real", "int": "Integer", "long": "Integer", "bool": "Boolean", "string": "String"}
 BUILTIN_TYPES = frozenset({"Real", "Integer", "Boolean", "String", "Frame"})
+_OF_CLASSES = frozenset({"encapsulated", "replaceable", "redeclare", "final", "protected"})
+ENUMERATION = "enumeration"
+
+
+@dataclass(frozen=True)
+class BaseType:
+    """The builtin type that a type derives from (ENUMERATION: one of people's own, `definition`), its attributes, the innermost
+    first, sizes, and prefixes as of a connector that is an input."""
+
+    builtin: str
+    attributes: tuple[Argument, ...] = ()
+    dimensions: tuple[Expression, ...] = ()
+    prefixes: frozenset[str] = frozenset()
+    definition: ClassDefinition | None = None
+
+
+_BUILTIN = {name: BaseType(name) for name in BUILTIN_TYPES}
 
 
 @dataclass(frozen=True)
 class ClassTable:
-    """The classes of the library and of the user's files. A user's class hides a library class of the same name,
-    but not from the library itself."""
+    """The classes of the library and of the user's files, those in packages by their full names. A user's class hides a library
+    class of the same name, but not from the library itself."""
 
     library: dict[str, ClassDefinition]
     user: dict[str, ClassDefinition]
     library_sources: frozenset[Source] = field(default_factory=frozenset)
+    files: dict[Source, Syntax] = field(default_factory=dict)  # those in which names may mean something else in each class
+    find: Finder = nowhere
+
+    @cached_property
+    def scopes(self) -> Scopes:
+        """Looks names up by what encloses them."""
+        return Scopes(self.user, self.files, self._take, self.find)
+
+    def _take(self, syntax: Syntax) -> None:
+        report = Report()
+        self.user.update(_collect([syntax], report, self.user))
+        self.files[syntax.source] = syntax
+        report.raise_errors()
+
+    def found(self, name: str, span: Span) -> ClassDefinition | None:
+        """The class that `name` means where `span` is; None where there is none. Raises LagError L0204 for imports of nothing."""
+        if span.source not in self.library_sources:
+            if span.source in self.files or "." in name:
+                full = self.scopes.full_name(name, span)
+                if full is not None:
+                    return self.user[full]
+            elif name in self.user:
+                return self.user[name]
+        return self.library.get(name)
 
     def lookup(self, name: str, span: Span) -> ClassDefinition:
         """The class that `name` means where `span` is. Raises LagError L0201."""
-        if span.source not in self.library_sources and name in self.user:
-            return self.user[name]
-        if name in self.library:
-            return self.library[name]
+        definition = self.found(name, span)
+        if definition is not None:
+            return definition
         known = {n for n, c in {**self.library, **self.user}.items() if c.kind != "function"} | BUILTIN_TYPES
+        if name.startswith("Modelica."):
+            fail("L0201", f"'{name}' is of the Modelica Standard Library, which is not here", span,
+                 *_of_modelica(name, self.library))
         hint = f"a number is a {_FOREIGN[name]}, or a quantity such as Length" if name in _FOREIGN else suggest(name, known)
+        inside = [full for full in self.user if full.rpartition(".")[2] == name]
+        if inside:
+            hint = f"did you mean '{inside[0]}'?"
         fail("L0201", f"there is no model or type '{name}'", span, hint or 'is a file to be imported? import "file.lag";')
 
     def function(self, name: str, span: Span) -> ClassDefinition | None:
         """The function of that name which is seen from a place; None where there is none."""
-        found = self.user.get(name) if span.source not in self.library_sources else None
-        found = found or self.library.get(name)
+        found = self.found(name, span)
         return found if found is not None and found.kind == "function" else None
 
-    def base_type(self, name: str, span: Span) -> tuple[str, tuple[Argument, ...]] | None:
-        """For a type: the builtin it derives from and its attributes, the innermost first; None for a model. Raises
-        LagError L0206."""
-        attributes: tuple[Argument, ...] = ()
-        seen: list[str] = []
-        while name not in BUILTIN_TYPES:
-            definition = self.lookup(name, span)
-            if definition.kind != "type":
-                return None
-            if name in seen:
-                fail("L0206", f"type '{name}' is defined by itself", definition.name_span)
-            seen.append(name)
-            (extends,) = definition.elements
-            assert isinstance(extends, Extends)
-            attributes = extends.arguments + attributes
-            name, span = extends.type_name, definition.span
-        return name, attributes
+    def base_type(self, name: str, span: Span) -> BaseType | None:
+        """For a type: the builtin it derives from and its attributes; None for a model. Raises LagError L0206."""
+        if name in BUILTIN_TYPES:
+            return _BUILTIN[name]
+        definition = self.lookup(name, span)
+        if definition.kind not in ("type", "connector"):
+            return None
+        return self._base_of(definition, ())
+
+    def _base_of(self, definition: ClassDefinition, seen: tuple[ClassDefinition, ...]) -> BaseType | None:
+        if any(definition is one for one in seen):
+            fail("L0206", f"type '{definition.name}' is defined by itself", definition.name_span)
+        if definition.literals:
+            return BaseType(ENUMERATION, definition=definition)
+        if definition.kind not in ("type", "connector") or len(definition.elements) != 1:
+            return None
+        (extends,) = definition.elements
+        if not isinstance(extends, Extends):
+            return None
+        name = extends.type_name
+        base = _BUILTIN[name] if name in BUILTIN_TYPES else self._base_of(self.lookup(name, extends.span), (*seen, definition))
+        if base is None or (base.builtin == "Frame" and definition.kind == "connector"):
+            return base
+        return BaseType(base.builtin, base.attributes + extends.arguments, (*extends.dimensions, *base.dimensions),
+                        base.prefixes | extends.prefixes, base.definition)
 
     def declared(self, definition: ClassDefinition) -> dict[str, Declaration]:
         """Declarations of the class and of all it extends, by name."""
@@ -71,23 +126,31 @@ class ClassTable:
         return list(found.values())
 
 
-def build_class_table(library: Iterable[Syntax], user: Iterable[Syntax]) -> ClassTable:
-    """Raises LagError L0202 when a file set defines a name twice."""
+def _of_modelica(name: str, library: dict[str, ClassDefinition]) -> list[str]:
+    last = name.rpartition(".")[2]
+    return [f"the library of this language has a '{last}' of its own: write {last}" if last in library else
+            suggest(last, library) or "lag help library lists what there is"]
+
+
+def build_class_table(library: Iterable[Syntax], user: Iterable[Syntax], find: Finder = nowhere) -> ClassTable:
+    """`find` brings packages of folders when they are named. Raises LagError L0202 when a file set defines a name twice."""
     report = Report()
-    library = tuple(library)
-    tables = [_collect(files, report) for files in (library, tuple(user))]
+    library, user = tuple(library), tuple(user)
+    tables = [_collect(files, report, {}) for files in (library, user)]
     report.raise_errors()
-    return ClassTable(tables[0], tables[1], frozenset(syntax.source for syntax in library))
+    scoped = {syntax.source: syntax for syntax in user if has_scopes(syntax)}
+    return ClassTable(tables[0], tables[1], frozenset(syntax.source for syntax in library), scoped, find)
 
 
-def _collect(files: Iterable[Syntax], report: Report) -> dict[str, ClassDefinition]:
+def _collect(files: Iterable[Syntax], report: Report, known: dict[str, ClassDefinition]) -> dict[str, ClassDefinition]:
     classes: dict[str, ClassDefinition] = {}
-    for definition in (c for syntax in files for c in syntax.classes):
+    for definition in (c for syntax in files for c in lifted(syntax)):
+        first = classes.get(definition.name) or known.get(definition.name)
         if definition.name in BUILTIN_TYPES:
             report.error("L0202", f"'{definition.name}' is a builtin type", definition.name_span, "choose another name")
-        elif definition.name in classes:
-            first = classes[definition.name].name_span
-            report.error("L0202", f"'{definition.name}' is defined twice", definition.name_span, f"the first is at {first}")
+        elif first is not None:
+            report.error("L0202", f"'{definition.name}' is defined twice", definition.name_span,
+                         f"the first is at {first.name_span}")
         else:
             _check_members(definition, report)
             classes[definition.name] = definition
@@ -102,8 +165,38 @@ def _check_members(definition: ClassDefinition, report: Report) -> None:
                 report.error("L0202", f"'{element.name}' is declared twice in {definition.name}", element.name_span,
                              f"the first is at {seen[element.name].name_span}")
             seen.setdefault(element.name, element)
+            _check_prefixes(element, report)
         _check_arguments(element.arguments, report)
+        _check_left_out(element.arguments, isinstance(element, Extends), report)
     _check_arguments(definition.annotation, report)
+    _check_class_prefixes(definition, report)
+
+
+def _check_prefixes(element: Declaration, report: Report) -> None:
+    if "encapsulated" in element.prefixes:
+        report.error("L0236", "a class is encapsulated, a component cannot be", element.name_span, "leave `encapsulated` out")
+    if element.constraining is not None and not element.prefixes & {"replaceable", "redeclare"}:
+        report.error("L0234", f"'{element.name}' is not replaceable, so that constrainedby has no effect",
+                     element.constraining.span, "write `replaceable` before the declaration")
+
+
+def _check_class_prefixes(definition: ClassDefinition, report: Report) -> None:
+    if wrong := definition.prefixes - _OF_CLASSES:
+        report.error("L0236", f"a class cannot be {' '.join(sorted(wrong))}", definition.name_span,
+                     "numbers can: they are declared as `parameter Real x`")
+    if "redeclare" in definition.prefixes:
+        report.error("L0901", "not supported yet: a class that is redeclared as an element", definition.name_span,
+                     f"write: extends Base(redeclare model {definition.name_span.text} = Other)")
+    if definition.kind == "package" and "replaceable" in definition.prefixes:
+        report.error("L0901", "not supported yet: a replaceable package", definition.name_span, "import the one that is meant")
+
+
+def _check_left_out(arguments: tuple[Argument, ...], is_extends: bool, report: Report) -> None:
+    for argument in arguments:
+        if argument.is_left_out and not is_extends:
+            report.error("L0236", "break leaves out what is inherited: it stands in extends", argument.span,
+                         "a component that may be missing has a condition: Spring s if has_spring;")
+        _check_left_out(argument.arguments, False, report)
 
 
 def _check_arguments(arguments: tuple[Argument, ...], report: Report, given: dict[str, Argument] | None = None, path: str = ""

@@ -17,13 +17,14 @@ from lagrangia.language.figures import CHOICES, OPTIONS, WORDS
 from lagrangia.language.flat import Delay, Equation, Figure, FlatModel, Sampler, Variable, When, is_frame, places_of
 from lagrangia.language.folding import fold
 from lagrangia.language.frame_attributes import ATTRIBUTES, dimension_of
+from lagrangia.language.functions import FRAME_FUNCTIONS
 from lagrangia.language.lookups import lookup_of
-from lagrangia.language.names import FRAME_FUNCTIONS
 from lagrangia.language.tree import (
     Array,
     Binary,
     Boolean,
     Call,
+    EnumerationLiteral,
     Flat,
     FrameRef,
     IfExpression,
@@ -285,7 +286,7 @@ class _Checker:
         match node:
             case Number(_, unit, _, _):
                 return ANY if unit is None else _in_unit(unit)
-            case Boolean() | String():
+            case Boolean() | String() | EnumerationLiteral():
                 return ANY
             case Ref(name, _, _):
                 return self._variable(name)

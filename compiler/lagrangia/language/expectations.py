@@ -13,15 +13,22 @@ SPOKEN = {
     "$END": "the end of the file", "NAME": "a name", "NUMBER": "a number", "QUANTITY": "a number", "STRING": "a text in quotes",
     "CLASS_KIND": "'model'", "PARTIAL": "'partial'", "PREFIX": "'parameter'", "VISIBILITY": "'protected'",
     "ARGUMENT_PREFIX": "'each'", "ENERGY": "an energy", "TRUE": "'true'", "FALSE": "'false'", "OR": "'or'", "AND": "'and'",
-    "ADD": "'+'", "MULTIPLY": "'*'", "COMPARE": "'<'",
+    "ADD": "'+'", "MULTIPLY": "'*'", "COMPARE": "'<'", "EACH_ADD": "'.+'", "EACH_MULTIPLY": "'.*'", "POWER": "'^'",
+    "SCOPE": "'replaceable'", "LAST": "'end'",
 }
 # Many terminals that are one thing to people: said when all of the first are possible, and then for all of the second.
 _GROUPS = (
-    ("an expression", {"NUMBER", "NAME", "LPAR", "LBRACE"}, {"QUANTITY", "STRING", "TRUE", "FALSE", "ADD", "IF", "NOT"}),
-    ("a declaration", {"PREFIX", "NAME"}, {"VISIBILITY", "EXTENDS", "ANNOTATION"}),
+    ("an expression", {"NUMBER", "NAME", "LPAR", "LBRACE"}, {"QUANTITY", "STRING", "TRUE", "FALSE", "ADD", "IF", "NOT", "LSQB",
+                                                             "LAST"}),
+    ("a declaration", {"PREFIX", "NAME"}, {"VISIBILITY", "EXTENDS", "ANNOTATION", "SCOPE", "CLASS_KIND", "PARTIAL", "IMPORT"}),
+    ("a model", {"CLASS_KIND", "PARTIAL", "PREFIX"}, {"SCOPE"}),
     ("a section", {"EQUATION", "INITIAL", "ALGORITHM"}, {"__ANON_0", "DRAWING"}),
-    ("an operator", {"ADD", "MULTIPLY", "COMPARE"}, {"CIRCUMFLEX", "AND", "OR", "COLON"}),
-    ("the rest of a declaration", {"SEMICOLON", "ANNOTATION", "STRING"}, {"COMMA", "EQUAL", "IF", "LPAR", "LSQB"}),
+    ("an operator", {"ADD", "MULTIPLY", "COMPARE"}, {"POWER", "AND", "OR", "COLON", "EACH_ADD", "EACH_MULTIPLY"}),
+    ("an operator", {"ADD", "MULTIPLY"}, {"POWER", "AND", "OR", "COLON", "EACH_ADD", "EACH_MULTIPLY", "COMPARE"}),
+    ("the rest of a declaration", {"SEMICOLON", "ANNOTATION", "CONSTRAINEDBY"}, {"COMMA", "IF", "LPAR", "EQUAL", "LSQB",
+                                                                                 "STRING"}),
+    ("a modification", {"NAME", "ARGUMENT_PREFIX", "SCOPE"}, {"BREAK"}),
+    ("the end of the statement", {"SEMICOLON", "ANNOTATION"}, {"STRING"}),
 )
 # What people mean who write C, Python or typeset text.
 _FOREIGN = {
@@ -103,6 +110,8 @@ def _end_of(stop: Stop) -> Span:
 
 def _label(stop: Stop, parser: Lark, before: str) -> str:
     names, said = set(stop.accepted), []
+    if "RPAR" in names:
+        names.discard("STRING")  # which is rare there
     for phrase, needed, taken in _GROUPS:
         if names >= needed:
             said.append(phrase)
@@ -187,9 +196,14 @@ def _end_hints(stop: Stop) -> Iterator[str]:
         line, column = stop.source.line_and_column(opened[-1].start_pos or 0)
         yield f"the '{opened[-1]}' at {line}:{column} is still open"
         return
-    names = [name for kind, name in zip(stop.before, stop.before[1:], strict=False) if kind.type == "CLASS_KIND"]
-    if names and "END" in stop.accepted:
-        yield f"is 'end {names[-1]};' missing?"
+    opened_classes: list[Token] = []
+    for before, name, behind in zip(stop.before, stop.before[1:], (*stop.before[2:], None), strict=False):
+        if before.type == "CLASS_KIND" and (behind is None or behind.type != "EQUAL"):
+            opened_classes.append(name)
+        elif before.type == "END" and name.type == "NAME" and opened_classes:
+            opened_classes.pop()
+    if opened_classes and "END" in stop.accepted:
+        yield f"is 'end {opened_classes[-1]};' missing?"
 
 
 def _open_brackets(stop: Stop) -> list[Token]:

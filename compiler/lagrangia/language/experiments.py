@@ -8,9 +8,10 @@ from lagrangia.language.classes import ClassTable
 from lagrangia.language.flat import Experiment
 from lagrangia.language.folding import fold
 from lagrangia.language.instances import Scope
-from lagrangia.language.names import Names, read_unit
+from lagrangia.language.names import Names
 from lagrangia.language.tree import Argument, ClassDefinition, Number, String
 from lagrangia.language.units import ONE, dimension
+from lagrangia.language.units_written import read_unit
 
 _CODE = re.compile(r"L\d{4}")
 

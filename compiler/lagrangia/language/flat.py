@@ -7,8 +7,8 @@ from typing import Literal
 from lagrangia.base.diagnostics import Diagnostic, Span
 from lagrangia.base.records import dataclass
 from lagrangia.language.algorithms import FlatFunction
+from lagrangia.language.functions import FRAME_FUNCTIONS
 from lagrangia.language.lookups import Lookup, ReadTable
-from lagrangia.language.names import FRAME_FUNCTIONS
 from lagrangia.language.tree import Array, Call, EnergyKind, Flat, FrameRef
 
 Kind = Literal["parameter", "input", "coordinate", "variable", "held", "delayed"]
@@ -225,6 +225,7 @@ class FlatModel:
     moving_inputs: Mapping[str, bool] = field(default_factory=dict)  # in places or energies; whether their rates matter
     allowed: tuple[str, ...] = ()  # codes of warnings that the model says are meant: annotation(allow = "L0224")
     components: Mapping[str, str] = field(default_factory=dict)  # descriptions of those that have one, by their names
+    read: tuple[str, ...] = ()  # the other files that were read for it
 
 
 def places_of(node: Flat) -> tuple[Flat, ...]:

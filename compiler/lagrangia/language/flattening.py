@@ -9,6 +9,7 @@ from lagrangia.language.algorithms import FlatFunction, flatten_function
 from lagrangia.language.classes import ClassTable
 from lagrangia.language.connections import Bindings, Connection, bound_to, connected
 from lagrangia.language.delays import check_delays, declare_delays, variable_of, with_delays
+from lagrangia.language.elsewhen import warn_of_both
 from lagrangia.language.experiments import allowed_of, experiment_of
 from lagrangia.language.figures import WORDS
 from lagrangia.language.flat import (
@@ -29,11 +30,22 @@ from lagrangia.language.flat import (
     is_frame,
 )
 from lagrangia.language.idle import find_idle
-from lagrangia.language.instances import FrameSlot, Instance, Instantiation, Member, Modification, Scope, Slot, outside
-from lagrangia.language.limits import read_limit, require_within
+from lagrangia.language.instances import (
+    STRUCTURAL_TYPES,
+    FrameSlot,
+    Instance,
+    Member,
+    Modification,
+    Scope,
+    Slot,
+    is_absent,
+    outside,
+)
+from lagrangia.language.instantiation import Instantiation
+from lagrangia.language.limits import display_unit_of, flag_of, read_limit, require_within, unit_of
 from lagrangia.language.mentions import leaves
 from lagrangia.language.moving_inputs import with_moving_inputs
-from lagrangia.language.names import Names, read_unit
+from lagrangia.language.names import Names
 from lagrangia.language.overrides import override_tree
 from lagrangia.language.samplers import check_held, declare_held
 from lagrangia.language.states import find_states, refuse_states_elsewhere
@@ -47,6 +59,7 @@ from lagrangia.language.tree import (
     EnergyTerm,
     Equality,
     Expression,
+    Field,
     Flat,
     ForBlock,
     FrameRef,
@@ -104,9 +117,9 @@ class _Flattening:
         self._require_model()
         root = Instance("", definition, definition.name_span)
         instantiation = Instantiation(self.table, self.names, self.report)
+        self.names.make_package = instantiation.constants_of
         root = instantiation.instantiate(definition, "", override_tree(overrides, root), definition.name_span, None)
         self.report.raise_errors()
-        self.names.root = root
         self._add_world(root, instantiation)
         self._visit(root)
         delays = declare_delays(self.names.delays, self.report)
@@ -132,7 +145,7 @@ class _Flattening:
         return with_moving_inputs(replace(model, warnings=warnings))
 
     def _require_model(self) -> None:
-        if self.definition.kind != "model" or self.definition.is_partial:
+        if self.definition.kind not in ("model", "block") or self.definition.is_partial:
             what = "partial" if self.definition.is_partial else f"a {self.definition.kind}"
             fail("L0205", f"'{self.definition.name}' is {what}, not a model that can run", self.definition.name_span)
 
@@ -153,13 +166,12 @@ class _Flattening:
         """Where people look for what is declared at `span`: for the inside of a library component, its declaration."""
         return outside(self.table, span, owner)
 
-    def _define_function(self, name: str, span: Span) -> None:
+    def _define_function(self, definition: ClassDefinition, span: Span) -> None:
+        name = definition.name
         if name in self.unfinished_functions:
             chain = " > ".join([*self.unfinished_functions, name])
             fail("L0212", f"the function '{name}' calls itself", span, chain, "a loop in its algorithm may do the same")
         if name not in self.functions:
-            definition = self.table.function(name, span)
-            assert definition is not None
             self.unfinished_functions.append(name)
             try:
                 self.functions[name] = flatten_function(definition, self.names)
@@ -176,8 +188,9 @@ class _Flattening:
         if instance.definition.kind == "connector":
             self.ends |= {member.path for member in instance.members.values() if isinstance(member, Slot)}
             self._guard(lambda: self.connections.extend(bound_to(instance, self.names)), instance)
-        for member in list(instance.members.values()):
-            self._visit_member(member, instance)
+        for name, member in list(instance.members.items()):
+            if name not in instance.outer:
+                self._visit_member(member, instance)
         for kind, clause in instance.clauses:
             self._clause(kind, clause, Scope(instance))
 
@@ -217,6 +230,8 @@ class _Flattening:
                 self.structural[slot.path] = value.value
             return
         kind = self._kind(slot)
+        if kind == "input" and owner.parent is not None:
+            kind = "variable"  # of a component: what it is connected or bound to
         if slot.binding is None and kind == "parameter":
             self._missing_value(slot, owner)
         if slot.binding is not None and kind == "coordinate":
@@ -225,8 +240,8 @@ class _Flattening:
         binding = self.names.flatten_bound(slot.binding, slot.dimensions) if slot.binding is not None else None
         start = self.names.flatten_bound(slot.attributes["start"]) if "start" in slot.attributes else None
         self.variables[slot.path] = Variable(
-            slot.path, kind, slot.dimensions, self._unit(slot), self._display_unit(slot), binding, start,
-            self._flag(slot, "fixed"), read_limit(self.names, slot, "min"), read_limit(self.names, slot, "max"),
+            slot.path, kind, slot.dimensions, unit_of(self.names, slot), display_unit_of(self.names, slot), binding, start,
+            flag_of(self.names, slot, "fixed"), read_limit(self.names, slot, "min"), read_limit(self.names, slot, "max"),
             "output" in declaration.prefixes and owner.parent is None, declaration.description,
             self._place(declaration.name_span, owner), kind == "parameter" and self._has(declaration, "Evaluate"),
             kind == "parameter" and self._has(declaration, "Varying"),
@@ -244,9 +259,10 @@ class _Flattening:
 
     def _kind(self, slot: Slot) -> Kind:
         prefixes = slot.declaration.prefixes
-        if slot.base in ("Integer", "Boolean", "String") and "parameter" not in prefixes:
-            fail("L0219", f"not supported yet: the {slot.base} variable '{slot.declaration.name}'", slot.declaration.name_span,
-                 "Integer and Boolean parameters are supported")
+        if slot.base in STRUCTURAL_TYPES and "parameter" not in prefixes:
+            what = f"the {slot.enumeration or slot.base} variable '{slot.declaration.name}'"
+            fail("L0219", f"not supported yet: {what}", slot.declaration.name_span,
+                 "Integer, Boolean, String and enumeration parameters are supported")
         kinds: tuple[Kind, ...] = ("parameter", "coordinate", "input")
         return next((kind for kind in kinds if kind in prefixes), "variable")
 
@@ -260,34 +276,6 @@ class _Flattening:
             fail("L0211", f"the parameter '{name}'{said} has no value", span, f"write: {name} = ...")
         fail("L0211", f"{owner.definition.name} inherits the parameter '{name}'{said} without a value", owner.span,
              f"write: extends ...({name} = ...)")
-
-    def _text(self, slot: Slot, attribute: str) -> str:
-        bound = slot.attributes.get(attribute)
-        if bound is not None and bound.expression.__class__ is String and not bound.selection:
-            return bound.expression.value  # as most are
-        value = self.names.flatten_bound(bound) if bound is not None else None
-        if value is not None and not isinstance(value, String):
-            fail("L0208", f"'{attribute}' must be a text", value.span)
-        return value.value if isinstance(value, String) else ""
-
-    def _unit(self, slot: Slot) -> str:
-        unit = self._text(slot, "unit")
-        if unit:
-            read_unit(unit, slot.attributes["unit"].expression.span)
-        return unit
-
-    def _display_unit(self, slot: Slot) -> str:
-        """Raises LagError L0301 for one that is none, or that the variable cannot be shown in."""
-        unit, shown = self._text(slot, "unit"), self._text(slot, "displayUnit")
-        if shown:
-            place = slot.attributes["displayUnit"].expression.span
-            if read_unit(shown, place).dimension != read_unit(unit or "1", place).dimension:
-                fail("L0301", f"what is in {unit or '1'} cannot be shown in {shown}", place)
-        return shown
-
-    def _flag(self, slot: Slot, attribute: str) -> bool:
-        bound = slot.attributes.get(attribute)
-        return bound is not None and self.names.boolean(bound.expression, bound.scope, f"'{attribute}'")
 
     def _add_frame(self, slot: FrameSlot, owner: Instance) -> None:
         is_ground = owner.frame is slot and self._is_world(owner)
@@ -327,17 +315,10 @@ class _Flattening:
                 chosen = then if self.names.boolean(condition, scope, "the condition of an if block") else otherwise
                 for part in chosen:
                     self._clause(kind, part, scope)
-            case Equality(left, right, _, _) if kind == "sample":
-                self._add_held(self.names.flatten(left, scope), self.names.flatten(right, scope), clause.span, place)
-            case Equality() if kind == "when":
-                fail("L0222", "what happens at an event is said by reinit", clause.span, *_AT_EVENTS)
+            case Equality():
+                self._add_equality(kind, clause, scope, place)
             case CallEquation() | WhenBlock() if kind == "sample":
                 fail("L0222", "what is held from an instant on is said by u = ...", clause.span)
-            case Equality(left, right, _, _) if kind == "initial":
-                self.initial.append(Equation(self.names.flatten(left, scope), self.names.flatten(right, scope), place))
-            case Equality(left, right, _, _):
-                sides = self.names.flatten(left, scope), self.names.flatten(right, scope)
-                self._add_equation(*sides, scope.instance.path, place)
             case CallEquation(call, _) if kind == "when":
                 self._add_reset(call, scope, place)
             case CallEquation(call, _) if kind == "drawing":
@@ -356,6 +337,22 @@ class _Flattening:
                 self._add_when(clause, scope, place)
             case _:
                 fail("L0222", "an algorithm belongs into a function", clause.span)
+
+    def _add_equality(self, kind: str, clause: Equality, scope: Scope, place: Span) -> None:
+        left, right = clause.left, clause.right
+        if fields := self.names.fields(left, scope) or self.names.fields(right, scope):
+            for name in fields:
+                self._clause(kind, Equality(Field(left, name, left.span), Field(right, name, right.span), "", clause.span), scope)
+            return
+        if kind == "when":
+            fail("L0222", "what happens at an event is said by reinit", clause.span, *_AT_EVENTS)
+        sides = self.names.flatten(left, scope), self.names.flatten(right, scope)
+        if kind == "sample":
+            self._add_held(*sides, clause.span, place)
+        elif kind == "initial":
+            self.initial.append(Equation(*sides, place))
+        else:
+            self._add_equation(*sides, scope.instance.path, place)
 
     def _add_equation(self, left: Flat, right: Flat, component: str, span: Span) -> None:
         if is_frame(left) != is_frame(right):
@@ -381,6 +378,8 @@ class _Flattening:
                  f"did you mean '{near}'?" if near else "an equation has a '=' between two expressions, or is connect(a, b)")
         if len(call.arguments) != 2:
             fail("L0215", f"connect takes two frames, not {len(call.arguments)}", span, "write: connect(a, b)")
+        if any(is_absent(argument, scope) for argument in call.arguments):
+            return  # to a component that is not there nothing is connected
         if (between := connected(call, scope, span, self.names)) is not None:
             self.connections += between
             return
@@ -404,6 +403,12 @@ class _Flattening:
         self.figures.append(Figure(call.function, arguments, options, scope.instance.path, place))
 
     def _add_when(self, block: WhenBlock, scope: Scope, place: Span) -> None:
+        if block.otherwise is not None:
+            if isinstance(block.condition, Call) and block.condition.function == "sample":
+                fail("L0222", "elsewhen cannot follow a sampler", block.otherwise.span, "write two of them: when ... end when;")
+            first, other = (self.names.flatten(b.condition, scope) for b in (block, block.otherwise))
+            warn_of_both(first, other, block.otherwise, self.report)
+            self._clause("equation", block.otherwise, scope)
         if isinstance(block.condition, Call) and block.condition.function == "sample":
             self._add_sampler(block, block.condition, scope, place)
             return

@@ -1,11 +1,11 @@
 """The values of flat expressions that are made of numbers alone."""
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 from lagrangia.base.diagnostics import fail
-from lagrangia.language.tree import Array, Binary, Boolean, Call, Flat, Number, Ref, String, Unary
+from lagrangia.language.tree import Array, Binary, Boolean, Call, EnumerationLiteral, Flat, Number, Ref, String, Unary
 
 Known = Callable[[Ref], float | None]
 
@@ -17,8 +17,12 @@ _FOLD: Mapping[str, Callable[[Any, Any], Any]] = {
 _FOLD_CALLS: Mapping[str, Callable[..., Any]] = {
     "floor": math.floor, "ceil": math.ceil, "abs": abs, "mod": lambda a, b: a - b * math.floor(a / b), "sqrt": math.sqrt,
     "sin": math.sin, "cos": math.cos, "tan": math.tan, "exp": math.exp, "log": math.log,
-    "min": lambda *values: min(values), "max": lambda *values: max(values),
 }
+_FOLD_ALL: Mapping[str, Callable[[Any], Any]] = {"sum": sum, "product": math.prod, "min": min, "max": max}
+
+
+def _scalars(nodes: Iterable[Flat]) -> list[Flat]:
+    return [x for node in nodes for x in (_scalars(node.items) if isinstance(node, Array) else [node])]
 
 
 def fold(node: Flat, known: Known | None = None) -> float | bool | None:
@@ -30,6 +34,18 @@ def fold(node: Flat, known: Known | None = None) -> float | bool | None:
                 return value
             case Ref() if known is not None:
                 return known(node)
+            case EnumerationLiteral():
+                return None
+            case Binary(("==" | "<>" | "<" | "<=" | ">" | ">=") as operator, EnumerationLiteral() as left,
+                        EnumerationLiteral() as right, span):
+                if left.type_name != right.type_name:
+                    fail("L0302", f"a {left.type_name} and a {right.type_name} cannot be compared", span)
+                return bool(_FOLD[operator](left.ordinal, right.ordinal))
+            case Binary(("==" | "<>") as operator, String() as left, String() as right, _):
+                return bool(_FOLD[operator](left.value, right.value))
+            case Call("sum" | "product" | "min" | "max" as function, arguments, (), _):
+                values = [fold(x, known) for x in _scalars(arguments)]
+                return None if None in values or not values else _FOLD_ALL[function](values)
             case Unary(operator, operand):
                 inner = fold(operand, known)
                 return None if inner is None else (not inner) if operator == "not" else -inner
@@ -58,7 +74,7 @@ def numbers_of(binding: Flat, shape: tuple[int, ...], known: Known | None = None
 
 def folded(node: Flat) -> Flat | None:
     """The literal, or array of literals, that an expression of numbers alone stands for, else None."""
-    if isinstance(node, String):
+    if isinstance(node, String | EnumerationLiteral):
         return node
     if isinstance(node, Array):
         items = [known for item in node.items if (known := folded(item)) is not None]

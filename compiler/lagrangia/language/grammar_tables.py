@@ -13,7 +13,10 @@ from lark.lexer import TerminalDef
 from lagrangia.language.reader import Rule
 from lagrangia.language.shipped import made_of
 
-_WHOLE_WORDS = re.compile(r"(?:\(\?:)?([\w|]+)\)?\\b")  # the pattern of a terminal that is one of some words
+# The pattern of a terminal that is one of some words, each perhaps by what follows, and of all such alternatives.
+_WORDS = r"(?:\(\?:[\w|]+\)|\w+)(?:\\b|\(\?[=!](?:[^()\[\]]|\[(?:\\.|[^\]\\])*\])+\))"
+_WHOLE_WORDS = re.compile(rf"{_WORDS}(?:\|{_WORDS})*")
+_SAME_WORDS = re.compile(r"(?:\(\?:)?([\w|]+)\)?(\\b|\(\?[=!](?:[^()\[\]]|\[(?:\\.|[^\]\\])*\])+\))")
 
 
 @cache
@@ -79,19 +82,21 @@ def _rule_of(rule: LarkRule) -> Rule:
     return name, size, method, bool(options.expand1 and not rule.alias), tuple(kept), waiting + absent[size]
 
 
-def _words_of(parser: Any) -> tuple[dict[str, tuple[str, ...]], str]:
+def _words_of(parser: Any) -> tuple[dict[str, tuple[tuple[str, str], ...]], str]:
     """Words with the terminals they may be, and the pattern of all others; both in the order in which Lark tries them."""
     ordered = sorted(parser.terminals, key=lambda t: (-t.priority, -t.pattern.max_width, -len(t.pattern.value), t.name))
-    words: dict[str, list[str]] = {}
+    words: dict[str, list[tuple[str, str]]] = {}
     ignored, patterns = [], []
     for terminal in ordered:
         value, is_plain = terminal.pattern.value, type(terminal.pattern).__name__ == "PatternStr"
-        whole = _WHOLE_WORDS.fullmatch(value)
         if terminal.name in parser.ignore_tokens:
             ignored.append(terminal.pattern.to_regexp())
-        elif (is_plain and value.isidentifier()) or (whole is not None and not is_plain):
-            for word in [value] if is_plain else whole[1].split("|"):  # type: ignore[index]
-                words.setdefault(word, []).append(terminal.name)
+        elif is_plain and value.isidentifier():
+            words.setdefault(value, []).append((terminal.name, ""))
+        elif not is_plain and _WHOLE_WORDS.fullmatch(value):
+            for same in _SAME_WORDS.finditer(value):
+                for word in same[1].split("|"):
+                    words.setdefault(word, []).append((terminal.name, "" if same[2] == "\\b" else same[2]))
         else:
             patterns.append(f"(?P<{terminal.name}>{terminal.pattern.to_regexp()})")
     return {word: tuple(names) for word, names in words.items()}, "|".join([f"(?P<ignored>{'|'.join(ignored)})", *patterns])

@@ -1,4 +1,4 @@
-"""The least and the largest value that a declaration allows: min and max."""
+"""Attributes of variables: the least and the largest value that a declaration allows, units, whether a start is fixed."""
 
 import operator
 
@@ -6,7 +6,8 @@ from lagrangia.base.diagnostics import fail
 from lagrangia.language.folding import fold
 from lagrangia.language.instances import Slot
 from lagrangia.language.names import Names
-from lagrangia.language.tree import Array, Flat, Number
+from lagrangia.language.tree import Array, Flat, Number, String
+from lagrangia.language.units_written import read_unit
 
 _BEYOND = (("min", "less than its minimum", operator.lt), ("max", "more than its maximum", operator.gt))
 
@@ -31,3 +32,37 @@ def require_within(names: Names, slot: Slot, value: Flat) -> None:
             if limit is not None and isinstance(item, Number) and is_beyond(item.value, limit):
                 fail("L0605", f"the {kind} '{slot.path}' is {item.value:g}, {words} {limit:g}", item.span,
                      f"declared at {slot.declaration.name_span}")
+
+
+def _text(names: Names, slot: Slot, attribute: str) -> str:
+    bound = slot.attributes.get(attribute)
+    if bound is not None and bound.expression.__class__ is String and not bound.selection:
+        return bound.expression.value  # as most are
+    value = names.flatten_bound(bound) if bound is not None else None
+    if value is not None and not isinstance(value, String):
+        fail("L0208", f"'{attribute}' must be a text", value.span)
+    return value.value if isinstance(value, String) else ""
+
+
+def unit_of(names: Names, slot: Slot) -> str:
+    """As it is declared, "" where none is. Raises LagError L0208, L0301."""
+    unit = _text(names, slot, "unit")
+    if unit:
+        read_unit(unit, slot.attributes["unit"].expression.span)
+    return unit
+
+
+def display_unit_of(names: Names, slot: Slot) -> str:
+    """Raises LagError L0208; L0301 for one that is none, or that the variable cannot be shown in."""
+    unit, shown = _text(names, slot, "unit"), _text(names, slot, "displayUnit")
+    if shown:
+        place = slot.attributes["displayUnit"].expression.span
+        if read_unit(shown, place).dimension != read_unit(unit or "1", place).dimension:
+            fail("L0301", f"what is in {unit or '1'} cannot be shown in {shown}", place)
+    return shown
+
+
+def flag_of(names: Names, slot: Slot, attribute: str) -> bool:
+    """Whether an attribute is said to be true. Raises LagError L0210."""
+    bound = slot.attributes.get(attribute)
+    return bound is not None and names.boolean(bound.expression, bound.scope, f"'{attribute}'")

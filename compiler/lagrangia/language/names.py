@@ -1,88 +1,81 @@
 """Expressions in a scope -> flat expressions: names resolved, loops unrolled, structural values put in."""
 
-import math
-from collections.abc import Callable, Iterable, Mapping
-from dataclasses import field
+from collections.abc import Callable
+from dataclasses import field, replace
 from functools import reduce
-from typing import Any, NoReturn, cast
+from typing import Any, cast
 
-from lagrangia.base.diagnostics import Diagnostic, Report, Span, TooMuchError, fail, nearest, suggest
+from lagrangia.base.diagnostics import Report, Span, fail, suggest
 from lagrangia.base.records import dataclass
-from lagrangia.language.classes import ClassTable
+from lagrangia.language.calls import Calls
+from lagrangia.language.classes import ENUMERATION, ClassTable
 from lagrangia.language.elements import element, length
 from lagrangia.language.folding import fold, folded
 from lagrangia.language.frame_attributes import ATTRIBUTES, OF_ANY_FRAME, REACTIONS, WORDS, WORDS_OF_ELEMENTS
+from lagrangia.language.functions import CONSTANTS
 from lagrangia.language.instances import Bound, FrameSlot, Instance, Member, Scope, Slot, held_port
-from lagrangia.language.lookups import Lookup, lookup_of, options_of
-from lagrangia.language.suggestions import explain
+from lagrangia.language.lookups import Lookup
+from lagrangia.language.loops import Work
+from lagrangia.language.matrices import EACH, each, matrix_power, product, shape_of, side_by_side
+from lagrangia.language.missing_names import ports_of, refuse_member, refuse_name
 from lagrangia.language.tree import (
     Array,
     Binary,
     Boolean,
     Call,
+    ClassDefinition,
     Comprehension,
+    EnumerationLiteral,
     Expression,
+    Field,
     Flat,
     FrameRef,
     IfExpression,
-    Iterator,
+    Last,
+    Matrix,
     Number,
+    Part,
     Range,
     Ref,
     Reference,
+    Results,
     String,
     Time,
     Unary,
     Whole,
 )
-from lagrangia.language.units import Unit, known_units, parse_unit, respelled
+from lagrangia.language.units_written import in_si
 
-# Number of arguments of each function of the kernel; None: any number, at least one.
-FUNCTIONS: Mapping[str, tuple[int, ...] | None] = {
-    **dict.fromkeys(("sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh", "asinh", "acosh", "atanh", "exp",
-                     "log", "log10", "sqrt", "abs", "sign", "floor", "ceil", "norm", "der", "pre", "virtual",
-                     "contact_force", "constraint_force"), (1,)),
-    **dict.fromkeys(("atan2", "mod", "dot", "cross", "distance", "rotate", "shift", "turn"), (2,)),
-    "table": (2, 3), "table2": (5,), "min": None, "max": None, "sum": None, "product": None,
-}
-FRAME_FUNCTIONS = frozenset({"shift", "turn"})
-CONSTANTS = {"pi": math.pi}
-_ALIASES = {"arcsin": "asin", "arccos": "acos", "arctan": "atan", "ln": "log", "ceiling": "ceil", "pow": "^", "hypot": "norm"}
 _EACH_WHOLE = "write `each` before it if every element is to have the whole of it"
 _UNIT_BEHIND = "a unit stands behind a literal alone, as in 30[deg]; square brackets behind a name pick an element"
-_MOST_ITERATIONS = 100_000  # of one loop
-_MOST_PASSES = 300_000  # of all loops of a model, each times the clauses in it: some 10 us each
 
 
 @dataclass
-class Work:
-    """How many clauses and elements the loops of a model were unrolled to."""
-
-    passes: int = 0
-
-    def spend(self, count: int, span: Span) -> None:
-        """Raises TooMuchError L0209 before more is unrolled than can be looked at in good time."""
-        self.passes += count
-        if self.passes > _MOST_PASSES:
-            what = f"the loops and sums of this model have more than {_MOST_PASSES} passes in all"
-            raise TooMuchError([Diagnostic("error", "L0209", what, span, "", ("those inside each other multiply",))])
-
-
-@dataclass
-class Names:
+class Names(Calls):
     """Resolves names; what is wrong is raised as LagError, caught and collected clause by clause in flat.py."""
 
     table: ClassTable
     report: Report
     functions: dict[str, Any]
-    define_function: Callable[[str, Span], None] = lambda name, span: None
+    define: Callable[[ClassDefinition, Span], None] = lambda definition, span: None
+    make_package: Callable[[ClassDefinition], Instance] | None = None  # an instance of constants alone
     root: Instance | None = None
     work: Work = field(default_factory=Work)
     lookups: dict[Lookup, Span] = field(default_factory=dict)  # tables of files, and where they are asked for first
     delays: dict[str, Call[Flat]] = field(default_factory=dict)  # what acts late, by the names of what stands for it
-    _structural: dict[str, Flat] = field(default_factory=dict)
+    packages: dict[str, Instance] = field(default_factory=dict)  # of the constants of each
+    _structural: dict[Slot, Flat] = field(default_factory=dict)
     _pending: list[str] = field(default_factory=list)
+    _arrays: set[str] = field(default_factory=set)  # variables that were named as arrays
     _dealt: dict[tuple[int, int], tuple[Bound, Flat]] = field(default_factory=dict)
+
+    def define_function(self, definition: ClassDefinition, span: Span) -> None:
+        """Makes sure that `functions` has it. Raises LagError for one that is wrong."""
+        self.define(definition, span)
+
+    def begin(self, root: Instance) -> None:
+        """Names are looked up in an instance whose members are being made."""
+        self.root = root
 
     # ------------------------------------------------------------ structural values
 
@@ -109,8 +102,8 @@ class Names:
 
     def structural_value(self, slot: Slot, span: Span) -> Flat:
         """The folded value of a constant or of an Integer, Boolean or String parameter. Raises LagError L0210 to L0212."""
-        if slot.path in self._structural:
-            return self._structural[slot.path]
+        if slot in self._structural:
+            return self._structural[slot]
         if slot.binding is None:
             fail("L0211", f"'{slot.path}' has no value", slot.declaration.name_span, f"it is needed at {span}")
         if slot.path in self._pending:
@@ -124,15 +117,17 @@ class Names:
             fail("L0210", f"'{slot.path}' must be known when the scene is compiled", slot.binding.expression.span,
                  "it is structural (Integer, Boolean or constant): use numbers and structural values")
         self._check_kind(slot, value)
-        self._structural[slot.path] = value
+        self._structural[slot] = value
         return value
 
     def _check_kind(self, slot: Slot, value: Flat) -> None:
         items = value.items if isinstance(value, Array) else (value,)
-        wanted = {"Integer": "an integer", "Boolean": "true or false", "String": "a text"}.get(slot.base, "a number")
+        wanted = {"Integer": "an integer", "Boolean": "true or false", "String": "a text",
+                  ENUMERATION: f"a value of {slot.enumeration}"}.get(slot.base, "a number")
         for item in items:
             good = {"Integer": isinstance(item, Number) and item.value.is_integer(), "Boolean": isinstance(item, Boolean),
-                    "String": isinstance(item, String)}.get(slot.base, isinstance(item, Number | Array))
+                    "String": isinstance(item, String), ENUMERATION: isinstance(item, EnumerationLiteral)
+                    and item.type_name == slot.enumeration}.get(slot.base, isinstance(item, Number | Array))
             if not good:
                 what = f", not {item.value:g}" if isinstance(item, Number) else ""
                 fail("L0210", f"'{slot.path}' must be {wanted}{what}", value.span)
@@ -144,7 +139,7 @@ class Names:
         flat = self._flatten_dealt(bound) if bound.selection else self.flatten(bound.expression, bound.scope)
         for index, size in bound.selection:
             flat = self._deal(flat, index, size, shape)
-        if bound.selection and shape and length(flat, self._size) is None:
+        if bound.selection and shape and length(flat, self.size) is None:
             fail("L0213", f"one number for an array of {shape[0]}, of every component", bound.expression.span, _EACH_WHOLE)
         return flat
 
@@ -156,16 +151,23 @@ class Names:
         return self._dealt[key][1]
 
     def _deal(self, flat: Flat, index: int, size: int, shape: tuple[int, ...]) -> Flat:
-        found = length(flat, self._size)
+        found = length(flat, self.size)
         if found is None:
             fail("L0213", "one value for an array of components", flat.span,
                  "write `each` before it to give it to every element, or give an array")
         if found != size:
             hints = [_EACH_WHOLE] if shape[:1] == (found,) else []
             fail("L0213", f"{found} values for an array of {size}", flat.span, *hints)
-        return element(flat, index, self._size)
+        return element(flat, index, self.size)
 
-    def _size(self, ref: Ref) -> int | None:
+    def shape(self, bound: Bound) -> tuple[int, ...]:
+        """The sizes of what is bound, which has no selection."""
+        return shape_of(self.flatten_bound(bound), self.size)
+
+    def size(self, ref: Ref) -> int | None:
+        """Of the next dimension of a variable; None where it has none."""
+        if ref.name not in self._arrays:
+            return None
         member = self._find(ref.name)
         is_array = isinstance(member, Slot) and len(member.dimensions) > len(ref.index)
         return cast(Slot, member).dimensions[len(ref.index)] if is_array else None
@@ -183,8 +185,8 @@ class Names:
         """An expression with full names, in SI units, its structural values put in. Raises LagError."""
         match node:
             case Number():
-                return _in_si(node)
-            case Boolean() | String():
+                return in_si(node)
+            case Boolean() | String() | EnumerationLiteral():
                 return node
             case Reference():
                 return self.resolve(node, scope)
@@ -196,21 +198,61 @@ class Names:
                     return Number(-inner.value, inner.unit, span, inner.is_integer)
                 return Unary(operator, inner, span)
             case Binary(operator, left, right, span):
-                return Binary(operator, self.flatten(left, scope), self.flatten(right, scope), span)
+                return self._operated(operator, self.flatten(left, scope), self.flatten(right, scope), span)
             case IfExpression():
                 return self._choose(node, scope)
+            case Matrix(rows, span):
+                return side_by_side([[self.flatten(item, scope) for item in row] for row in rows], self.size, span)
+            case Last(span):
+                return self._last(scope, span)
             case Call():
-                return self._call(node, scope)
+                return self.call(node, scope)
             case Array(items, span):
                 return Array(tuple(self.flatten(item, scope) for item in items), span)
-            case Comprehension(function, body, iterators, span):
-                array = Array(tuple(self.flatten(body, inner) for inner in self.loop(iterators, scope)), span)
-                return self._checked_call(Call(function, (array,), (), span)) if function else array
+            case Comprehension():
+                return self._comprehended(node, scope)
             case Range():
                 values = self._range(node, scope)
                 return Array(tuple(Number(float(v), None, node.span, True) for v in values), node.span)
+            case Field():
+                return self._field(node, scope)
+            case Results(_, span):
+                fail("L0103", "several results stand on the left side of an equation alone", span, "write: (a, b) = f(x);")
             case Whole(span):
                 fail("L0214", "':' stands only in subscripts", span)
+
+    def _comprehended(self, node: Comprehension, scope: Scope) -> Flat:
+        """{e for i in r, j in s} is {{e for i in r} for j in s}."""
+        body, iterators = node.body, node.iterators
+        if not node.function and len(iterators) > 1:
+            body, iterators = Comprehension("", body, iterators[:-1], node.span), iterators[-1:]
+        array = Array(tuple(self.flatten(body, inner) for inner in self.loop(iterators, scope)), node.span)
+        return self.checked_call(Call(node.function, (array,), (), node.span)) if node.function else array
+
+    def _operated(self, operator: str, left: Flat, right: Flat, span: Span) -> Flat:
+        """Products of matrices, and what is done element after element, are written out; the rest is left to the evaluator."""
+        if operator in EACH:
+            return each(operator, left, right, self.size, span)
+        if operator == "*" and (self._is_matrix(left) or self._is_matrix(right)):
+            return product(left, right, self.size, span)
+        if operator == "^" and self._is_matrix(left):
+            return matrix_power(left, right, self.size, span)
+        return Binary(operator, left, right, span)
+
+    def _is_matrix(self, node: Flat) -> bool:
+        match node:
+            case Array(items, _):
+                return any(length(item, self.size) is not None for item in items[:1])
+            case Ref(name, index, _):
+                slot = self._find(name) if name in self._arrays else None
+                return isinstance(slot, Slot) and len(slot.dimensions) > len(index) + 1
+            case Unary("-", operand, _):
+                return self._is_matrix(operand)
+            case Binary("+" | "-", left, right, _) | IfExpression(_, left, right, _):
+                return self._is_matrix(left) or self._is_matrix(right)
+            case Binary("/", left, _, _):
+                return self._is_matrix(left)
+        return False
 
     def _choose(self, node: IfExpression[Expression], scope: Scope) -> Flat:
         condition = self.flatten(node.condition, scope)
@@ -220,85 +262,45 @@ class Names:
         then, otherwise = self.flatten(node.then, scope), self.flatten(node.otherwise, scope)
         return IfExpression(condition, then, otherwise, node.span)
 
-    def _call(self, node: Call[Expression], scope: Scope) -> Flat:
-        if node.function in ("connect", "assert", "reinit"):
-            fail("L0215", f"{node.function}(...) is an equation, not a value", node.span)
-        if node.function == "sample":
-            fail("L0215", "sample(...) is a condition of its own", node.span,
-                 "write: when sample(0, 0.01) then u = ...; end when;")
-        arguments = tuple(self.flatten(a, scope) for a in node.arguments)
-        named = tuple((name, self.flatten(a, scope)) for name, a in node.named)
-        if node.function in scope.instance.members and self.table.function(node.function, node.span) is None:
-            fail("L0204", f"'{node.function}' is no function", node.span,
-                 f"elements are picked with square brackets: {node.function}[1]")
-        call = Call(node.function, arguments, named, node.span)
-        if node.function == "delay" and self.table.function("delay", node.span) is None:
-            name = f"delay({len(self.delays) + 1})"
-            self.delays[name] = call
-            return Ref(name, (), node.span)
-        return self._checked_call(call)
+    # ------------------------------------------------------------ records
 
-    def _checked_call(self, node: Call[Flat]) -> Call[Flat]:
-        if self.table.function(node.function, node.span) is not None:
-            self.define_function(node.function, node.span)
-            function = self.functions[node.function]
-            return Call(node.function, function.arrange(node), (), node.span)
-        if node.function not in FUNCTIONS:
-            user = [name for name, c in {**self.table.library, **self.table.user}.items() if c.kind == "function"]
-            hint = f"it is called '{_ALIASES[node.function]}' here" if node.function in _ALIASES else suggest(
-                node.function, [*FUNCTIONS, *user])
-            fail("L0204", f"there is no function '{node.function}'", node.span, *filter(None, [hint]))
-        if node.function == "table" and (node.named or len(node.arguments) == 2):
-            return self._table(node)
-        if node.named:
-            fail("L0215", f"{node.function} takes no named arguments", node.span)
-        wanted, given = FUNCTIONS[node.function], len(node.arguments)
-        if given == 0 or (wanted is not None and given not in wanted):
-            count = " or ".join(map(str, wanted)) if wanted else "at least 1"
-            fail("L0215", f"{node.function} takes {count} argument{'s' if count[-1] != '1' else ''}, not {given}", node.span)
-        return node
+    def fields(self, node: Expression, scope: Scope) -> list[str]:
+        """The names of what a record has that a name stands for; none for anything else."""
+        if not isinstance(node, Reference):
+            return []
+        member: Any = scope.instance.members.get(node.parts[0].name)
+        for part in node.parts[1:]:
+            while isinstance(member, list) and member:
+                member = member[0]
+            member = member.members.get(part.name) if isinstance(member, Instance) else None
+        while isinstance(member, list) and member:
+            member = member[0]
+        return list(member.members) if isinstance(member, Instance) and member.definition.kind == "record" else []
 
-    def _table(self, node: Call[Flat]) -> Call[Flat]:
-        """Of a file, or of points with options. Raises LagError L0215."""
-        if len(node.arguments) == 3:
-            options_of(node)
-        elif len(node.arguments) == 2:
-            self.lookups.setdefault(lookup_of(node), node.arguments[1].span)
-        else:
-            fail("L0215", f"table takes 2 or 3 arguments, not {len(node.arguments)}, and options by name", node.span)
-        return node
+    def _field(self, node: Field, scope: Scope) -> Flat:
+        return self.flatten(self._part(node.record, node.name, node.span), scope)
 
-    # ------------------------------------------------------------ loops
+    def _part(self, record: Expression, name: str, span: Span) -> Expression:
+        """What a record has under a name, as an expression. Raises LagError L0302."""
+        match record:
+            case Reference(parts, place):
+                return Reference((*parts, Part(name, (), place)), place)
+            case IfExpression(condition, then, otherwise, place):
+                return IfExpression(condition, self._part(then, name, span), self._part(otherwise, name, span), place)
+            case Array(items, place):
+                return Array(tuple(self._part(item, name, span) for item in items), place)
+            case Comprehension("", body, iterators, place):
+                return Comprehension("", self._part(body, name, span), iterators, place)
+            case Field(inner, outer, _):
+                return self._part(self._part(inner, outer, span), name, span)
+            case Call():
+                return self.part_of_call(record, name)
+        fail("L0302", "this is no record", record.span, "a record is a name of one, or made by its constructor: R(a = 1, b = 2)")
 
-    def loop(self, iterators: tuple[Iterator, ...], scope: Scope, size: int = 1) -> Iterable[Scope]:
-        """The scopes of all passes of a loop over so many clauses, the last iterator running fastest. Raises LagError
-        L0209, L0214."""
-        scopes = [scope]
-        for iterator in iterators:
-            if iterator.range is None:
-                fail("L0214", f"the range of '{iterator.name}' is missing", iterator.span, "write: for i in 1:n")
-            passes: list[Scope] = []
-            for outer in scopes:
-                passes += [outer.bind(iterator.name, value) for value in self._values(iterator.range, outer)]
-                if len(passes) > _MOST_ITERATIONS:
-                    fail("L0209", f"a loop of more than {_MOST_ITERATIONS} passes", iterator.span)
-            scopes = passes
-        self.work.spend(len(scopes) * size, iterators[0].span)
-        return scopes
-
-    def _values(self, node: Expression, scope: Scope) -> list[int]:
-        if isinstance(node, Range):
-            return self._range(node, scope)
-        if isinstance(node, Array):
-            return [self.integer(item, scope, "a loop's value") for item in node.items]
-        fail("L0214", "a loop runs over a range or a list of integers", node.span, "write: for i in 1:n")
-
-    def _range(self, node: Range, scope: Scope) -> list[int]:
-        start, stop = (self.integer(e, scope, "the end of a range") for e in (node.start, node.stop))
-        step = self.integer(node.step, scope, "the step of a range") if node.step is not None else 1
-        if step == 0 or (stop - start) // step > _MOST_ITERATIONS:
-            fail("L0209", f"a range of more than {_MOST_ITERATIONS} values", node.span)
-        return list(range(start, stop + (1 if step > 0 else -1), step))
+    def _last(self, scope: Scope, span: Span) -> Flat:
+        if "end" not in scope.iterators:
+            fail("L0214", "'end' stands only in subscripts", span)
+        return Number(float(scope.iterators["end"]), None, span, True)
 
     # ------------------------------------------------------------ references
 
@@ -318,8 +320,49 @@ class Names:
             if first.name == "world" and self.root is not None:
                 member = self.root.members.get("world")
         if member is None:
-            self._unknown(node, scope)
+            return self._of_class(node, scope)
         return self._follow(node, 0, member, scope)
+
+    def _of_class(self, node: Reference, scope: Scope) -> Flat:
+        """A constant of a package, or a value of an enumeration. Raises LagError L0204."""
+        for k in range(len(node.parts) - 1, 0, -1):
+            if not any(part.subscripts for part in node.parts[:k]):
+                name = ".".join(part.name for part in node.parts[:k])
+                definition = self.table.found(name, node.span)
+                if definition is not None and definition.kind != "function":
+                    return self._in_class(node, k, definition, scope)
+        if node.span.source in self.table.files and (found := self.table.scopes.constant(node.parts[0].name, node.span)):
+            renamed = replace(node, parts=(replace(node.parts[0], name=found[1]), *node.parts[1:]))
+            return self._in_class(renamed, 0, found[0], scope)
+        refuse_name(node, scope)
+
+    def _in_class(self, node: Reference, at: int, definition: ClassDefinition, scope: Scope) -> Flat:
+        part = node.parts[at]
+        if definition.literals:
+            names = [literal.name for literal in definition.literals]
+            if part.name not in names or part.subscripts or at + 1 < len(node.parts):
+                fail("L0204", f"{definition.name} has no value '{'.'.join(p.name for p in node.parts[at:])}'", part.span,
+                     suggest(part.name, names) or f"its values are {', '.join(names)}")
+            return EnumerationLiteral(definition.name, part.name, names.index(part.name) + 1, node.span)
+        declared = self.table.declared(definition)
+        constants = tuple(e for e in declared.values() if "constant" in e.prefixes)
+        if part.name not in [e.name for e in constants]:
+            what = f"'{part.name}' of {definition.name} is no constant" if part.name in declared else (
+                f"{definition.name} has no constant '{part.name}'")
+            fail("L0204", what, part.span, suggest(part.name, [e.name for e in constants]) or
+                 "a package has constants: constant Real k = 2;")
+        if definition.name not in self.packages:
+            assert self.make_package is not None
+            plain = replace(definition, elements=constants, sections=(), classes=())
+            self.packages[definition.name] = self.make_package(plain)
+        return self._follow(node, at, self.packages[definition.name].members[part.name], scope)
+
+    def count_of_literals(self, node: Reference) -> int | None:
+        """How many values an enumeration has, Boolean two; None for what is none."""
+        if any(part.subscripts for part in node.parts):
+            return None
+        definition = self.table.found(".".join(part.name for part in node.parts), node.span)
+        return len(definition.literals) or None if definition is not None else None
 
     def _require_plain(self, node: Reference) -> None:
         """`time`, `pi` and the variable of a loop are numbers: no part of them can be picked, and no unit be put behind them."""
@@ -362,7 +405,7 @@ class Names:
             if member.frame is not None:
                 return FrameRef(member.path, "", (), node.span)
             fail("L0216", f"'{node}' is a component ({member.definition.name}), not a value", node.span,
-                 _ports(member))
+                 ports_of(member))
         inner = member.members.get(rest[0].name)
         if rest[0].name in member.protected:
             owner = member.definition.name
@@ -373,7 +416,7 @@ class Names:
                 return self._frame(node, at + 1, member.frame, scope)
             if rest[0].name in REACTIONS and held_port(_frames(member)) is not None:
                 return self._reaction(node, at + 1, member, scope)
-            self._no_member(member, rest[0].name, rest[0].span)
+            refuse_member(self.table, member, rest[0].name, rest[0].span)
         return self._follow(node, at + 1, inner, scope)
 
     def _variable(self, slot: Slot, subscripts: list[int | list[int]], span: Span) -> Flat:
@@ -385,6 +428,9 @@ class Names:
                     fail("L0214", f"'{slot.declaration.name}' has {size} elements, not {pick}", span)
         if slot.is_structural:
             return _pick(self.structural_value(slot, span), subscripts)
+
+        if len(subscripts) < len(slot.dimensions):
+            self._arrays.add(slot.path)
 
         def build(index: tuple[int, ...], left: list[int | list[int]]) -> Flat:
             if not left:
@@ -411,7 +457,7 @@ class Names:
         """`hinge.reaction`: the force of a joint on its held port, b of a and b; `hinge.reaction_torque`."""
         part, port = node.parts[at], joint.members[held_port(_frames(joint)) or ""]
         if not isinstance(port, FrameSlot) or at + 1 < len(node.parts):
-            self._no_member(joint, part.name, part.span)
+            refuse_member(self.table, joint, part.name, part.span)
         index = tuple(self.integer(s, scope, "a subscript") for s in part.subscripts)
         if not ATTRIBUTES[part.name].has_element(index):
             fail("L0214", f"'{part.name}' has no element {list(index)}", part.span)
@@ -421,40 +467,15 @@ class Names:
         if isinstance(node, Whole):
             size = len(member) if isinstance(member, list) else member.dimensions[dimension] if isinstance(member, Slot) else 0
             return list(range(1, size + 1))
+        if isinstance(member, list) or (isinstance(member, Slot) and dimension < len(member.dimensions)):
+            scope = scope.bind("end", len(member) if isinstance(member, list) else member.dimensions[dimension])
         if isinstance(node, Range | Array):
             return self._values(node, scope)
+        if isinstance(node, Reference | Comprehension) and isinstance(picked := self.flatten(node, scope), Array):
+            return [int(fold(item) or 0) for item in picked.items]
+        if isinstance(node, Reference) and isinstance(found := self.flatten(node, scope), EnumerationLiteral):
+            return found.ordinal
         return self.integer(node, scope, "a subscript")
-
-    def _unknown(self, node: Reference, scope: Scope) -> NoReturn:
-        first = node.parts[0]
-        known = {*scope.instance.members, *scope.iterators, "time", "world"}
-        hints = [suggest(first.name, known)]
-        if first.name in scope.instance.absent:
-            hints = ["its condition is false, so it is not there"]
-        elif scope.instance.parent is not None and first.name in scope.instance.parent.members:
-            hints.append(f"'{first.name}' belongs to {scope.instance.parent.definition.name}: pass it in a modification")
-        where = scope.instance.definition.name
-        fail("L0204", f"'{first.name}' is not known in {where}", first.span, *filter(None, hints))
-
-    def _no_member(self, instance: Instance, name: str, span: Span) -> NoReturn:
-        if name in instance.absent:
-            fail("L0204", f"'{name}' is not there: its condition is false", span)
-        what = f"{instance.definition.name} '{instance.path}'"
-        if name in REACTIONS:
-            joints = [str(slot.binding.expression).rpartition(".")[0] for slot in instance.members.values()
-                      if isinstance(slot, Slot) and slot.binding is not None and isinstance(slot.binding.expression, Reference)]
-            driven = next((f": {joint}.reaction, {joint}.reaction_torque" for joint in joints if joint), "")
-            own = [f"what it takes is {instance.path}.reaction, a force along what it moves, or a torque"]
-            fail("L0216", f"{what} has no {name}", span, "components with two ports have one; what acts on the coordinate of a "
-                 f"joint is in the reaction of the joint{driven}",
-                 *(own if "reaction" in instance.members else ()))
-        fail("L0216", f"{what} has no member '{name}'", span, *explain(self.table, instance.definition, name))
-
-
-def _ports(instance: Instance) -> str:
-    frames = [name for name, member in instance.members.items() if isinstance(member, FrameSlot)]
-    return f"its ports are {', '.join(frames)}" if frames else "name one of its variables"
-
 
 def _pick(value: Flat, subscripts: list[int | list[int]]) -> Flat:
     for subscript in subscripts:
@@ -464,24 +485,6 @@ def _pick(value: Flat, subscripts: list[int | list[int]]) -> Flat:
         else:
             value = Array(tuple(value.items[i - 1] for i in subscript), value.span)
     return value
-
-
-def read_unit(text: str, span: Span) -> Unit:
-    """Raises LagError L0301."""
-    try:
-        return parse_unit(text)
-    except ValueError as error:
-        near = nearest(text, known_units()) or ""
-        near = near if near.lower() == text.lower() else respelled(text) or near
-        habit = "units are written as in the SI: m, mm, kg, kN/m, deg, rad/s, N.m"
-        fail("L0301", str(error), span, f"did you mean '{near}'?" if near else habit)
-
-
-def _in_si(node: Number) -> Number:
-    if node.unit is None:
-        return node
-    unit = read_unit(node.unit, node.span)
-    return Number(node.value * unit.factor + unit.offset, node.unit, node.span, False)
 
 
 def _frames(instance: Instance) -> list[str]:

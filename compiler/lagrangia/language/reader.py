@@ -56,20 +56,28 @@ Rule = tuple[str, int, str | None, bool, Sequence[tuple[int, bool, int]], int]
 @dataclass(frozen=True)
 class Tables:
     """`rows`: by symbol the next state, or -1 - rule; `row_of` the row of each state; `words`: by their text the terminals that
-    they may be, of which the first counts that a state accepts; `pattern` matches one word, named by its terminal, or NAME."""
+    they may be, each with what has to follow ("" for anything), of which the first counts that a state accepts; `pattern` matches
+    one word, named by its terminal, or NAME."""
 
     start: int
     end: int
     row_of: Sequence[int]
     rows: Sequence[Mapping[str, int]]
     rules: Sequence[Rule]
-    words: Mapping[str, Sequence[str]]
+    words: Mapping[str, Sequence[tuple[str, str]]]
     pattern: str
 
     @cached_property
     def match(self) -> Any:
         """Matches a word at a place of a text."""
         return re.compile(self.pattern).match
+
+    def meant(self, word: str, row: Mapping[str, int], text: str, end: int) -> str | None:
+        """The terminal that a word, which ends there, is in a state; None for a name."""
+        for other, following in self.words.get(word, ()):
+            if other in row and (not following or re.compile(following).match(text, end)):
+                return other
+        return None
 
     @cached_property
     def finditer(self) -> Any:
@@ -88,7 +96,7 @@ def read(text: str, tables: Tables, actor: Actor) -> Any:
         kind = found.lastgroup
         if kind != "ignored":
             word = found.group()
-            stack.take(stack.terminal(kind, word), Word, word, at, found.end())
+            stack.take(stack.terminal(kind, word, text, found.end()), Word, word, at, found.end())
         at = found.end()
     return stack.finish()
 
@@ -102,13 +110,10 @@ class _Stack:
         self.values: list[Any] = []
         self.spans: list[tuple[int, int] | None] = []
 
-    def terminal(self, kind: str, word: str) -> str:
+    def terminal(self, kind: str, word: str, text: str, end: int) -> str:
         """Which one of those that a word may be is meant here."""
         row = self.tables.rows[self.tables.row_of[self.states[-1]]]
-        for other in self.tables.words.get(word, ()) if kind == "NAME" else ():
-            if other in row:
-                return other
-        return kind
+        return self.tables.meant(word, row, text, end) or kind if kind == "NAME" else kind
 
     def take(self, kind: str, make: type[Word], word: str, start: int, end: int) -> None:
         """Raises NotReadError where it cannot stand here."""

@@ -28,6 +28,7 @@ _LANDMARKS = re.compile(
     | (?P<end>\bend[ \t]+(?!(?:for|if|when)\b)(?P<name>[^\W\d]\w*)) | (?P<inner>\bend\b) | (?P<branch>\belse(?:if)?\b)
     | (?P<section>\b(?:initial(?:\s+equation)?|equation|algorithm|energy|drawing|public|protected)\b)
     | (?P<open>[(\[{]) | (?P<close>[)\]}]) | (?P<semicolon>;) | \w+""", re.DOTALL | re.VERBOSE)
+_CLASS_WORDS = ("CLASS_KIND", "PARTIAL")
 _STRUCTURE = ("header", "end", "inner", "section")
 _NO_STATEMENT = (*_STRUCTURE, "branch")
 
@@ -126,6 +127,9 @@ class _Reading:
                 if self.is_faulty and token in _BLOCKS and self.before[-1].type == "END":
                     start, end = token.start_pos or 0, token.end_pos or 0
                     break  # the block's beginning was skipped; it is no class that is called so
+                if self.is_faulty and token.type in _CLASS_WORDS and token.column == 1 and self.body is not self.file:
+                    self._land(_Landing("header", token.start_pos or 0))  # no class in the one that is wrong
+                    return self.read()
                 self.parser.feed_token(token)
                 self.before.append(token)
                 self._set_mark(token)

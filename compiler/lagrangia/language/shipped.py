@@ -12,7 +12,7 @@ from pathlib import Path
 from lagrangia.base.store import find_kept, keep
 
 _FOLDER = Path(__file__).with_name("shipped")
-_MAKERS = ("syntax.py", "reader.py", "grammar_tables.py", "tree.py", "plain_tree.py")
+_MAKERS = ("syntax.py", "expression_nodes.py", "reader.py", "grammar_tables.py", "tree.py", "plain_tree.py")
 
 
 def made_of(name: str, files: Sequence[Path], make: Callable[[], bytes]) -> bytes:

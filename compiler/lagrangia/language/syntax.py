@@ -2,27 +2,23 @@
 
 import marshal
 import re
-from collections.abc import Iterator as IteratorType
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from typing import Any, cast
 
-from lagrangia.base.diagnostics import Report, Source, Span, fail
+from lagrangia.base.diagnostics import Source, Span, fail
 from lagrangia.base.folders import data_folder
-from lagrangia.base.spelling import plain_text
+from lagrangia.language.expression_nodes import _ExpressionNodes, name_of, text_of
 from lagrangia.language.reader import NotReadError, Place, Tables, Word, read, walk
 from lagrangia.language.shipped import made_of
 from lagrangia.language.tree import (
     Argument,
-    Array,
     Assignment,
-    Binary,
-    Boolean,
-    Call,
     CallEquation,
     ClassDefinition,
-    Comprehension,
+    Constraining,
     Declaration,
     EnergyKind,
     EnergyTerm,
@@ -31,19 +27,13 @@ from lagrangia.language.tree import (
     Extends,
     ForBlock,
     IfBlock,
-    IfExpression,
+    Import,
     ImportFile,
     Iterator,
-    Number,
-    Part,
-    Range,
-    Reference,
+    LiteralDefinition,
     Section,
-    String,
     Syntax,
-    Unary,
     WhenBlock,
-    Whole,
     WorkTerm,
 )
 
@@ -56,7 +46,7 @@ RESERVED = frozenset(
     "for function if import initial input loop model not or output package parameter partial protected public record then time "
     "true type when".split()
 )
-_LONGEST_CHAIN = 2000  # operands in one unbracketed sum or product
+_KINDS: Mapping[str, str] = {"class": "model"}  # what a word means that has another one
 
 
 def parse(source: Source) -> Syntax:
@@ -69,9 +59,10 @@ def parse(source: Source) -> Syntax:
         nodes = _Nodes(source)
         items = _parsed_by_lark(source, nodes)
     nodes.report.raise_errors()
-    imports = tuple(item for item in items if isinstance(item, ImportFile))
-    classes = tuple(item for item in items if isinstance(item, ClassDefinition))
-    return Syntax(source, imports, classes)
+    files = tuple(x for x in items if isinstance(x, ImportFile))
+    classes = tuple(x for x in items if isinstance(x, ClassDefinition))
+    within = next((x[1] for x in items if isinstance(x, tuple)), None)
+    return Syntax(source, files, classes, tuple(x for x in items if isinstance(x, Import)), within)
 
 
 @cache
@@ -124,51 +115,47 @@ def _check_text(source: Source) -> None:
                  "name a part of the expression with a variable of its own")
 
 
-_UNESCAPES = {'\\"': '"', "\\\\": "\\", "\\n": "\n", "\\t": "\t"}
-
-
-def _text(token: Word | None) -> str:
-    if token is None:
-        return ""
-    text = str(token)[1:-1]
-    for escape, character in _UNESCAPES.items():
-        text = text.replace(escape, character)
-    return plain_text(text)
-
-
-def _name(token: Word) -> str:
-    """A quoted name 'a b' stands for itself without the quotes."""
-    return plain_text(str(token))
-
-
-class _Nodes:
-    """One method a rule; children come in the order of the grammar, None for an absent [part]."""
-
-    def __init__(self, source: Source) -> None:
-        self.source = source
-        self.report = Report()
-
-    def _span(self, meta: Place | Word) -> Span:
-        return Span(self.source, meta.start_pos, meta.end_pos)
+class _Nodes(_ExpressionNodes):
+    """Of files, classes and sections."""
 
     # ---------------------------------------------------------------- file and classes
 
     def file(self, meta: Place, children: list[Any]) -> list[Any]:
-        return children
+        return [child for child in children if child is not None]
+
+    def within(self, meta: Place, children: list[Any]) -> tuple[str, str]:
+        return "within", children[0][0] if children[0] is not None else ""
 
     def import_file(self, meta: Place, children: list[Any]) -> ImportFile:
-        return ImportFile(_text(children[0]), self._span(meta))
+        return ImportFile(text_of(children[0]), self._span(meta))
+
+    def import_name(self, meta: Place, children: list[Any]) -> Import:
+        return Import(((str(children[-1]), ".".join(children)),), self._span(meta))
+
+    def import_all(self, meta: Place, children: list[Any]) -> Import:
+        *names, star = children
+        if star != ".*":
+            self.report.error("L0103", f"unexpected '{star}'", self._span(star), f"write: import {'.'.join(names)}.*;")
+        return Import((("*", ".".join(names)),), self._span(meta))
+
+    def import_some(self, meta: Place, children: list[Any]) -> Import:
+        text = self._span(meta).text
+        package = "".join(text[len("import") : text.index("{")].split())
+        count = len(package.rstrip(".").split("."))
+        return Import(tuple((str(name), f"{package}{name}") for name in children[count:]), self._span(meta))
+
+    def import_as(self, meta: Place, children: list[Any]) -> Import:
+        return Import(((str(children[0]), ".".join(children[1:])),), self._span(meta))
 
     def class_definition(self, meta: Place, children: list[Any]) -> ClassDefinition:
-        head = [c for c in children if isinstance(c, Word)]
-        is_partial = head[0].type == "PARTIAL"
-        kind, name, *rest = head[1:] if is_partial else head
+        prefixes, is_partial, (kind, name, *rest) = _head([c for c in children if isinstance(c, Word)])
         end_name = rest[-1]
         if str(end_name) != str(name):
             self.report.error("L0106", f"'{name}' ends as '{end_name}'", self._span(end_name), f"write: end {name};",
                               label=f"expected {name}")
         description = rest[0] if len(rest) > 1 else None
         elements: list[Declaration | Extends] = []
+        classes: list[ClassDefinition] = []
         annotation: tuple[Argument, ...] = ()
         hidden: frozenset[str] = frozenset()
         for item in (c for c in children if not isinstance(c, Word)):
@@ -180,15 +167,34 @@ class _Nodes:
                 elements += [replace(declaration, prefixes=declaration.prefixes | hidden) for declaration in item]
             elif isinstance(item, Extends):
                 elements.append(item)
+            elif isinstance(item, ClassDefinition):
+                classes.append(replace(item, prefixes=item.prefixes | hidden))
         sections = tuple(c for c in children if isinstance(c, Section))
-        return ClassDefinition(str(kind), is_partial, _name(name), _text(description), tuple(elements), sections,
-                               annotation, self._span(meta), self._span(name))
+        imports = tuple(c for c in children if isinstance(c, Import))
+        return ClassDefinition(_KINDS.get(kind, str(kind)), is_partial, name_of(name), text_of(description), tuple(elements),
+                               sections, annotation, self._span(meta), self._span(name), tuple(classes), imports, prefixes)
 
     def short_class(self, meta: Place, children: list[Any]) -> ClassDefinition:
-        kind, name, base, arguments, description = children
-        extends = Extends(base[0], arguments or (), self._span(meta))
-        return ClassDefinition(str(kind), False, _name(name), _text(description), (extends,), (), (), self._span(meta),
-                               self._span(name))
+        *words, base, dimensions, arguments, constraining, description, annotation = children
+        at = next(k for k, word in enumerate(words) if word.type == "NAME")
+        prefixes, is_partial, (kind, name) = _head(words[: at + 1])
+        extends = Extends(base[0], arguments or (), self._span(meta), dimensions or (), frozenset(map(str, words[at + 1 :])))
+        return ClassDefinition(_KINDS.get(kind, str(kind)), is_partial, name_of(name), text_of(description), (extends,), (),
+                               annotation[1] if annotation else (), self._span(meta), self._span(name), prefixes=prefixes,
+                               constraining=constraining)
+
+    def enumeration(self, meta: Place, children: list[Any]) -> ClassDefinition:
+        *rest, description, annotation = children
+        literals = tuple(x for x in rest if isinstance(x, LiteralDefinition))
+        prefixes, _, (kind, name) = _head(rest[: len(rest) - len(literals)])
+        if kind != "type":
+            self.report.error("L0103", f"an enumeration is no {kind}", self._span(kind),
+                              f"write: type {name} = enumeration(...);")
+        return ClassDefinition("type", False, name_of(name), text_of(description), (), (), annotation[1] if annotation else (),
+                               self._span(meta), self._span(name), prefixes=prefixes, literals=literals)
+
+    def literal(self, meta: Place, children: list[Any]) -> LiteralDefinition:
+        return LiteralDefinition(name_of(children[0]), text_of(children[1]), self._span(children[0]))
 
     def visibility(self, meta: Place, children: list[Any]) -> tuple[str, str]:
         return "visibility", str(children[0])
@@ -210,26 +216,43 @@ class _Nodes:
     def declaration(self, meta: Place, children: list[Any]) -> list[Declaration]:
         prefixes = frozenset(str(c) for c in children if isinstance(c, Word))
         (type_name, type_span), dimensions, *declarators = [c for c in children if not isinstance(c, Word)]
-        return [
-            Declaration(prefixes, type_name, type_span, name, own or dimensions or (), arguments or (), binding, condition,
-                        description, span, name_span, annotation)
-            for name, own, arguments, binding, condition, description, span, name_span, annotation in declarators
-        ]
+        return [_declared(prefixes, type_name, type_span, dimensions, declarator) for declarator in declarators]
 
     def declarator(self, meta: Place, children: list[Any]) -> tuple[Any, ...]:
-        name, dimensions, arguments, binding, condition, description, annotation = children
+        name, dimensions, arguments, binding, condition, constraining, description, annotation = children
         if str(name) in RESERVED:
             self.report.error("L0108", f"'{name}' is a word of the language and cannot be a name", self._span(name))
-        return (_name(name), dimensions, arguments, binding, condition, _text(description), self._span(meta),
-                self._span(name), annotation[1] if annotation else ())
+        return (name_of(name), dimensions, arguments, binding, condition, text_of(description), self._span(meta),
+                self._span(name), annotation[1] if annotation else (), constraining)
+
+    def constraining(self, meta: Place, children: list[Any]) -> Constraining:
+        (name, _), arguments = children
+        return Constraining(name, arguments or (), self._span(meta))
 
     def modification(self, meta: Place, children: list[Any]) -> tuple[Argument, ...]:
         return tuple(c for c in children if c is not None)
 
     def argument(self, meta: Place, children: list[Any]) -> Argument:
-        *prefixes, name, arguments, value = children
-        return Argument(frozenset(map(str, prefixes)), _name(name), arguments or (), value, self._span(meta),
+        *prefixes, name, arguments, value, _ = children
+        return Argument(frozenset(map(str, prefixes)), name_of(name), arguments or (), value, self._span(meta),
                         self._span(name))
+
+    def redeclaration(self, meta: Place, children: list[Any]) -> Argument:
+        *prefixes, (type_name, type_span), declarator = children
+        words = frozenset(map(str, prefixes))
+        declared = _declared(words, type_name, type_span, None, declarator)
+        return Argument(words, declared.name, declared.arguments, declared.binding, self._span(meta), declared.name_span,
+                        declared)
+
+    def class_redeclaration(self, meta: Place, children: list[Any]) -> Argument:
+        *prefixes, _, name, (type_name, type_span), arguments = children
+        words = frozenset(map(str, prefixes))
+        declared = Declaration(words | {"class"}, type_name, type_span, name_of(name), (), arguments or (), None, None, "",
+                               self._span(meta), self._span(name))
+        return Argument(words, declared.name, declared.arguments, None, self._span(meta), declared.name_span, declared)
+
+    def left_out(self, meta: Place, children: list[Any]) -> Argument:
+        return Argument(frozenset(), name_of(children[0]), (), None, self._span(meta), self._span(children[0]), None, True)
 
     # ---------------------------------------------------------------- sections
 
@@ -249,19 +272,22 @@ class _Nodes:
         return Section("drawing", tuple(children), self._span(meta))
 
     def equality(self, meta: Place, children: list[Any]) -> Equality:
-        left, right, description = children
-        return Equality(left, right, _text(description), self._span(meta))
+        left, right, description, _ = children
+        return Equality(left, right, text_of(description), self._span(meta))
 
     def call_equation(self, meta: Place, children: list[Any]) -> CallEquation:
         return CallEquation(children[0], self._span(meta))
 
+    def drawn(self, meta: Place, children: list[Any]) -> CallEquation:
+        return CallEquation(children[0], self._span(meta))
+
     def energy_term(self, meta: Place, children: list[Any]) -> EnergyTerm:
         kind, value, description = children
-        return EnergyTerm(cast(EnergyKind, str(kind)), value, _text(description), self._span(meta))
+        return EnergyTerm(cast(EnergyKind, str(kind)), value, text_of(description), self._span(meta))
 
     def work_term(self, meta: Place, children: list[Any]) -> WorkTerm:
         force, position, description = children
-        return WorkTerm(force, position, _text(description), self._span(meta))
+        return WorkTerm(force, position, text_of(description), self._span(meta))
 
     def assignment(self, meta: Place, children: list[Any]) -> Assignment:
         target, value = children
@@ -286,111 +312,32 @@ class _Nodes:
         return IfBlock(condition, then, otherwise, self._span(meta))
 
     def when_block(self, meta: Place, children: list[Any]) -> WhenBlock:
+        condition, *body = children
+        others = [c for c in body if isinstance(c, WhenBlock)]
+        otherwise: WhenBlock | None = None
+        for other in reversed(others):
+            otherwise = replace(other, otherwise=otherwise)
+        return WhenBlock(condition, tuple(c for c in body if not isinstance(c, WhenBlock)), self._span(meta), otherwise)
+
+    def else_when(self, meta: Place, children: list[Any]) -> WhenBlock:
         return WhenBlock(children[0], tuple(children[1:]), self._span(meta))
 
     def iterators(self, meta: Place, children: list[Any]) -> tuple[Iterator, ...]:
         return tuple(children)
 
     def iterator(self, meta: Place, children: list[Any]) -> Iterator:
-        return Iterator(_name(children[0]), children[1], self._span(meta))
+        return Iterator(name_of(children[0]), children[1], self._span(meta))
 
-    # ---------------------------------------------------------------- expressions
 
-    def if_expression(self, meta: Place, children: list[Any]) -> Expression:
-        *pairs, otherwise = children
-        result: Expression = otherwise
-        span = self._span(meta)
-        for condition, value in zip(pairs[-2::-2], pairs[-1::-2], strict=True):
-            result = IfExpression(condition, value, result, span)
-        return result
+def _head(words: Sequence[Word]) -> tuple[frozenset[str], bool, list[Word]]:
+    """Prefixes of a class, whether it is partial, and the rest of its words."""
+    at = next(k for k, word in enumerate(words) if word.type == "CLASS_KIND")
+    prefixes = frozenset(str(word) for word in words[:at] if word.type != "PARTIAL")
+    return prefixes, any(word.type == "PARTIAL" for word in words[:at]), list(words[at:])
 
-    def range(self, meta: Place, children: list[Any]) -> Range:
-        return Range(children[0], None, children[1], self._span(meta))
 
-    def stepped_range(self, meta: Place, children: list[Any]) -> Range:
-        return Range(children[0], children[1], children[2], self._span(meta))
-
-    def chain(self, meta: Place, children: list[Any]) -> Expression:
-        if len(children) > 2 * _LONGEST_CHAIN:
-            self.report.error("L0102", f"more than {_LONGEST_CHAIN} operands in a row", self._span(meta),
-                              "use sum(... for i in 1:n), or name parts of it with variables")
-            return cast(Expression, children[0])
-        return self._fold(children[0], iter(children[1:]))
-
-    def signed_chain(self, meta: Place, children: list[Any]) -> Expression:
-        first = Unary(str(children[0]), children[1], self._span(children[0]).to(children[1].span))
-        return self._fold(first, iter(children[2:]))
-
-    @staticmethod
-    def _fold(left: Expression, rest: IteratorType[Any]) -> Expression:
-        for operator, right in zip(rest, rest, strict=True):
-            left = Binary(str(operator), left, right, left.span.to(right.span))
-        return left
-
-    def logical_not(self, meta: Place, children: list[Any]) -> Unary[Expression]:
-        return Unary("not", children[0], self._span(meta))
-
-    def power(self, meta: Place, children: list[Any]) -> Binary[Expression]:
-        return Binary("^", children[0], children[1], self._span(meta))
-
-    def signed_power(self, meta: Place, children: list[Any]) -> Binary[Expression]:
-        base, sign, exponent = children
-        return Binary("^", base, Unary(str(sign), exponent, exponent.span), self._span(meta))
-
-    def number(self, meta: Place, children: list[Any]) -> Number:
-        return self._number(str(children[0]), None, self._span(meta))
-
-    def quantity(self, meta: Place, children: list[Any]) -> Number:
-        value, unit = str(children[0])[:-1].split("[")
-        return self._number(value.strip(), unit.strip(), self._span(meta))
-
-    def _number(self, text: str, unit: str | None, span: Span) -> Number:
-        value = float(text)
-        if value == float("inf"):
-            from lagrangia.language.expectations import shortened
-
-            self.report.error("L0107", f"{shortened(text)} is too large for a number", span, "the largest is 1.8e308")
-        return Number(value, unit, span, text.isdigit())
-
-    def string(self, meta: Place, children: list[Any]) -> String:
-        return String(_text(children[0]), self._span(meta))
-
-    def true(self, meta: Place, children: list[Any]) -> Boolean:
-        return Boolean(True, self._span(meta))
-
-    def false(self, meta: Place, children: list[Any]) -> Boolean:
-        return Boolean(False, self._span(meta))
-
-    def parenthesis(self, meta: Place, children: list[Any]) -> Expression:
-        (inner,) = children
-        return cast(Expression, inner)
-
-    def array(self, meta: Place, children: list[Any]) -> Array[Expression]:
-        return Array(tuple(c for c in children if c is not None), self._span(meta))
-
-    def array_comprehension(self, meta: Place, children: list[Any]) -> Comprehension:
-        return Comprehension("", children[0], children[1], self._span(meta))
-
-    def reduction(self, meta: Place, children: list[Any]) -> Comprehension:
-        return Comprehension(str(children[0]), children[1], children[2], self._span(meta))
-
-    def call(self, meta: Place, children: list[Any]) -> Call[Expression]:
-        function, *arguments = children
-        named = tuple(a for a in arguments if isinstance(a, tuple))
-        positional = tuple(a for a in arguments if a is not None and not isinstance(a, tuple))
-        return Call(str(function), positional, named, self._span(meta))
-
-    def named_argument(self, meta: Place, children: list[Any]) -> tuple[str, Expression]:
-        return _name(children[0]), children[1]
-
-    def reference(self, meta: Place, children: list[Any]) -> Reference:
-        return Reference(tuple(children), self._span(meta))
-
-    def reference_part(self, meta: Place, children: list[Any]) -> Part:
-        return Part(_name(children[0]), children[1] or (), self._span(meta))
-
-    def subscripts(self, meta: Place, children: list[Any]) -> tuple[Expression, ...]:
-        return tuple(children)
-
-    def whole(self, meta: Place, children: list[Any]) -> Whole:
-        return Whole(self._span(meta))
+def _declared(prefixes: frozenset[str], type_name: str, type_span: Span, dimensions: tuple[Expression, ...] | None,
+              declarator: tuple[Any, ...]) -> Declaration:
+    name, own, arguments, binding, condition, description, span, name_span, annotation, constraining = declarator
+    return Declaration(prefixes, type_name, type_span, name, (*(own or ()), *(dimensions or ())), arguments or (), binding,
+                       condition, description, span, name_span, annotation, constraining)

@@ -41,6 +41,16 @@ class Boolean:
 
 
 @dataclass(frozen=True, slots=True)
+class EnumerationLiteral:
+    """One of the values of an enumeration, the first with the ordinal 1."""
+
+    type_name: str
+    name: str
+    ordinal: int
+    span: Span
+
+
+@dataclass(frozen=True, slots=True)
 class Part:
     """One step of a dotted name, with its subscripts: `link[2]`."""
 
@@ -104,6 +114,38 @@ class Array(Generic[E]):
     """{a, b, ...}."""
 
     items: tuple[E, ...]
+    span: Span
+
+
+@dataclass(frozen=True, slots=True)
+class Matrix:
+    """[a, b; c, d]: rows one below the other, of what stands side by side in each."""
+
+    rows: tuple[tuple["Expression", ...], ...]
+    span: Span
+
+
+@dataclass(frozen=True, slots=True)
+class Results:
+    """(a, b) on the left side of what gives several results; None for one that is left out."""
+
+    items: tuple["Expression | None", ...]
+    span: Span
+
+
+@dataclass(frozen=True, slots=True)
+class Field:
+    """What a record has under a name: made where a record is given as a whole."""
+
+    record: "Expression"
+    name: str
+    span: Span
+
+
+@dataclass(frozen=True, slots=True)
+class Last:
+    """The subscript `end`."""
+
     span: Span
 
 
@@ -187,8 +229,8 @@ class Time:
     span: Span
 
 
-Node: TypeAlias = Number | String | Boolean | Unary[E] | Binary[E] | IfExpression[E] | Call[E] | Array[E]
-Expression: TypeAlias = Node["Expression"] | Reference | Comprehension | Range | Whole
+Node: TypeAlias = Number | String | Boolean | EnumerationLiteral | Unary[E] | Binary[E] | IfExpression[E] | Call[E] | Array[E]
+Expression: TypeAlias = (Node["Expression"] | Reference | Comprehension | Range | Whole | Matrix | Results | Field | Last)
 Flat: TypeAlias = Node["Flat"] | Ref | FrameRef | Local | Time
 
 # ------------------------------------------------------------------ declarations
@@ -206,6 +248,17 @@ class Argument:
     value: Expression | None
     span: Span
     name_span: Span
+    redeclared: "Declaration | None" = None  # what takes the place of a replaceable component or class
+    is_left_out: bool = False  # break: an inherited component that is not taken over
+
+
+@dataclass(frozen=True, slots=True)
+class Constraining:
+    """constrainedby: what all that takes the place of something replaceable has to have, modified."""
+
+    type_name: str
+    arguments: tuple[Argument, ...]
+    span: Span
 
 
 @dataclass(frozen=True, slots=True)
@@ -224,6 +277,7 @@ class Declaration:
     span: Span
     name_span: Span
     annotation: tuple[Argument, ...] = ()
+    constraining: Constraining | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -233,6 +287,8 @@ class Extends:
     type_name: str
     arguments: tuple[Argument, ...]
     span: Span
+    dimensions: tuple[Expression, ...] = ()  # type X = Real[3]
+    prefixes: frozenset[str] = frozenset()  # connector X = input Real
 
 
 @dataclass(frozen=True, slots=True)
@@ -308,6 +364,7 @@ class WhenBlock:
     condition: Expression
     body: tuple["Clause", ...]
     span: Span
+    otherwise: "WhenBlock | None" = None  # elsewhen
 
 
 Clause: TypeAlias = Equality | CallEquation | EnergyTerm | WorkTerm | Assignment | ForBlock | IfBlock | WhenBlock
@@ -323,10 +380,19 @@ class Section:
 
 
 @dataclass(frozen=True, slots=True)
+class LiteralDefinition:
+    """A value of an enumeration."""
+
+    name: str
+    description: str
+    span: Span
+
+
+@dataclass(frozen=True, slots=True)
 class ClassDefinition:
     """A class with its elements and sections."""
 
-    kind: str  # "model", "function", "type", "record", "package", "connector"
+    kind: str  # "model", "function", "type", "record", "package", "connector", "block"
     is_partial: bool
     name: str
     description: str
@@ -335,6 +401,11 @@ class ClassDefinition:
     annotation: tuple[Argument, ...]
     span: Span
     name_span: Span
+    classes: tuple["ClassDefinition", ...] = ()  # that stand in it
+    imports: tuple["Import", ...] = ()
+    prefixes: frozenset[str] = frozenset()  # "replaceable", "encapsulated", "protected", ...
+    literals: tuple[LiteralDefinition, ...] = ()  # of an enumeration
+    constraining: Constraining | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -346,9 +417,19 @@ class ImportFile:
 
 
 @dataclass(frozen=True, slots=True)
+class Import:
+    """import A.B; import C = A.B; import A.{b, c}; import A.*: by short names (all of them under "*") what they stand for."""
+
+    names: tuple[tuple[str, str], ...]
+    span: Span
+
+
+@dataclass(frozen=True, slots=True)
 class Syntax:
     """One file."""
 
     source: Source
     imports: tuple[ImportFile, ...]
     classes: tuple[ClassDefinition, ...]
+    named: tuple[Import, ...] = ()  # imports of names, for all its classes
+    within: str | None = None  # the package that it belongs to

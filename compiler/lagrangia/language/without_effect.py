@@ -65,7 +65,7 @@ def find_without_effect(model: FlatModel, root: Instance, table: ClassTable) -> 
 
 
 def find_unused_imports(syntax: Syntax, files: Sequence[tuple[ImportFile, Sequence[Syntax]]]) -> Report:
-    """Of the files that one imports, each with all that it brings: those of which nothing is mentioned."""
+    """Of the files that one imports, each with all that it brings: those of which nothing is mentioned; and likewise of names."""
     report, mentioned, seen = Report(), set(_words(syntax.classes)), set[int]()
     for item, brought in files:
         if id(brought[0]) in seen:
@@ -73,7 +73,17 @@ def find_unused_imports(syntax: Syntax, files: Sequence[tuple[ImportFile, Sequen
         elif not any(c.name in mentioned for file in brought for c in file.classes):
             report.warning(CODE, f"nothing uses '{item.path}'", item.span, "leave it out")
         seen.add(id(brought[0]))
+    for named in (*syntax.named, *(item for c in _all_classes(syntax.classes) for item in c.imports)):
+        for short, _ in named.names:
+            if short != "*" and short not in mentioned:
+                report.warning(CODE, f"nothing uses '{short}'", named.span, "leave it out")
     return report
+
+
+def _all_classes(classes: Iterable[ClassDefinition]) -> Iterator[ClassDefinition]:
+    for definition in classes:
+        yield definition
+        yield from _all_classes(definition.classes)
 
 
 def _look_at_virtual(model: FlatModel, table: ClassTable, report: Report) -> None:

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from lagrangia.base.result_files import require_file
+from lagrangia.base.search_path import search_path
 from lagrangia.base.store import find_kept, keep, key_of, prune
 from lagrangia.run.formulas import AS_DECLARED, Formulas
 from lagrangia.run.scene import Scene, from_json, to_json
@@ -39,7 +40,8 @@ def keep_scene(scene: Scene, path: Path, model: str | None, structural: Mapping[
 def _key(path: Path, model: str | None, structural: Mapping[str, Any], outputs: tuple[str, ...],
          formulas: Formulas) -> str:
     digest = _digest(path)  # first: of links that lead to each other no path can be told
-    return key_of(str(path.resolve()), digest, model, sorted(structural.items()), outputs, formulas)
+    folders = [str(folder) for folder in search_path()]
+    return key_of(str(path.resolve()), digest, model, sorted(structural.items()), outputs, formulas, *folders)
 
 
 def _digest(path: Path) -> str:

@@ -1,0 +1,146 @@
+"""Calls of functions: of the kernel, of arrays, and people's own."""
+
+from typing import Any, Protocol
+
+from lagrangia.base.diagnostics import Span, fail, suggest
+from lagrangia.language.classes import ClassTable
+from lagrangia.language.elements import element, length
+from lagrangia.language.functions import ALIASES, FUNCTIONS, REWRITTEN, SCALAR_FUNCTIONS
+from lagrangia.language.instances import Scope
+from lagrangia.language.lookups import Lookup, lookup_of, options_of
+from lagrangia.language.loops import Loops
+from lagrangia.language.matrices import ARRAY_FUNCTIONS, cross_of_three
+from lagrangia.language.tree import Array, Call, ClassDefinition, Expression, Flat, Ref
+
+
+class Calls(Loops, Protocol):
+    """What names.py does with calls."""
+
+    table: ClassTable
+    functions: dict[str, Any]
+    lookups: dict[Lookup, Span]
+    delays: dict[str, Call[Flat]]
+
+    def define_function(self, definition: ClassDefinition, span: Span) -> None:
+        """Makes sure that `functions` has it. Raises LagError for one that is wrong."""
+
+    def flatten(self, node: Expression, scope: Scope) -> Flat:
+        """An expression with full names. Raises LagError."""
+
+    def size(self, ref: Ref) -> int | None:
+        """Of the next dimension of a variable; None where it has none."""
+
+    def call(self, node: Call[Expression], scope: Scope) -> Flat:
+        """A call with its arguments flattened. Raises LagError L0204, L0215."""
+        if node.function in ("connect", "assert", "reinit"):
+            fail("L0215", f"{node.function}(...) is an equation, not a value", node.span)
+        if node.function == "sample":
+            fail("L0215", "sample(...) is a condition of its own", node.span,
+                 "write: when sample(0, 0.01) then u = ...; end when;")
+        arguments = tuple(self.flatten(a, scope) for a in node.arguments)
+        named = tuple((name, self.flatten(a, scope)) for name, a in node.named)
+        if node.function in scope.instance.members and self.table.function(node.function, node.span) is None:
+            fail("L0204", f"'{node.function}' is no function", node.span,
+                 f"elements are picked with square brackets: {node.function}[1]")
+        call = Call(node.function, arguments, named, node.span)
+        if node.function == "delay" and self.table.function("delay", node.span) is None:
+            name = f"delay({len(self.delays) + 1})"
+            self.delays[name] = call
+            return Ref(name, (), node.span)
+        return self.checked_call(call)
+
+    def part_of_call(self, call: Call[Expression], name: str) -> Expression:
+        """What a record has under a name that its constructor makes. Raises LagError L0215, L0302."""
+        definition = self.table.found(call.function, call.span)
+        if definition is None or definition.kind != "record":
+            fail("L0302", f"{call.function}(...) is no record", call.span, "a record is made by its constructor: R(a = 1, b = 2)")
+        declared = self.table.declared(definition)
+        given: dict[str, Expression] = dict(zip(declared, call.arguments, strict=False))
+        for field, value in call.named:
+            if field not in declared or field in given:
+                fail("L0215", f"{definition.name} has no other part '{field}'", call.span,
+                     *filter(None, [suggest(field, list(declared))]))
+            given[field] = value
+        if len(call.arguments) > len(declared):
+            fail("L0215", f"{definition.name} has {len(declared)} parts ({', '.join(declared)}), not {len(call.arguments)}",
+                 call.span)
+        missing = [field for field in declared if field not in given and declared[field].binding is None]
+        if missing:
+            fail("L0215", f"{definition.name} also needs {', '.join(missing)}", call.span)
+        if name in given:
+            return given[name]
+        default = declared[name].binding
+        assert default is not None
+        return default
+
+    def checked_call(self, node: Call[Flat]) -> Flat:
+        """A call whose arguments are flat already; array functions are written out. Raises LagError L0204, L0215, L0303."""
+        if (own := self.table.function(node.function, node.span)) is not None:
+            self.define_function(own, node.span)
+            function = self.functions[own.name]
+            return Call(own.name, function.arrange(node), (), node.span)
+        if node.function in ARRAY_FUNCTIONS:
+            return self._array_call(node)
+        record = self.table.found(node.function, node.span) if node.function not in FUNCTIONS else None
+        if record is not None:
+            what = "a record, not a number" if record.kind == "record" else f"a {record.kind}, no function"
+            hint = f"declare one: {record.name} r = {node.span.text}; and name its parts, as r.x"
+            fail("L0302", f"{record.name} is {what}", node.span, *([hint] if record.kind == "record" else []))
+        if node.function in REWRITTEN and not node.named:
+            count, make = REWRITTEN[node.function]
+            _check_count(node, (count,))
+            return make(*node.arguments, node.span)
+        if node.function not in FUNCTIONS:
+            user = [name for name, c in {**self.table.library, **self.table.user}.items() if c.kind == "function"]
+            hint = f"it is called '{ALIASES[node.function]}' here" if node.function in ALIASES else suggest(
+                node.function, [*FUNCTIONS, *ARRAY_FUNCTIONS, *REWRITTEN, *user])
+            fail("L0204", f"there is no function '{node.function}'", node.span, *filter(None, [hint]))
+        if node.function == "table" and (node.named or len(node.arguments) == 2):
+            return self._table(node)
+        if node.named:
+            fail("L0215", f"{node.function} takes no named arguments", node.span)
+        _check_count(node, FUNCTIONS[node.function])
+        if node.function == "cross" and any(length(a, self.size) == 3 for a in node.arguments):
+            return cross_of_three(node, self.size)
+        if node.function in SCALAR_FUNCTIONS and any(length(a, self.size) is not None for a in node.arguments):
+            return self._of_each(node)
+        return node
+
+    def _array_call(self, node: Call[Flat]) -> Flat:
+        wanted, make = ARRAY_FUNCTIONS[node.function]
+        if node.named:
+            fail("L0215", f"{node.function} takes no named arguments", node.span)
+        _check_count(node, wanted)
+        return make(node, self.size)
+
+    def _of_each(self, node: Call[Flat]) -> Flat:
+        """sin({a, b}) is {sin(a), sin(b)}."""
+        counts = {n for a in node.arguments if (n := length(a, self.size)) is not None}
+        if not counts:
+            return node
+        if len(counts) > 1:
+            fail("L0303", f"arrays of {' and '.join(map(str, sorted(counts)))} do not go together", node.span)
+
+        def at(k: int) -> Flat:
+            return self._of_each(Call(node.function, tuple(element(a, k, self.size) for a in node.arguments), (), node.span))
+
+        return Array(tuple(map(at, range(1, counts.pop() + 1))), node.span)
+
+    def _table(self, node: Call[Flat]) -> Call[Flat]:
+        """Of a file, or of points with options. Raises LagError L0215."""
+        if len(node.arguments) == 3:
+            options_of(node)
+        elif len(node.arguments) == 2:
+            self.lookups.setdefault(lookup_of(node), node.arguments[1].span)
+        else:
+            fail("L0215", f"table takes 2 or 3 arguments, not {len(node.arguments)}, and options by name", node.span)
+        return node
+
+    # ------------------------------------------------------------ loops
+
+
+def _check_count(node: Call[Flat], wanted: tuple[int, ...] | None) -> None:
+    given = len(node.arguments)
+    if given == 0 or (wanted is not None and given not in wanted):
+        count = " or ".join(map(str, wanted)) if wanted else "at least 1"
+        fail("L0215", f"{node.function} takes {count} argument{'s' if count[-1] != '1' else ''}, not {given}", node.span)

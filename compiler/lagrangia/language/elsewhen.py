@@ -1,0 +1,33 @@
+"""elsewhen: an event of its own, that has to exclude the one before to mean what it does in Modelica."""
+
+from lagrangia.base.diagnostics import Report
+from lagrangia.language.events import COMPARED, are_alike
+from lagrangia.language.folding import fold
+from lagrangia.language.tree import Binary, Flat, WhenBlock
+
+
+def warn_of_both(first: Flat, other: Flat, block: WhenBlock, report: Report) -> None:
+    """Where the conditions of a `when` and of its elsewhen may come true at one instant, of which Modelica takes the first alone;
+    where they do so always, the second never happens, which is an error."""
+    span = block.condition.span
+    if are_alike(first, other):
+        report.error("L0225", "this never happens: the condition is that of the branch before", span, "leave the branch out")
+    elif not _exclude(first, other):
+        report.warning("L0237", "where this and the condition before come true at one instant, both happen", span,
+                       "in Modelica the first one alone does; conditions that exclude each other, as x > 1 and x < -1, are safe")
+
+
+def _exclude(a: Flat, b: Flat) -> bool:
+    """Whether one number is above what another condition keeps it below."""
+    if not (isinstance(a, Binary) and isinstance(b, Binary) and a.operator in COMPARED and b.operator in COMPARED):
+        return False
+    for (small, large), (low, high) in ((_sides(a), _sides(b)), (_sides(b), _sides(a))):
+        if are_alike(small, high):  # x < large, x > low
+            least, most = fold(low), fold(large)
+            if are_alike(low, large) or (least is not None and most is not None and least >= most):
+                return True
+    return False
+
+
+def _sides(node: Binary[Flat]) -> tuple[Flat, Flat]:
+    return (node.left, node.right) if node.operator.startswith("<") else (node.right, node.left)

@@ -1,0 +1,153 @@
+"""replaceable and redeclare, inner and outer (Modelica 3.6, sections 5.4 and 7.3)."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from lagrangia.base.diagnostics import Report, Span
+from lagrangia.language.classes import BUILTIN_TYPES, ClassTable
+from lagrangia.language.instances import (
+    NOTHING,
+    FrameSlot,
+    Instance,
+    Member,
+    Modification,
+    Redeclared,
+    ReplacedClass,
+    Scope,
+    Slot,
+)
+from lagrangia.language.modifications import merge, modification_of
+from lagrangia.language.tree import ClassDefinition, Declaration, Extends
+
+_KEPT = frozenset({"parameter", "constant", "input", "output", "coordinate", "final", "inner", "protected"})
+
+
+def known_names(table: ClassTable, definition: ClassDefinition) -> set[str]:
+    """What of a class can be modified: its elements, and the classes in it that can be redeclared."""
+    bases = table.lineage(definition)
+    return {name for base in bases for name in (*(e.name for e in base.elements if isinstance(e, Declaration)),
+                                                *(c.name for c in base.classes))}
+
+
+# ------------------------------------------------------------ replaceable and redeclare
+
+
+def with_redeclared_elements(definition: ClassDefinition, modification: Modification, scope: Scope) -> Modification:
+    """`redeclare` before an element of a class: as if it were written behind what it extends."""
+    own = {e.name: e for e in definition.elements if isinstance(e, Declaration) and "redeclare" in e.prefixes}
+    if not own:
+        return modification
+    children = dict(modification.children)
+    for name, element in own.items():
+        inner = modification_of(element.arguments, scope, element.binding, element.name_span)
+        change = Modification(inner.value, inner.children, False, False, element.name_span, Redeclared(element, element.span))
+        children[name] = merge(children.get(name, NOTHING), change)
+    return replace(modification, children=children)
+
+
+def redeclared(table: ClassTable, report: Report, element: Declaration, given: Modification, own: Modification, scope: Scope
+               ) -> tuple[Declaration, Modification]:
+    """What takes the place of a replaceable element, with what modifies it: what constrains the element applies to it, too."""
+    assert given.redeclared is not None
+    new, constraining = given.redeclared.declaration, element.constraining
+    if "replaceable" not in element.prefixes:
+        report.error("L0234", f"'{element.name}' cannot be redeclared: it is not replaceable", given.redeclared.span,
+                     "a component of the library has the type that it has" if element.name_span.source in table.library_sources
+                     else f"write `replaceable` before it, at {element.name_span}")
+    wanted = (constraining.type_name, constraining.span) if constraining else (element.type_name, element.type_span)
+    _check_type(table, report, (new.type_name, new.type_span), wanted, f"'{element.name}'")
+    declaration = replace(
+        new, name=element.name, prefixes=(element.prefixes & _KEPT) | (new.prefixes & (_KEPT | {"replaceable"})),
+        dimensions=new.dimensions or element.dimensions, condition=element.condition, name_span=element.name_span,
+        description=new.description or element.description, constraining=new.constraining or constraining)
+    kept = modification_of(constraining.arguments, scope, None, element.name_span) if constraining else own
+    return declaration, merge(replace(given, redeclared=None), kept)
+
+
+def replace_local_classes(table: ClassTable, report: Report, definition: ClassDefinition, modification: Modification,
+                          instance: Instance) -> None:
+    """redeclare model M = Other(...): for a replaceable class that stands in the definition."""
+    for local in definition.classes:
+        given = modification.children.get(local.name)
+        if given is None or local.name in instance.classes:
+            continue
+        if given.redeclared is None or "class" not in given.redeclared.declaration.prefixes:
+            report.error("L0234", f"'{local.name}' is a class: it cannot be modified", given.span,
+                         f"write: redeclare model {local.name} = Other(...)")
+            continue
+        new = given.redeclared.declaration
+        if "replaceable" not in local.prefixes:
+            report.error("L0234", f"'{local.name}' cannot be redeclared: it is not replaceable", given.redeclared.span,
+                         f"write `replaceable` before it, at {local.name_span}")
+        base = next((e for e in local.elements if isinstance(e, Extends)), None)
+        if local.constraining is not None:
+            _check_type(table, report, (new.type_name, new.type_span), (local.constraining.type_name, local.constraining.span),
+                        f"'{local.name}'")
+        elif base is not None and len(local.elements) == 1:
+            _check_type(table, report, (new.type_name, new.type_span), (base.type_name, base.span), f"'{local.name}'")
+        instance.classes[local.name] = ReplacedClass(new.type_name, new.type_span, Modification(None, {
+            name: replace(change, is_each=True) for name, change in given.children.items()}))
+
+
+def _check_type(table: ClassTable, report: Report, new: tuple[str, Span], wanted: tuple[str, Span], what: str) -> None:
+    """Whether one type has all that another one has, by their names. Raises LagError L0201."""
+    a, b = (table.base_type(*one) for one in (new, wanted))
+    if a is not None or b is not None:
+        if a is None or b is None or a.builtin != b.builtin:
+            report.error("L0235", f"{what} is a {wanted[0]}: a {new[0]} cannot take its place", new[1])
+        return
+    first, second = table.lookup(*new), table.lookup(*wanted)
+    if any(base is second for base in table.lineage(first)):
+        return
+    have, need = table.declared(first), table.declared(second)
+    missing = [name for name, e in need.items() if name not in have and "protected" not in e.prefixes]
+    if missing:
+        report.error("L0235", f"{first.name} cannot stand for {what}: it lacks {_listed(missing)} of {second.name}", new[1],
+                     f"what takes its place has all that {second.name} has; extending it is the surest way")
+
+
+def _listed(names: Sequence[str]) -> str:
+    return ", ".join(f"'{name}'" for name in names[:6]) + (", ..." if len(names) > 6 else "")
+
+
+# ------------------------------------------------------------ inner and outer
+
+
+def add_outer(table: ClassTable, report: Report, instance: Instance, declaration: Declaration, change: Modification) -> bool:
+    """Whether it is an `outer` element, which is that of the same name that a component around declares `inner`."""
+    if "outer" not in declaration.prefixes:
+        return False
+    name = declaration.name
+    if "inner" in declaration.prefixes:
+        report.error("L0901", f"not supported yet: '{name}' both inner and outer", declaration.name_span, "declare two of them")
+        return True
+    if change.value is not None or change.children:
+        report.error("L0236", f"'{name}' is outer: it cannot be modified here", declaration.name_span,
+                     "modify the inner one that it stands for")
+    around = instance.parent
+    while around is not None and name not in around.inner:
+        around = around.parent
+    if around is not None and name in around.members:
+        instance.members[name] = found = around.members[name]
+        instance.outer.add(name)
+        _check_outer(table, report, declaration, found, around)
+    elif name != "world":  # which is there in any case
+        report.error("L0236", f"no component around {instance.definition.name} has an inner '{name}'", declaration.name_span,
+                     f"declare it where it belongs: inner {declaration.type_name} {name};")
+    return True
+
+
+def _check_outer(table: ClassTable, report: Report, declaration: Declaration, found: Member, around: Instance) -> None:
+    one = found
+    while isinstance(one, list) and one:
+        one = one[0]
+    if declaration.type_name in BUILTIN_TYPES or table.base_type(declaration.type_name, declaration.type_span) is not None:
+        base = table.base_type(declaration.type_name, declaration.type_span)
+        is_right = base is not None and (one.base == base.builtin if isinstance(one, Slot) else
+                                         isinstance(one, FrameSlot) and base.builtin == "Frame")
+    else:
+        wanted = table.lookup(declaration.type_name, declaration.type_span)
+        is_right = isinstance(one, Instance) and any(base is wanted for base in table.lineage(one.definition))
+    if not is_right:
+        report.error("L0236", f"the inner '{declaration.name}' of {around.definition.name} is no {declaration.type_name}",
+                     declaration.type_span, "inner and outer are of one type")

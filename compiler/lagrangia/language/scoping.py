@@ -1,0 +1,176 @@
+"""What a name means where it is written: classes in classes, imports, packages (Modelica 3.6, sections 5.3 and 13.2)."""
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import field, replace
+
+from lagrangia.base.diagnostics import Source, Span, fail, suggest
+from lagrangia.base.records import dataclass
+from lagrangia.language.tree import ClassDefinition, Declaration, Extends, Import, Syntax
+
+Finder = Callable[[str], Syntax | None]  # the file of a package, or of a class of one
+
+
+def nowhere(name: str) -> Syntax | None:
+    """Where there is no folder to look for packages."""
+    return None
+
+
+@dataclass(frozen=True)
+class Enclosing:
+    """A class or file that names are looked up in: the full name ("" of a file beside no package), and its imports."""
+
+    name: str
+    imports: tuple[Import, ...]
+
+
+def lifted(syntax: Syntax) -> Iterator[ClassDefinition]:
+    """All classes of a file, those inside others too, by their full names."""
+    def inside(definition: ClassDefinition, prefix: str) -> Iterator[ClassDefinition]:
+        name = f"{prefix}{definition.name}"
+        yield replace(definition, name=name) if prefix else definition
+        for inner in definition.classes:
+            yield from inside(inner, f"{name}.")
+
+    for definition in syntax.classes:
+        yield from inside(definition, f"{syntax.within}." if syntax.within else "")
+
+
+def has_scopes(syntax: Syntax) -> bool:
+    """Whether a name of the file may mean something else than a class beside it."""
+    return bool(syntax.within or syntax.named or any(c.classes or c.imports for c in syntax.classes))
+
+
+@dataclass
+class Scopes:
+    """Looks for classes by what encloses the place where they are named. `classes` is filled with what is found on the way."""
+
+    classes: dict[str, ClassDefinition]
+    files: dict[Source, Syntax]
+    take: Callable[[Syntax], None]  # puts the classes of one more file among the others
+    find: Finder
+    used: set[str] = field(default_factory=set)  # short names that imports gave a meaning
+    _known: dict[tuple[str, str, int], str | None] = field(default_factory=dict)
+    _missing: set[str] = field(default_factory=set)
+    _looking: set[tuple[str, str]] = field(default_factory=set)
+
+    def full_name(self, name: str, span: Span) -> str | None:
+        """The full name of the class that `name` means where `span` is; None where there is none. Raises LagError L0204."""
+        around = self.around(span)
+        key = name, around[0].name if around else "", id(span.source)
+        if key not in self._known:
+            self._known[key] = self._resolved(name, around)
+        return self._known[key]
+
+    def around(self, span: Span) -> list[Enclosing]:
+        """What encloses a place, the innermost first."""
+        syntax = self.files.get(span.source)
+        if syntax is None:
+            return []
+        prefix = f"{syntax.within}." if syntax.within else ""
+        packages = syntax.within.split(".") if syntax.within else []
+        found = [Enclosing(".".join(packages[:k]), ()) for k in range(1, len(packages) + 1)]
+        found.insert(0, Enclosing("", syntax.named))
+        inner: Sequence[ClassDefinition] = syntax.classes
+        while one := next((c for c in inner if c.span.start <= span.start < c.span.end), None):
+            found.append(Enclosing(f"{prefix}{one.name}", one.imports))
+            prefix, inner = f"{prefix}{one.name}.", one.classes
+        return found[::-1]
+
+    def constant(self, name: str, span: Span) -> tuple[ClassDefinition, str] | None:
+        """The class around a place, or the package of an import, that declares a constant; and its name there."""
+        for scope in self.around(span):
+            if scope.name and self.declares(scope.name, name):
+                return self.classes[scope.name], name
+            for package, element in self._imported(name, scope):
+                if package and self._reach(package) and self.declares(package, element):
+                    self.used.add(name)
+                    return self.classes[package], element
+        return None
+
+    def declares(self, owner: str, name: str) -> bool:
+        """Whether a class or what it extends has a constant of this name."""
+        return any(isinstance(e, Declaration) and e.name == name and "constant" in e.prefixes
+                   for base in self.lineage(owner) for e in self.classes[base].elements)
+
+    def lineage(self, name: str) -> list[str]:
+        """A class and all it extends, as far as they are known, by their full names."""
+        found = [name] if name in self.classes else []
+        for owner in found:
+            for element in self.classes[owner].elements:
+                base = self._base(element, owner) if isinstance(element, Extends) else None
+                if base is not None and base not in found:
+                    found.append(base)
+        return found
+
+    def _base(self, element: Extends, owner: str) -> str | None:
+        """Of an extends clause. What it names is not looked for in what the class inherits."""
+        if (owner, element.type_name) in self._looking:
+            return None
+        self._looking.add((owner, element.type_name))
+        try:
+            return self._resolved(element.type_name, [e for e in self.around(element.span) if e.name != owner] or [])
+        finally:
+            self._looking.discard((owner, element.type_name))
+
+    def _resolved(self, name: str, around: Iterable[Enclosing]) -> str | None:
+        first, *rest = name.split(".")
+        at = self._first(first, around, bool(rest))
+        for step in rest:
+            at = self._within(at, step) if at is not None else None
+        return at
+
+    def _first(self, name: str, around: Iterable[Enclosing], is_package: bool) -> str | None:
+        for scope in around:
+            if scope.name and scope.name.rpartition(".")[2] == name and scope.name in self.classes:
+                return scope.name
+            if scope.name and (found := self._within(scope.name, name)) is not None:
+                return found
+            for package, element in self._imported(name, scope):
+                full = f"{package}.{element}" if package else element
+                if self._reach(full):
+                    self.used.add(name)
+                    return full
+        return name if name in self.classes or (is_package and self._reach(name)) else None
+
+    def _within(self, owner: str, name: str) -> str | None:
+        if self._reach(f"{owner}.{name}"):
+            return f"{owner}.{name}"
+        return next((f"{base}.{name}" for base in self.lineage(owner)[1:] if self._reach(f"{base}.{name}")), None)
+
+    def _imported(self, name: str, scope: Enclosing) -> Iterator[tuple[str, str]]:
+        """What imports say that a name is: a package and the name in it. Names come before all of a package."""
+        for item in scope.imports:
+            for short, full in item.names:
+                if short == name:
+                    package, _, element = full.rpartition(".")
+                    if not self._reach(full) and not (self._reach(package) and self.declares(package, element)):
+                        fail("L0204", f"there is no '{full}' to be imported", item.span, *self._hints(package or full))
+                    yield package, element
+        for item in scope.imports:
+            for short, full in item.names:
+                if short == "*":
+                    if not self._reach(full):
+                        fail("L0204", f"there is no package '{full}' to be imported", item.span, *self._hints(full))
+                    yield full, name
+
+    def _hints(self, package: str) -> list[str]:
+        inside = [name for name in self.classes if name.rpartition(".")[0] == package]
+        if inside:
+            return [f"{package} has {', '.join(name.rpartition('.')[2] for name in inside)}"[:300]]
+        near = suggest(package, [c.name for c in self.classes.values() if c.kind == "package"])
+        return [near or "packages are looked for beside the file, in the folders of --path and of LAGRANGIA_PATH, as NAME.lag or "
+                "NAME/package.lag"]
+
+    def _reach(self, full: str) -> bool:
+        """Whether there is a class of this full name, in the files that were read or in the folders of packages."""
+        if full in self.classes:
+            return True
+        owner = full.rpartition(".")[0]
+        if full in self._missing or (owner and owner not in self.classes and not self._reach(owner)):
+            return False
+        syntax = self.find(full)
+        if syntax is not None:
+            self.take(syntax)
+        if full not in self.classes:
+            self._missing.add(full)
+        return full in self.classes
