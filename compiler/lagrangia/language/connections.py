@@ -12,7 +12,7 @@ from typing import Protocol
 from lagrangia.base.diagnostics import Span, fail
 from lagrangia.base.records import dataclass
 from lagrangia.language.flat import Equation, Variable
-from lagrangia.language.instances import Instance, Member, Scope, Slot
+from lagrangia.language.instances import FrameSlot, Instance, Member, Scope, Slot
 from lagrangia.language.mentions import leaves
 from lagrangia.language.tree import Array, Call, Expression, Flat, Ref, Reference, Whole
 
@@ -66,7 +66,7 @@ def _connector_at(expression: Expression, scope: Scope, names: Names, selection:
     """The connector that an expression names; None for anything else. `selection` picks from arrays without subscripts."""
     if isinstance(expression, Array) and selection and selection[0] <= len(expression.items):
         return _connector_at(expression.items[selection[0] - 1], scope, names, selection[1:])
-    if not isinstance(expression, Reference):
+    if not isinstance(expression, Reference) or _is_port(expression, scope.instance):
         return None
     members: Mapping[str, Member] = scope.instance.members
     found: Member | None = None
@@ -83,6 +83,16 @@ def _connector_at(expression: Expression, scope: Scope, names: Names, selection:
             found = found[pick - 1]
         members = found.members if isinstance(found, Instance) and not picks else {}
     return found if isinstance(found, Instance) and found.definition.kind == "connector" else None
+
+
+def _is_port(expression: Reference, within: Instance) -> bool:
+    """Whether it surely is a frame, as most that is connected: elements of an array are of one class, whatever the subscripts."""
+    found: Member | None = within
+    for part in expression.parts:
+        found = found.members.get(part.name) if isinstance(found, Instance) else None
+        while isinstance(found, list):
+            found = found[0] if found else None
+    return isinstance(found, FrameSlot)
 
 
 def _between(a: Instance, b: Instance, span: Span, component: str) -> Iterator[Connection]:

@@ -35,6 +35,8 @@ def declare_delays(calls: Mapping[str, Call[Flat]], report: Report) -> dict[str,
 
 def with_delays(model: FlatModel, delays: Mapping[str, Delay]) -> FlatModel:
     """The model with those that something reads."""
+    if not delays:
+        return model
     bindings: dict[str, Flat | None] = {name: variable.binding for name, variable in model.variables.items()}
     bindings |= {delay.name: delay.value for delay in delays.values()}
     read = {node.name for node in reached(expressions_of(model), bindings) if isinstance(node, Ref)}

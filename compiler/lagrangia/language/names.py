@@ -428,6 +428,8 @@ class Names(Calls):
                     fail("L0214", f"'{slot.declaration.name}' has {size} elements, not {pick}", span)
         if slot.is_structural:
             return _pick(self.structural_value(slot, span), subscripts)
+        if not subscripts:
+            return Ref(slot.path, (), span)
 
         if len(subscripts) < len(slot.dimensions):
             self._arrays.add(slot.path)

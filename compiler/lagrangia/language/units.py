@@ -154,6 +154,7 @@ def per_second(unit: str) -> str:
 
 def power(a: Dimension, exponent: int | Fraction) -> Dimension:
     """The dimension of a power."""
+    exponent = exponent.numerator if exponent.denominator == 1 else exponent  # fractions are slow
     found = [x * exponent for x in a]
     return tuple(x.numerator if x.denominator == 1 else x for x in found)
 
