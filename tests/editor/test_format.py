@@ -16,7 +16,8 @@ from lagrangia.command.cli import main
 from lagrangia.compile.pipeline import flatten_file
 from lagrangia.editor.formatting import formatted
 from lagrangia.editor.layout import WIDTH
-from lagrangia.editor.words import pieces_of
+from lagrangia.editor.spacing import gaps_of
+from lagrangia.editor.words import Piece, pieces_of
 from lagrangia.language.syntax import parse
 
 ROOT = Path(__file__).parents[2]
@@ -149,6 +150,16 @@ def test_lines_that_are_too_long_end_where_it_suits() -> None:
     assert all(len(line) <= WIDTH for line in lines if '"' not in line)
     assert lines[2].startswith("    + some_name")
     assert sum(line.startswith("         spring_number") for line in lines) >= 1
+
+
+def test_words_of_modelica_stand_as_there() -> None:
+    """What the grammar may come to know is laid out by its words, whatever reads it."""
+    def spaced(*words: str) -> str:
+        pieces = [Piece("NAME" if word.isidentifier() and word != "import" else word, word, 0, 0) for word in words]
+        return "".join(" " * gap.space + piece.text for gap, piece in zip(gaps_of(pieces), pieces, strict=True))
+
+    assert spaced("import", "A", ".", "B", ".*", ";") == "import A.B.*;"
+    assert spaced("x", "=", "[", "1", ",", "2", ";", "3", ",", "-", "4", "]", ".*", "y", ";") == "x = [1, 2; 3, -4] .* y;"
 
 
 def test_ten_thousand_lines_take_half_a_second() -> None:

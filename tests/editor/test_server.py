@@ -189,6 +189,16 @@ def test_a_saved_text_is_asked_for_by_all_phases(client: Client) -> None:
     assert found["code"].startswith("L04") and "'b' of Spring 's'" in found["message"]
 
 
+def test_parts_may_leave_values_and_ports_open(client: Client) -> None:
+    text = "model Part\n  parameter Stiffness k;\n  Frame a;\n  Spring s(a = a, b = world);\nend Part;\n"
+    _, wrong = client.open("part.lag", text)
+    assert [found["message"].splitlines()[0] for found in wrong] == ["Spring 's' needs a value for its parameter 'k' (stiffness)"]
+    uri, wrong = client.open("whole_part.lag", text.replace("s(", "s(k = k, "))
+    assert wrong == []
+    run = text.replace("s(", "s(k = k, ").replace("end", "  annotation(experiment(StopTime = 1));\nend")
+    assert [found["code"] for found in client.change(uri, run, 2)[0]] == ["L0211"]
+
+
 def test_500_lines_are_looked_at_within_a_tenth_of_a_second(client: Client) -> None:
     """Measured: 0.07 s, of which 0.03 s wait for more typing; the bound leaves room for busy machines."""
     parts = "".join(f"  Revolute h{k}(a = {f'b{k - 1}.b' if k else 'world'});\n  Bar b{k}(m = 1, L = 1, a = h{k}.b);\n"

@@ -132,7 +132,7 @@ class _Walk:
         else:
             type_span = _find(element.type_name, element.span)
         if kind is not None and type_span is not None:
-            self._add(type_span, Meaning(kind.name, kind.name_span, kind))
+            self._add(_last_part(type_span), Meaning(kind.name, kind.name_span, kind))
         self._arguments(element.arguments, kind)
         if isinstance(element, Declaration):
             self._walk((element.dimensions, element.binding, element.condition))
@@ -166,7 +166,7 @@ class _Walk:
         function = class_named(self.table, call.function, call.span)
         if function is not None and function.kind == "function":
             place = Span(call.span.source, call.span.start, call.span.start + len(call.function))
-            self._add(place, Meaning(function.name, function.name_span, function))
+            self._add(_last_part(place), Meaning(function.name, function.name_span, function))
 
     def _loop(self, loop: ForBlock | Comprehension) -> None:
         iterators = dict(self.iterators)
@@ -204,6 +204,11 @@ class _Walk:
     def _add(self, span: Span, meaning: Meaning) -> None:
         if span.source is self.index.syntax.source:
             self.index.found[span.start] = Occurrence(span, meaning, self.owner)
+
+
+def _last_part(span: Span) -> Span:
+    """Of a dotted name."""
+    return Span(span.source, span.end - len(span.text.rpartition(".")[2].lstrip()), span.end)
 
 
 def _find(name: str, span: Span) -> Span | None:

@@ -7,24 +7,27 @@ from pathlib import Path
 from lagrangia.base.diagnostics import Diagnostic, LagError, Report, Source, Span
 from lagrangia.compile.elsewhere import faults_beside
 from lagrangia.compile.pipeline import deep_recursion, flatten_files, read_files, without_collections
-from lagrangia.editor.meanings import Index
+from lagrangia.editor.meanings import Index, members
 from lagrangia.editor.surroundings import statement_start, without_texts
-from lagrangia.language.classes import build_class_table
+from lagrangia.language.classes import ClassTable, build_class_table
 from lagrangia.language.component_library import library
 from lagrangia.language.dimensions import check_dimensions
 from lagrangia.language.flat import FlatModel
 from lagrangia.language.syntax import parse
+from lagrangia.language.tree import ClassDefinition
 
 Read = Callable[[Path], Source]
+_LACKS_A_VALUE = "L0211"
 _MOST_MENDED = 8  # statements that are left out
 
 
 class Reading:
-    """What a text says; `flat` is None while its last model is wrong."""
+    """What a text says; `flat` is None while its last model is wrong. `is_part` where that is one for others, with parameters or
+    ports that are open."""
 
     def __init__(self, source: Source, diagnostics: tuple[Diagnostic, ...], flat: FlatModel | None,
-                 find: Callable[[], Index | None]) -> None:
-        self.source, self.diagnostics, self.flat, self._find = source, diagnostics, flat, find
+                 find: Callable[[], Index | None], is_part: bool = False) -> None:
+        self.source, self.diagnostics, self.flat, self._find, self.is_part = source, diagnostics, flat, find, is_part
 
     @cached_property
     def index(self) -> Index | None:
@@ -44,15 +47,29 @@ def read_text(path: Path, read: Read) -> Reading:
             table = build_class_table(library(), [syntax, *imported])
         except LagError as error:
             return Reading(source, error.diagnostics, None, lambda: _index_of_mended(path, source, read))
+        last = next((c for c in reversed(syntax.classes) if c.kind == "model" and not c.is_partial), None)
+        is_part = last is None or _is_part(last, table)
         try:
-            if any(c.kind == "model" and not c.is_partial for c in syntax.classes):
+            if last is not None:
                 flat = check_dimensions(flatten_files(syntax, imported))
                 report.add(flat.warnings)
         except LagError as error:
-            report.add(error.diagnostics)
+            report.add(found for found in error.diagnostics if not (is_part and found.code == _LACKS_A_VALUE and _is_open(found)))
         known = {diagnostic.render() for diagnostic in report.diagnostics}
         report.add(found for found in faults_beside(table, syntax) if found.render() not in known)
-        return Reading(source, tuple(report.diagnostics), flat, lambda: Index(syntax, table))
+        return Reading(source, tuple(report.diagnostics), flat, lambda: Index(syntax, table), is_part)
+
+
+def _is_part(last: ClassDefinition, table: ClassTable) -> bool:
+    """Whether a model leaves something to who uses it."""
+    is_run = any(argument.name == "experiment" for argument in last.annotation)
+    return not is_run and any(d.binding is None and ("parameter" in d.prefixes or d.type_name == "Frame")
+                              for d in members(table, last).values())
+
+
+def _is_open(found: Diagnostic) -> bool:
+    """Whether the value that lacks is the model's own, and not one of its components'."""
+    return "needs a value" not in found.message
 
 
 def _index_of_mended(path: Path, source: Source, read: Read) -> Index | None:

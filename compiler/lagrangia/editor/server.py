@@ -117,7 +117,7 @@ async def saved(ls: Server, asked: types.DidSaveTextDocumentParams) -> None:
     """Asks all phases of the compiler as well, in a process of their own."""
     uri, now = asked.text_document.uri, ls.changes
     reading = ls.reading(uri)
-    if any(found.severity == "error" for found in reading.diagnostics):
+    if reading.is_part or any(found.severity == "error" for found in reading.diagnostics):
         return
     process = await asyncio.create_subprocess_exec(sys.executable, "-m", "lagrangia.editor.whole", reading.source.name,
                                                    stdout=asyncio.subprocess.PIPE, stderr=asyncio.subprocess.DEVNULL)

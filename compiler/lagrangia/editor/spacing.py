@@ -42,7 +42,9 @@ def gaps_of(pieces: Sequence[Piece]) -> list[Gap]:
         if word in CLOSE and indices:
             indices.pop()
         between, begins, readiness = _between(before, word)
-        if between == _OPERATOR:
+        if between == _OPERATOR and word == ".*" and pieces[0].text == "import":
+            space = False
+        elif between == _OPERATOR:
             tight = word in _TIGHT or (word in _SIGNS and (ranges[k] or indices[-1:] == [True]))
             space = not tight
         elif before in _OPERATORS:
