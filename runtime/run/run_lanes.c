@@ -25,7 +25,6 @@ struct LagRunLanes {
     void *block;
     LagWideTaylor taylor;
     int may_turn;  /* others go on where stability rules */
-    int is_plain;  /* reductions ask for coordinates and rates alone */
     int opened;    /* lanes whose follower and run are there */
     LagFollower follower[LAG_ABREAST];
     int64_t job[LAG_ABREAST]; /* the run in each lane; -1: none */
@@ -88,7 +87,10 @@ static int open_lane(LagRunLanes *s, const LagSettings *settings)
         return 0;
     ++s->opened;
     lag_taylor_plan_for_eight(&run->methods.taylor, batch->model, run->scale.tolerance);
-    return lag_follow_new(f, batch->model, run, &batch->sweep, batch->at, batch->n_at);
+    if (!lag_follow_new(f, batch->model, run, &batch->sweep, batch->at, batch->n_at))
+        return 0;
+    f->window.is_plain = is_plain(batch->model, &batch->sweep);
+    return 1;
 }
 
 static int open(LagRunLanes *s, const LagSettings *settings)
@@ -120,7 +122,6 @@ LagRunLanes *lag_lanes_new(LagBatch *batch)
         return NULL;
     s->batch = batch;
     s->may_turn = lag_methods_turn(&settings) && lag_methods_alternate(model, LAG_SOLVER_TAYLOR);
-    s->is_plain = is_plain(model, &batch->sweep);
     settings.solver = LAG_SOLVER_TAYLOR;
     if (!open(s, &settings)) {
         lag_lanes_free(s);
@@ -235,7 +236,7 @@ static LagStatus end_row(LagRunLanes *s, int lane)
     LagFollower *f = &s->follower[lane];
     LagRun *run = f->run;
     f->window.end_time = run->motion.t;
-    if (!s->is_plain)
+    if (!f->window.is_plain)
         return lag_run_row(run, f->window.end);
     f->window.end[0] = run->motion.t;
     memcpy(f->window.end + 1, run->motion.y, 2 * (size_t)s->taylor.n * sizeof *run->motion.y);

@@ -2,6 +2,8 @@
 
 #include <string.h>
 
+#include "state/inside.h"
+
 /* Gauss-Lobatto-Legendre nodes and weights (M. Abramowitz, I. Stegun, Handbook of Mathematical Functions, table 25.6). */
 const double lag_window_node[LAG_NODES] = {-1, -0.830223896278566929872, -0.468848793470714213804, 0, 0.468848793470714213804,
                                            0.830223896278566929872, 1};
@@ -37,7 +39,11 @@ void lag_window_init(LagWindow *window, LagRun *run)
 static LagStatus row_at(LagWindow *window, double t, double *row)
 {
     int done = 0;
-    return lag_run_advance(window->run, &t, 1, row, &done, 0);
+    if (!window->is_plain)
+        return lag_run_advance(window->run, &t, 1, row, &done, 0);
+    row[0] = t;
+    lag_state_inside(window->run, t, row + 1); /* there is room for quadratures: those of rows come behind */
+    return LAG_OK;
 }
 
 LagStatus lag_window_open(LagWindow *window, double t)

@@ -15,6 +15,7 @@ typedef struct {
     double *end;             /* the row of the end of the step, at end_time */
     double end_time;
     double *inside;          /* a row between nodes */
+    int is_plain;            /* of rows within a step time, coordinates and rates are all that is wanted */
     double basis[LAG_NODES][LAG_NODES]; /* coefficients of the Lagrange polynomials over -1 <= s <= 1, ascending */
 } LagWindow;
 
