@@ -60,7 +60,7 @@ def test_a_drawing_of_its_own_stands_in_place_of_what_is_inherited(tmp_path: Pat
 
 
 def test_the_library_is_read_without_its_drawings() -> None:
-    assert {s.kind for file in library() for c in file.classes for s in c.sections} == {"equation", "energy"}
+    assert {s.kind for file in library() for c in file.classes for s in c.sections} == {"initial", "equation", "energy"}
     assert [c.name for file in library() for c in file.classes] == [c.name for file in drawn_library() for c in file.classes]
 
 

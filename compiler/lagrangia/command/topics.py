@@ -1,13 +1,12 @@
 """Longer texts, shown by `lag help TOPIC`."""
 
-import re
 from collections.abc import Callable, Mapping
 
 from lagrangia.base.diagnostics import fail, suggest
-from lagrangia.base.folders import data_folder
 from lagrangia.command.curves_topic import curves_topic
 from lagrangia.command.drawing_topic import drawing_topic
 from lagrangia.command.editor_topic import EDITOR
+from lagrangia.command.library_topic import DRIVES, library_topic
 from lagrangia.command.signals_topic import SIGNALS
 from lagrangia.command.tables_topic import TABLES
 
@@ -326,20 +325,6 @@ model.functions(given=["link[1].m"])                   # but for what is named h
 model.derivatives()                                    # jacobian_u, jacobian_p of dv/dt; parameters: p -> all values
 """
 
-_DECLARATION = re.compile(r'^(?:partial )?model (\w+)(?: "([^"]*)")?', re.MULTILINE)
-
-
-def _library() -> str:
-    """Names and descriptions, read off the library itself."""
-    lines = []
-    for file in sorted((data_folder("models") / "library").glob("*.lag")):
-        found = [m for m in _DECLARATION.finditer(file.read_text(encoding="utf-8")) if not m[0].startswith("partial")]
-        if found:
-            lines.append(f"{file.stem}:")
-            lines += [f"  {name:20} {description or ''}" for name, description in (m.groups() for m in found)]
-    return "\n".join([*lines, "", f"The sources are worth reading: {data_folder('models') / 'library'}"])
-
-
 _EQUATIONS = """\
 lag equations FILE [--form FORM] [--format FORMAT]
 Lagrange's equations as a textbook writes them, derived with SymPy from the same energies that are simulated.
@@ -472,7 +457,8 @@ before it.
 
 TOPICS: Mapping[str, tuple[str, Callable[[], str]]] = {
     "language": ("models, frames, energies: the language on one page", lambda: _LANGUAGE),
-    "library": ("the components and what they state", _library),
+    "library": ("the components and what they state", library_topic),
+    "drives": ("drive trains: shafts, gears, clutches, what slides along a line", lambda: DRIVES),
     "functions": ("mathematical functions, sources in time, your own functions", lambda: _FUNCTIONS),
     "events": ("events that reset rates: impacts, contacts, kicks", lambda: _EVENTS),
     "drawing": ("how components look: the drawing section", drawing_topic),

@@ -4,8 +4,9 @@ from collections.abc import Iterable
 from dataclasses import field
 from functools import cached_property
 
-from lagrangia.base.diagnostics import Report, Source, Span, fail, suggest
+from lagrangia.base.diagnostics import LIBRARY, Report, Source, Span, fail, suggest
 from lagrangia.base.records import dataclass
+from lagrangia.language.component_library import library_package
 from lagrangia.language.scoping import Finder, Scopes, has_scopes, lifted, nowhere
 from lagrangia.language.tree import Argument, ClassDefinition, Declaration, Expression, Extends, Syntax
 
@@ -37,30 +38,32 @@ class ClassTable:
 
     library: dict[str, ClassDefinition]
     user: dict[str, ClassDefinition]
-    library_sources: frozenset[Source] = field(default_factory=frozenset)
+    library_sources: set[Source] = field(default_factory=set)  # with those of its packages that are named
     files: dict[Source, Syntax] = field(default_factory=dict)  # those in which names may mean something else in each class
     find: Finder = nowhere
 
     @cached_property
     def scopes(self) -> Scopes:
         """Looks names up by what encloses them."""
-        return Scopes(self.user, self.files, self._take, self.find)
+        return Scopes(self.user, self.files, self._take, lambda name: self.find(name) or library_package(name))
 
     def _take(self, syntax: Syntax) -> None:
         report = Report()
         self.user.update(_collect([syntax], report, self.user))
         self.files[syntax.source] = syntax
+        if syntax.source.name.startswith(LIBRARY):
+            self.library_sources.add(syntax.source)
         report.raise_errors()
 
     def found(self, name: str, span: Span) -> ClassDefinition | None:
         """The class that `name` means where `span` is; None where there is none. Raises LagError L0204 for imports of nothing."""
-        if span.source not in self.library_sources:
-            if span.source in self.files or "." in name:
-                full = self.scopes.full_name(name, span)
-                if full is not None:
-                    return self.user[full]
-            elif name in self.user:
-                return self.user[name]
+        is_library = span.source in self.library_sources
+        if span.source in self.files or (not is_library and "." in name):
+            full = self.scopes.full_name(name, span)
+            if full is not None and not (is_library and self.user[full].span.source not in self.library_sources):
+                return self.user[full]
+        elif not is_library and name in self.user:
+            return self.user[name]
         return self.library.get(name)
 
     def lookup(self, name: str, span: Span) -> ClassDefinition:
@@ -139,7 +142,7 @@ def build_class_table(library: Iterable[Syntax], user: Iterable[Syntax], find: F
     tables = [_collect(files, report, {}) for files in (library, user)]
     report.raise_errors()
     scoped = {syntax.source: syntax for syntax in user if has_scopes(syntax)}
-    return ClassTable(tables[0], tables[1], frozenset(syntax.source for syntax in library), scoped, find)
+    return ClassTable(tables[0], tables[1], {syntax.source for syntax in library}, scoped, find)
 
 
 def _collect(files: Iterable[Syntax], report: Report, known: dict[str, ClassDefinition]) -> dict[str, ClassDefinition]:

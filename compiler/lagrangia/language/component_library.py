@@ -11,6 +11,8 @@ from lagrangia.language.shipped import made_of, ship
 from lagrangia.language.syntax import grammar_file, parse, reader_tables
 from lagrangia.language.tree import ClassDefinition, Syntax
 
+_PACKAGES = {"Rotational": "rotational.lag", "Translational": "translational.lag"}
+
 
 @cache
 def library() -> tuple[Syntax, ...]:
@@ -24,6 +26,19 @@ def drawn_library() -> tuple[Syntax, ...]:
     return read_trees(made_of("drawn", _files(), _parsed_whole))
 
 
+def library_package(name: str) -> Syntax | None:
+    """A package of the library, which is read when it is named; None for any other name."""
+    file = _PACKAGES.get(name)
+    return _package(name, file) if file is not None else None
+
+
+@cache
+def _package(name: str, file: str) -> Syntax:
+    place = _folder() / file
+    (syntax,) = read_trees(made_of(f"package-{name}", [place], lambda: write_trees(_trees([place]))))
+    return syntax
+
+
 def ship_all() -> None:
     """What `library` and the parser would make at first use, put beside the modules. Raises OSError."""
     from lagrangia.language.grammar_tables import lark_key, lark_tables
@@ -32,22 +47,28 @@ def ship_all() -> None:
     ship(lark_key(), [grammar_file()], lark_tables(grammar_file()))
     ship("library", _files(), _parsed())
     ship("drawn", _files(), _parsed_whole())
+    for name, file in _PACKAGES.items():
+        ship(f"package-{name}", [_folder() / file], write_trees(_trees([_folder() / file])))
+
+
+def _folder() -> Path:
+    return data_folder("models") / "library"
 
 
 def _files() -> list[Path]:
-    return sorted((data_folder("models") / "library").glob("*.lag"))
+    return sorted(file for file in _folder().glob("*.lag") if file.name not in _PACKAGES.values())
 
 
 def _parsed_whole() -> bytes:
-    return write_trees(_trees())
+    return write_trees(_trees(_files()))
 
 
 def _parsed() -> bytes:
-    return write_trees(tuple(replace(tree, classes=tuple(map(_undrawn, tree.classes))) for tree in _trees()))
+    return write_trees(tuple(replace(tree, classes=tuple(map(_undrawn, tree.classes))) for tree in _trees(_files())))
 
 
-def _trees() -> tuple[Syntax, ...]:
-    return tuple(parse(Source(f"{LIBRARY}{file.name}", file.read_text(encoding="utf-8"))) for file in _files())
+def _trees(files: list[Path]) -> tuple[Syntax, ...]:
+    return tuple(parse(Source(f"{LIBRARY}{file.name}", file.read_text(encoding="utf-8"))) for file in files)
 
 
 def _undrawn(definition: ClassDefinition) -> ClassDefinition:

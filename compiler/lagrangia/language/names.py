@@ -2,8 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import field, replace
-from functools import reduce
-from typing import Any, cast
+from typing import Any
 
 from lagrangia.base.diagnostics import Report, Span, fail, suggest
 from lagrangia.base.records import dataclass
@@ -66,7 +65,7 @@ class Names(Calls):
     packages: dict[str, Instance] = field(default_factory=dict)  # of the constants of each
     _structural: dict[Slot, Flat] = field(default_factory=dict)
     _pending: list[str] = field(default_factory=list)
-    _arrays: set[str] = field(default_factory=set)  # variables that were named as arrays
+    _arrays: dict[str, Slot] = field(default_factory=dict)  # variables that were named as arrays
     _dealt: dict[tuple[int, int], tuple[Bound, Flat]] = field(default_factory=dict)
 
     def define_function(self, definition: ClassDefinition, span: Span) -> None:
@@ -166,20 +165,8 @@ class Names(Calls):
 
     def size(self, ref: Ref) -> int | None:
         """Of the next dimension of a variable; None where it has none."""
-        if ref.name not in self._arrays:
-            return None
-        member = self._find(ref.name)
-        is_array = isinstance(member, Slot) and len(member.dimensions) > len(ref.index)
-        return cast(Slot, member).dimensions[len(ref.index)] if is_array else None
-
-    def _find(self, path: str) -> Member | None:
-        member: Member | None = self.root
-        for step in path.replace("[", ".[").split("."):
-            if isinstance(member, list):
-                member = reduce(lambda inner, i: inner[int(i) - 1], step[1:-1].split(","), cast(Any, member))
-            else:
-                member = member.members.get(step) if isinstance(member, Instance) else None
-        return member
+        slot = self._arrays.get(ref.name)
+        return slot.dimensions[len(ref.index)] if slot is not None and len(slot.dimensions) > len(ref.index) else None
 
     def flatten(self, node: Expression, scope: Scope) -> Flat:
         """An expression with full names, in SI units, its structural values put in. Raises LagError."""
@@ -244,8 +231,8 @@ class Names(Calls):
             case Array(items, _):
                 return any(length(item, self.size) is not None for item in items[:1])
             case Ref(name, index, _):
-                slot = self._find(name) if name in self._arrays else None
-                return isinstance(slot, Slot) and len(slot.dimensions) > len(index) + 1
+                slot = self._arrays.get(name)
+                return slot is not None and len(slot.dimensions) > len(index) + 1
             case Unary("-", operand, _):
                 return self._is_matrix(operand)
             case Binary("+" | "-", left, right, _) | IfExpression(_, left, right, _):
@@ -432,7 +419,7 @@ class Names(Calls):
             return Ref(slot.path, (), span)
 
         if len(subscripts) < len(slot.dimensions):
-            self._arrays.add(slot.path)
+            self._arrays[slot.path] = slot
 
         def build(index: tuple[int, ...], left: list[int | list[int]]) -> Flat:
             if not left:

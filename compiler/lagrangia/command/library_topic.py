@@ -1,0 +1,48 @@
+"""The texts of `lag help library`, read off the library itself, and of `lag help drives`."""
+
+import re
+
+from lagrangia.base.folders import data_folder
+
+_CLASS = re.compile(r'^( *)(partial )?(model|package) (\w+)(?:\s+"([^"]*)")?', re.MULTILINE)
+
+DRIVES = """\
+model DriveTrain
+  import Rotational.*;
+  Torque       motor(tau = 4*ramp(time, 0, 0.5));
+  Inertia      rotor(J = 0.02), load(J = 1.5);
+  IdealGear    gear(ratio = 5);
+  Clutch       clutch(cgeo = 0.2, fn_max = 1200, f_normalized = ramp(time, 1, 0.5));
+equation
+  connect(motor.flange, rotor.flange_a);    connect(rotor.flange_b, gear.flange_a);
+  connect(gear.flange_b, clutch.flange_a);  connect(clutch.flange_b, load.flange_a);
+end DriveTrain;
+
+Rotational and Translational have the components of the Modelica Standard Library by their names, with its parameters:
+Inertia, Spring, Damper, ElastoBacklash, BearingFriction, Clutch, Brake, FreeWheel, OneWayClutch, IdealGear, IdealPlanetary,
+IdealRollingWheel, Torque, Position, Speed, sensors; Mass, Rod, ElastoGap, MassWithStopAndFriction and others. `lag help library`
+lists them. They are named in full, as Rotational.Inertia, or imported: import Rotational.*; import R = Rotational;
+
+Flanges      A flange has one position, phi or s. connect(a, b) makes it one; so does a(flange_a = b.flange_b). Torques and
+             forces follow from virtual work; where nothing has mass, as between two springs, the place follows from the forces.
+             A connector of your own: connector Flange Angle phi; end Flange; its variables are given by an equation of the
+             component (flange_a.phi = phi), by what they meet, or are coordinates.
+Housings     stand still; with useSupport = true they turn with the flange `support`, which takes what acts against them.
+Friction     tau_pos and mu_pos are rows of a rate and what it takes there; it sticks exactly, and holds up to peak times the
+             first at rest. A clutch needs an inertia on both sides. FreeWheel.tau is the torque with which it carries along.
+Planar       scenes have shafts by Rotational.HingeFlange(of = hinge.phi) and Translational.SliderFlange(of = slider.s).
+Sensors      TorqueSensor and ForceSensor stand between two flanges: what the first side does to the second.
+Not supported yet: gears with losses (LossyGear), accelerations that are prescribed (Accelerate)."""
+
+
+def library_topic() -> str:
+    """Names and descriptions of all components, by file; those of packages as well."""
+    lines = []
+    for file in sorted((data_folder("models") / "library").glob("*.lag")):
+        found = [m.groups() for m in _CLASS.finditer(file.read_text(encoding="utf-8")) if m[2] is None]
+        package = next((name for _, _, kind, name, _ in found if kind == "package"), None)
+        models = [(name, description or "") for _, _, kind, name, description in found if kind == "model"]
+        if models:
+            lines.append(f"{file.stem}:" if package is None else f"{file.stem}: import {package}.*;")
+            lines += [f"  {name:20} {description}" for name, description in models]
+    return "\n".join([*lines, "", f"The sources are worth reading: {data_folder('models') / 'library'}"])
