@@ -192,3 +192,14 @@ def test_events_are_marked_where_time_runs(scene) -> None:
     run = many.simulate(stop=1, inputs=(times, {"u": times % 0.01}))
     with pytest.warns(UserWarning, match="events are not marked"):
         assert not run.plot().axes[0].collections
+
+
+def test_energies_are_quantities_of_runs_and_curves() -> None:
+    """As sweeps measure them."""
+    model = lag.loads("model A Block b(m = 2, base = world, along = {1, 0}, s(start = 0.1)); Spring s(k = 8, stretch = b.s);"
+                      " annotation(experiment(StopTime = 1)); end A;")
+    run = model.simulate(at=[0.0, 0.25, 0.5])
+    assert np.abs(np.array(run["energy.kinetic"]) - 0.04 * np.sin(2 * run.time) ** 2).max() < 1e-9
+    assert np.abs(np.array(run["energy.total"]) - 0.04).max() < 1e-9
+    assert run.plot("energy.kinetic", "energy.potential") is not None
+    assert "energy.kinetic" in run.animate(quantities=["energy.kinetic"])

@@ -13,6 +13,9 @@ from lagrangia.native.tapes import Tape
 
 ALL_REACTIONS = "*.reaction"  # among outputs that are asked for: the reactions of all joints
 
+# The last columns of each row, in J.
+ENERGY_NAMES = ("energy.kinetic", "energy.potential", "energy.total", "energy.dissipated", "energy.work")
+
 
 @dataclass(frozen=True)
 class Parameter:

@@ -12,13 +12,12 @@ from lagrangia.base.diagnostics import RunError, fail, suggest
 from lagrangia.run.engines import Engine
 from lagrangia.run.request import Experiment, Values
 from lagrangia.run.runtime import Statistics, Status
-from lagrangia.run.scene import Scene
+from lagrangia.run.scene import ENERGY_NAMES, Scene
 from lagrangia.run.simulate import explain, start_run
 
 if TYPE_CHECKING:
     import numpy as np
 
-_ENERGIES = ("energy.kinetic", "energy.potential", "energy.total", "energy.dissipated", "energy.work")
 _PAUSE = 0.1  # seconds between two looks at the keyboard
 _PACE = 24  # bytes of a kept state
 _LOOK = 1000  # steps between two looks at what the engine could become
@@ -48,7 +47,7 @@ class SteppedRun:
         self._run = start_run(scene, engine, experiment, values)
         weakref.finalize(self, self._run.close)
         self._library, self._handle, self._done = engine.runtime.library, self._run.handle, self._run.done
-        names = ("time", *(c.name for c in (*scene.coordinates, *scene.rates, *scene.outputs)), *_ENERGIES)
+        names = ("time", *(c.name for c in (*scene.coordinates, *scene.rates, *scene.outputs)), *ENERGY_NAMES)
         self.columns = names
         self._place = {name: k for k, name in enumerate(names)}
         self._input = {item.name: k for k, item in enumerate(scene.inputs)}

@@ -6,12 +6,12 @@ from typing import TYPE_CHECKING
 
 from lagrangia.run.input_pieces import InputTable
 from lagrangia.run.request import Values
-from lagrangia.run.scene import Column, Scene
+from lagrangia.run.scene import ENERGY_NAMES, Column, Scene
 
 if TYPE_CHECKING:
     import numpy as np
 
-ENERGIES = 5  # T, V, H, dissipated, work: the last of each row
+ENERGIES = len(ENERGY_NAMES)
 
 
 def columns(scene: Scene) -> tuple[Column, ...]:

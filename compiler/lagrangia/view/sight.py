@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from lagrangia.base.records import dataclass
 from lagrangia.run.request import Request, Values
-from lagrangia.run.scene import Column, Scene
+from lagrangia.run.scene import ENERGY_NAMES, Column, Scene
 
 if TYPE_CHECKING:
     import numpy as np
@@ -32,9 +32,9 @@ class Shown:
 
 
 def known_column(scene: Scene, name: str) -> Column | None:
-    """Of the time, a coordinate, a rate, an output, or another name of one; None of what needs the model."""
+    """Of the time, a coordinate, a rate, an output, or another name of one, or an energy; None of what needs the model."""
     columns = (Column("time", "s", "", ""), *scene.coordinates, *scene.rates, *scene.outputs)
     found = next((column for column in columns if column.name == name), None)
     if found is None and (slot := scene.slot(name)) is not None:
         return replace((*scene.coordinates, *scene.rates)[slot], name=name)
-    return found
+    return Column(name, "J", "", "") if found is None and name in ENERGY_NAMES else found

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 from lagrangia.base.diagnostics import fail, suggest
 from lagrangia.base.records import dataclass
 from lagrangia.base.result_files import require_kind
-from lagrangia.run.scene import Column, Scene
+from lagrangia.run.scene import ENERGY_NAMES, Column, Scene
 from lagrangia.run.simulate import Progress, loss, shortcomings
 from lagrangia.view.curves import draw_panels
 from lagrangia.view.result_writers import RESULTS, TextRows, Writer, open_writer
@@ -106,6 +106,8 @@ class Trajectory:
         slot = self.scene.slot(name)
         if slot is not None:
             return self.rows[:, 1 + slot]
+        if name in ENERGY_NAMES:
+            return self.rows[:, ENERGY_NAMES.index(name) - ENERGIES]
         if self.observe is None:
             fail("L0701", f"the results have no column '{name}'", None, *filter(None, [suggest(name, self.names)]))
         return self.observe(name, self.rows)
