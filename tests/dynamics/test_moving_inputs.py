@@ -1,6 +1,7 @@
 """Inputs where functions of time may stand: places, prescribed coordinates, energies; in runs, FMUs, studies and exports."""
 
 import importlib.util
+import itertools
 from pathlib import Path
 
 import fmpy
@@ -9,7 +10,7 @@ import pytest
 from scipy.linalg import expm
 
 import lagrangia as lag
-from helpers.fmus import KINDS, VERSIONS, unpacked
+from helpers.fmus import KINDS, VERSIONS, instance_of, unpacked
 from lagrangia.command.cli import main
 from lagrangia.run.input_pieces import InputTable
 from lagrangia.run.request import check_values
@@ -222,6 +223,19 @@ def test_fmus(version: str, kind: str, tmp_path_factory: pytest.TempPathFactory,
     with pytest.raises(Exception, match="failed with status 3"):  # a logger of ours would stay behind in FMPy, when we are gone
         fmpy.simulate_fmu(path, fmi_type=kind, stop_time=STOP, step_size=0.02, input=signals[["time", "y"]])
     assert version == "3" or "an input that moves a support jumps" in capfd.readouterr().out
+
+
+def test_a_first_derivative_of_fmi_2_moves_a_road_along_straight_lines(tmp_path: Path) -> None:
+    """As a table of the same points does, from row to row."""
+    scene, t = model(tmp_path, ROAD), np.linspace(0, STOP, 21)
+    straight = scene.simulate(at=[STOP], tolerance=1e-11, inputs=(t, {"y": road(t)}))
+    one = instance_of(tmp_path / "scene.lag", "2", "CoSimulation").start({"y": road(t[0])}, tolerance=1e-11)
+    for begin, end in itertools.pairwise(t):
+        one.set({"y": road(begin)})
+        one.fmu.setRealInputDerivatives([one.reference["y"]], [1], [(road(end) - road(begin)) / (end - begin)])
+        one.step(begin, end - begin)
+    assert one.get("guide.s")[0] == pytest.approx(straight["guide.s"][0], abs=1e-10)
+    one.free()
 
 
 def test_at_the_command_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
