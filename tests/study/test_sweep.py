@@ -229,6 +229,12 @@ def test_masses_that_vanish_in_some_runs_get_formulas_that_hold(scene: Scene) ->
 # ---------------------------------------------------------------- what is varied
 
 
+def test_experiments_nest(scene: Scene) -> None:
+    """Each design of a table with each value of a list."""
+    table = scene(OSCILLATOR).simulate_many(runs={"m": [1, 2], "k": [20, 10]}, initial={"block.s": [0.1, 0.2]})
+    assert [table[name].tolist() for name in ("m", "k", "block.s")] == [[1, 1, 2, 2], [20, 20, 10, 10], [0.1, 0.2, 0.1, 0.2]]
+
+
 def test_all_combinations_the_last_changing_fastest(scene: Scene) -> None:
     table = scene(OSCILLATOR).simulate_many(parameters={"m": [1, 2], "k": "10:30:10"}, initial={"block.s": (0.1, 0.2)})
     assert table.runs == 12

@@ -266,7 +266,7 @@ normal(mean, deviation)    random, with --samples N and --seed; also uniform(low
 --plot FILE                measures over what is varied, histograms, parallel coordinates (.png, .svg, .pdf)
 --runs FILE.csv            a line of names (parameters, starts, inputs that are held) and one for each run; --together takes lists
                            side by side
-Several of these together: all combinations, the samples last. Each number may carry a unit, or none of a list.
+Together they nest: each line of --runs with each value of each list, each of these with each sample. Numbers may carry units.
 
 Measures of a quantity y (a coordinate, der(coordinate), an output, a place such as bar.b.y, energy.kinetic, energy.potential,
 energy.dissipated, or abs(...) of one):
