@@ -58,3 +58,28 @@ def test_time_and_parameters(tmp_path: Path) -> None:
 def test_what_is_wrong(text: str, code: str, tmp_path: Path) -> None:
     with pytest.raises(lag.LagError, match=code):
         model(tmp_path, text)
+
+
+def test_of_a_file_with_units_in_any_order(tmp_path: Path) -> None:
+    """As of the same points in the text; an FMU needs nothing else."""
+    rows = [f"{1000 * x},{y},{z}" for x, line in zip(XS, ZS, strict=True) for y, z in zip(YS, line, strict=True)]
+    (tmp_path / "map.csv").write_text("x [mm],v [m/s],F [N]\n" + "\n".join(reversed(rows)) + "\n")
+    literal = "table2(b.s, b.v, {0[m], 0.5, 1.5}, {-1[m/s], 0, 2}, {{-3[N], 0, 2}, {-2, -1, 0}, {1, -2, -4}})"
+    found, wanted = (model(tmp_path, text).simulate(at=[0.5, 1, 3]) for text in ('table2(b.s, b.v, "map.csv")', literal))
+    assert np.abs(np.array(found["b.s"]) - wanted["b.s"]).max() < 1e-15
+    assert model(tmp_path, 'table2(b.s, b.v, "map.csv", column = "F")').export_fmu(tmp_path / "one.fmu")
+
+
+@pytest.mark.parametrize(("text", "rows", "said"), [
+    ('table2(b.s, b.v, "map.csv")', "x,y,z\n0,0,1\n0,1,2\n1,0,3\n", "nothing at 1, 1"),
+    ('table2(b.s, b.v, "map.csv")', "x,y,z\n0,0,1\n0,1,2\n1,0,3\n1,1,3\n1,1,4\n", "a point twice"),
+    ('table2(b.s, b.v, "map.csv")', "x,y,z,w\n0,0,1,1\n0,1,2,1\n1,0,3,1\n1,1,3,1\n", "L0703.*no column for the values"),
+    ('table2(b.v, b.v, "map.csv")', "x [m],y,z\n0,0,1\n0,1,2\n1,0,3\n1,1,3\n", "L0304.*column 1 of 'map.csv' is in m"),
+    ('table2(b.s, b.v, "none.csv")', "x,y,z\n", "L0703.*none.csv"),
+    ('table2(b.s, b.v, "map.csv", smoothness = "cubic")', "x,y,z\n0,0,1\n", "L0901.*'smoothness'"),
+    ("table2(b.s, b.v, 3)", "x,y,z\n0,0,1\n", "L0215.*has a file"),
+])
+def test_what_is_no_map_is_told(text: str, rows: str, said: str, tmp_path: Path) -> None:
+    (tmp_path / "map.csv").write_text(rows)
+    with pytest.raises(lag.LagError, match=said):
+        model(tmp_path, text).simulate(at=[1.0])

@@ -9,7 +9,8 @@ The first argument is looked up in the first column of the file, which rises; th
 does. A column is named, or numbered from 1, and may be left out where there are two. Literal points take the same options.
 
 table2(x, y, {x1, x2}, {y1, y2, y3}, {{z11, z12, z13}, {z21, z22, z23}})   in two variables: a row for each x, straight along both
-in each cell, held beyond the ends, up to 1000 points; its kinks are events. Not supported yet: of files, or smooth.
+in each cell, held beyond the ends, up to 1000 points; its kinks are events. Not supported yet: smooth.
+table2(x, y, "map.csv", column = "z")   from a file: x and y in its first two columns, a row for each x with each y, in any order.
 
 smoothness   "linear"    straight lines, the default; their corners are met exactly, as events
              "cubic"     the spline with two continuous derivatives ("not a knot" at its ends): what moves a support, whose

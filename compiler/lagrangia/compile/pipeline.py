@@ -23,7 +23,7 @@ from lagrangia.language.delays import refuse_delays
 from lagrangia.language.dimensions import check_dimensions
 from lagrangia.language.flattening import flatten
 from lagrangia.language.given_values import Given, redeclared
-from lagrangia.language.lookups import read_tables
+from lagrangia.language.lookups import read_planes, read_tables
 from lagrangia.language.samplers import refuse_held
 from lagrangia.language.syntax import parse
 from lagrangia.language.without_effect import find_unused_imports
@@ -251,7 +251,8 @@ def flatten_files(syntax: "Syntax", imported: "list[Syntax]", model: str | None 
     flat = flatten(table, _choose(syntax, table, model), structural)
     unused = find_unused_imports(syntax, _brought(syntax, imported)) if syntax.imports or table.files else Report()
     read = tuple(file.source.name for file in (*imported, *packages.read))
-    return replace(flat, warnings=(*flat.warnings, *unused.diagnostics), tables=read_tables(flat.lookups), read=read)
+    return replace(flat, warnings=(*flat.warnings, *unused.diagnostics), tables=read_tables(flat.lookups),
+                   planes=read_planes(flat.lookups), read=read)
 
 
 def _brought(main: "Syntax", imported: "list[Syntax]") -> "list[tuple[ImportFile, list[Syntax]]]":

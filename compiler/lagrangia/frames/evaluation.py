@@ -30,7 +30,7 @@ from lagrangia.language.algorithms import FlatFunction
 from lagrangia.language.consequences import name_of_constraint, side_of
 from lagrangia.language.events import contact_of, held_by, name_of_contact
 from lagrangia.language.flat import FlatModel
-from lagrangia.language.lookups import lookup_of
+from lagrangia.language.lookups import lookup_of, plane_of
 from lagrangia.language.tree import (
     Array,
     Binary,
@@ -220,6 +220,8 @@ class Evaluator:
             return self._constraint_force(node, level)
         if node.function == "table" and (node.named or len(node.arguments) == 2):
             return self._look_up(node, level, local)
+        if node.function == "table2" and len(node.arguments) == 3:
+            return self._look_up_in_plane(node, level, local)
         if node.function == "sqrt" and (parts := sum_of_squares(node.arguments[0])) is not None:
             return self._root_of_squares(parts, level, local)
         arguments = [self.value(argument, level, local) for argument in node.arguments]
@@ -245,6 +247,12 @@ class Evaluator:
         if id(node) not in self._tables:
             self._tables[id(node)] = node, table_of_points(node, *(self.value(points) for points in node.arguments[1:]))
         return table_value(self.algebras[level], x, self._tables[id(node)][1], node)
+
+    def _look_up_in_plane(self, node: Call[Flat], level: int, local: Mapping[str, Value] | None) -> Scalar:
+        """table2(x, y, "file")."""
+        x, y = (_number(self.value(argument, level, local), argument.span) for argument in node.arguments[:2])
+        plane = self.model.planes[plane_of(node)]
+        return plane_value(self.algebras[level], x, y, plane.x, plane.y, plane.z, node.span)
 
     def _rate(self, node: Call[Flat], level: int, local: Mapping[str, Value] | None) -> Value:
         if local is not None:

@@ -7,7 +7,7 @@ from lagrangia.language.classes import ClassTable
 from lagrangia.language.elements import element, length
 from lagrangia.language.functions import ALIASES, FUNCTIONS, REWRITTEN, SCALAR_FUNCTIONS
 from lagrangia.language.instances import Scope
-from lagrangia.language.lookups import Lookup, lookup_of, options_of
+from lagrangia.language.lookups import Lookup, lookup_of, options_of, plane_of
 from lagrangia.language.loops import Loops
 from lagrangia.language.matrices import ARRAY_FUNCTIONS, cross_of_three
 from lagrangia.language.tree import Array, Call, ClassDefinition, Expression, Flat, Ref
@@ -97,6 +97,9 @@ class Calls(Loops, Protocol):
             fail("L0204", f"there is no function '{node.function}'", node.span, *filter(None, [hint]))
         if node.function == "table" and (node.named or len(node.arguments) == 2):
             return self._table(node)
+        if node.function == "table2" and len(node.arguments) == 3:
+            self.lookups.setdefault(plane_of(node), node.arguments[2].span)
+            return node
         if node.named:
             fail("L0215", f"{node.function} takes no named arguments", node.span)
         _check_count(node, FUNCTIONS[node.function])

@@ -18,7 +18,7 @@ from lagrangia.language.flat import Delay, Equation, Figure, FlatModel, Sampler,
 from lagrangia.language.folding import fold
 from lagrangia.language.frame_attributes import ATTRIBUTES, dimension_of
 from lagrangia.language.functions import FRAME_FUNCTIONS
-from lagrangia.language.lookups import lookup_of
+from lagrangia.language.lookups import lookup_of, plane_of
 from lagrangia.language.tree import (
     Array,
     Binary,
@@ -434,9 +434,16 @@ class _Checker:
         return PURE
 
     def _table2(self, node: Call[Flat], found: list[Quantity]) -> Quantity:
-        for k in (0, 1):
-            self.same(found[k], found[k + 2], node.span, "be compared")
-        return found[4]
+        if len(found) == 5:
+            for k in (0, 1):
+                self.same(found[k], found[k + 2], node.span, "be compared")
+            return found[4]
+        *wanted, value = (plane := self.model.planes[plane_of(node)]).dimensions
+        for k, one in enumerate(wanted):
+            if one is not None and not _fits(found[k], one):
+                self.report.error("L0304", f"column {k + 1} of '{plane.name}' is in {spell(one)}, this is in "
+                                  f"{found[k].spell()}", node.arguments[k].span)
+        return ANY if value is None else Quantity(value)
 
     def _table(self, node: Call[Flat], found: list[Quantity]) -> Quantity:
         """Of points, or of a file, whose columns may say their units."""

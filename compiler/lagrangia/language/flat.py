@@ -8,7 +8,7 @@ from lagrangia.base.diagnostics import Diagnostic, Span
 from lagrangia.base.records import dataclass
 from lagrangia.language.algorithms import FlatFunction
 from lagrangia.language.functions import FRAME_FUNCTIONS
-from lagrangia.language.lookups import Lookup, ReadTable
+from lagrangia.language.lookups import Lookup, ReadPlane, ReadTable
 from lagrangia.language.tree import Array, Call, EnergyKind, Flat, FrameRef
 
 Kind = Literal["parameter", "input", "coordinate", "variable", "held", "delayed"]
@@ -219,6 +219,7 @@ class FlatModel:
     states: Mapping[str, State] = field(default_factory=dict)  # by their names
     lookups: Mapping[Lookup, Span] = field(default_factory=dict)  # tables of files that are asked for
     tables: Mapping[Lookup, ReadTable] = field(default_factory=dict)  # as they were read
+    planes: Mapping[Lookup, ReadPlane] = field(default_factory=dict)  # those in two variables
     samplers: tuple[Sampler, ...] = ()
     delays: tuple[Delay, ...] = ()
     at_rest: Span | None = None  # where it says that it starts in equilibrium

@@ -132,8 +132,8 @@ class _Flattening:
             tuple(self.energies), tuple(self.works), tuple(self.initial), tuple(self.whens), self.functions,
             self.structural,
             experiment_of(self.table, definition, self.names, Scope(root)), definition.name_span, (), tuple(self.figures),
-            self.states, self.names.lookups, {}, tuple(self.samplers), (), self.at_rest, {}, allowed_of(self.table, definition),
-            self.components,
+            self.states, self.names.lookups, samplers=tuple(self.samplers), at_rest=self.at_rest,
+            allowed=allowed_of(self.table, definition), components=self.components,
         )
         model = with_delays(model, delays)
         refuse_states_elsewhere(model, self.report)

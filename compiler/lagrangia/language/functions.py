@@ -12,7 +12,7 @@ FUNCTIONS: Mapping[str, tuple[int, ...] | None] = {
                      "log", "log10", "sqrt", "abs", "sign", "floor", "ceil", "norm", "der", "pre", "virtual",
                      "contact_force", "constraint_force"), (1,)),
     **dict.fromkeys(("atan2", "mod", "dot", "cross", "distance", "rotate", "shift", "turn"), (2,)),
-    "table": (2, 3), "table2": (5,), "min": None, "max": None, "sum": None, "product": None,
+    "table": (2, 3), "table2": (3, 5), "min": None, "max": None, "sum": None, "product": None,
 }
 # Those of numbers: of an array they are that of each element.
 SCALAR_FUNCTIONS = frozenset({"sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh", "asinh", "acosh", "atanh",
