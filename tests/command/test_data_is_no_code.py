@@ -52,6 +52,18 @@ def test_names_stay_text_in_markdown(capsys: pytest.CaptureFixture[str]) -> None
     assert "<script>" not in capsys.readouterr().out.replace("\\<script\\>", "")
 
 
+@pytest.mark.parametrize("name", ["a/../../../out", "a/../out", "/tmp/out", "..", "a b", "$(touch MARK)"])
+@pytest.mark.parametrize("target", ["python", "modelica", "casadi"])
+def test_a_name_of_a_model_leads_nowhere(name: str, target: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Files that nobody named are written into this folder, whatever stands between the quotes."""
+    (here := tmp_path / "x" / "y" / "z").mkdir(parents=True)
+    monkeypatch.chdir(here)
+    Path("scene.lag").write_text(f"model '{name}'\n  Block b(m = 1, base = world);\nend '{name}';\n", encoding="utf-8")
+    assert main(["export", "scene.lag", "--to", target]) == 0
+    made = [path for path in tmp_path.rglob("*") if path.is_file() and path.name != "scene.lag"]
+    assert len(made) == 1 and made[0].parent == here and made[0].stem.isidentifier()
+
+
 @pytest.mark.parametrize("name", ["secret.txt", "secret", "secret.conf", "link.lag"])
 def test_no_line_of_a_foreign_file_is_shown(name: str, capsys: pytest.CaptureFixture[str]) -> None:
     Path("secret.txt").write_text("account: anna, pass phrase: mountain-lake-17\n", encoding="utf-8")

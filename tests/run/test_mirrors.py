@@ -154,3 +154,8 @@ def test_the_same_constants(file: str, module: Any, names: Mapping[str, str | No
     for name in there.keys() - {name for name, own in names.items() if own is None}:
         own = names.get(name) or (f"_{name}" if hasattr(module, f"_{name}") else name)
         assert getattr(module, own) == there[name], name
+
+
+def test_how_large_a_scene_may_be_whose_unsure_forces_are_told() -> None:
+    text = (FOLDER / "run" / "unsure.c").read_text(encoding="utf-8")
+    assert re.findall(r"MOST_ROWS = (\d+)", text) == [str(summary._MOST_ROWS)]

@@ -36,6 +36,7 @@ def export_command(options: Namespace) -> int:
 
         return export_fmu_command(options)
     from lagrangia.command.scene_export import export, export_warnings, exported_text
+    from lagrangia.fmu.export import identifier_of
     from lagrangia.model import Model
 
     structural, others = part_structural(options, assignments(options.parameter, "-p"))
@@ -49,7 +50,7 @@ def export_command(options: Namespace) -> int:
     if options.output == "-":
         sys.stdout.write(exported_text(model, options.to, names, options.force))
         return 0
-    path = Path(options.output) if options.output else Path(model.name + TARGETS.get(options.to, ""))
+    path = Path(options.output) if options.output else Path(identifier_of(model.name) + TARGETS.get(options.to, ""))
     keep_other(options, path, _SIGNS.get(options.to, ""))
     print(export(model, options.to, path, names, options.force))
     return 0

@@ -16,6 +16,7 @@ from lagrangia.run.solvers import AUTO, name_of, reason_of
 from lagrangia.view.statics import is_static, reaction_table
 
 _GUESS, _FIXED, _FREE = range(3)  # LAG_START_... of runtime/model/model.h
+_MOST_ROWS = 40  # MOST_ROWS of runtime/run/unsure.c
 _MOVED = 1e-3  # less is taken for the rounding of a start value
 _ROUNDING = 1e-14  # m or rad
 
@@ -53,10 +54,19 @@ def summarise(options: Namespace, model: Model, progress: Progress, target: str,
         say(f"  energy account closes to {statistics.energy_residual:.1e} J{relative}")
         for text in shortcomings(progress):
             say(f"  {text}")
+    _tell_unlooked(scene, say)
     apart = "" if experiment.at is not None else f", one every {experiment.interval:g} s"
     say(f"  {progress.rows} rows in {target}{apart}" + (f", picture in {options.plot}" if options.plot else ""))
     if options.stats:
         _tell(model, engine, progress, compiled, loaded, say)
+
+
+def _tell_unlooked(scene: Any, say: Callable[[str], None]) -> None:
+    """Where forces that rounding decides near dead points are not looked for."""
+    rows = scene.sizes["n_multipliers"]
+    if scene.sizes["outputs_need_acceleration"] and rows and (rows > _MOST_ROWS or scene.n > 2 * _MOST_ROWS):
+        say(f"  forces that rounding decides near dead points are told in scenes of up to {_MOST_ROWS} constraints and "
+            f"{2 * _MOST_ROWS} coordinates, not here")
 
 
 def methods_of(statistics: Statistics, asked: str, is_cut: bool) -> str:
