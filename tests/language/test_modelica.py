@@ -169,3 +169,31 @@ def test_a_model_of_a_package_is_run_by_its_name(tmp_path: Path) -> None:
     assert lag.load(tmp_path / "p.lag", model="P.A").simulate(at=[0.0])["b.s"][0] == 0
     with pytest.raises(lag.LagError, match=r"--model P\.A"):
         lag.load(tmp_path / "p.lag")
+
+
+BESIDE = "Block b(m = 1, base = world); AppliedForce f(at = b.center, force = {3, 0});"
+
+
+def test_elsewhen(scene: Write) -> None:
+    """The branches exclude each other: each turns back what comes to its side."""
+    model = scene(f"""model M {BESIDE}
+    equation
+      when b.s > 1[m] then reinit(der(b.s), -1); elsewhen b.s < -1[m] then reinit(der(b.s), 1); end when;
+    end M;""")
+    assert not model.compilation.flat.warnings
+    assert max(abs(model.simulate(stop=5, interval=0.1)["b.s"])) < 1.01
+
+
+@pytest.mark.parametrize(("statement", "code"), [
+    ("when b.s > 1[m] then reinit(der(b.s), 0); elsewhen der(b.s) > 3[m/s] then reinit(der(b.s), 1); end when;", "L0237"),
+    ('assert(n > 2, "few links", AssertionLevel.warning);', "L0238"),
+])
+def test_warnings(statement: str, code: str, scene: Write) -> None:
+    text = f"model M parameter Integer n = 2; output Real shown = n; {BESIDE} equation {statement} end M;"
+    assert [d.code for d in scene(text).compilation.flat.warnings] == [code]
+
+
+def test_assertions_that_hold_say_nothing(scene: Write) -> None:
+    model = scene(f"""model M parameter Integer n = 2; output Real x[n] = {{1, 2}}; {BESIDE}
+    equation assert(n == 2, "two"); end M;""")
+    assert not model.compilation.flat.warnings

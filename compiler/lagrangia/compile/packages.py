@@ -1,5 +1,6 @@
 """Packages in folders: NAME.lag, or NAME/package.lag with a file or folder for each class in it (Modelica 3.6, section 13.4)."""
 
+import os
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -74,6 +75,6 @@ def enclosing(main: Syntax) -> Iterator[Syntax]:
         place = folder / "package.lag"
         if not place.is_file():
             fail("L0002", f"there is no package '{'.'.join(names[:k])}' around this file", Span(main.source, 0, 1),
-                 f"looked for {place}")
+                 f"looked for {os.path.relpath(place)}")
         yield parse(read_source(place))
         folder = folder.parent

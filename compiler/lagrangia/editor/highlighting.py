@@ -12,7 +12,7 @@ from lagrangia.language.syntax import tables
 _WORDS = tables().words  # of the grammar, by what they may be
 _CONSTANTS = ("true", "false")
 _DECLARED = ("PREFIX", "ARGUMENT_PREFIX", "PARTIAL", "CLASS_KIND", "VISIBILITY", "SCOPE")
-_DECLARING = tuple(sorted(word for word, kinds in _WORDS.items() if set(kinds) & set(_DECLARED)))
+_DECLARING = tuple(sorted(word for word, kinds in _WORDS.items() if {kind for kind, _ in kinds} & set(_DECLARED)))
 _OPERATORS = ("and", "or", "not")
 _OTHERS = tuple(sorted({*_WORDS} - {*_DECLARING, *_CONSTANTS, *_OPERATORS}))
 

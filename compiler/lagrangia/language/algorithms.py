@@ -5,6 +5,7 @@ from typing import Any
 
 from lagrangia.base.diagnostics import Span, fail, suggest
 from lagrangia.base.records import dataclass
+from lagrangia.language.foreign_words import FOREIGN_WORDS
 from lagrangia.language.instances import Instance, Scope
 from lagrangia.language.names import Names
 from lagrangia.language.tree import (
@@ -19,6 +20,7 @@ from lagrangia.language.tree import (
     IfExpression,
     Local,
     Reference,
+    Results,
     Section,
     String,
 )
@@ -60,6 +62,8 @@ def flatten_function(definition: ClassDefinition, names: Names) -> FlatFunction:
 class _Builder:
     def __init__(self, definition: ClassDefinition, names: Names) -> None:
         self.definition, self.names = definition, names
+        if inherited := next((e for e in definition.elements if not isinstance(e, Declaration)), None):
+            fail("L0902", "not supported yet: a function that extends another one", inherited.span, "call it: y := other(x);")
         self.declarations = [e for e in definition.elements if isinstance(e, Declaration)]
         self.inputs = tuple(d.name for d in self.declarations if "input" in d.prefixes)
         self.units: dict[str, str] = {}
@@ -124,6 +128,11 @@ class _Builder:
             case IfBlock(condition, then, otherwise, span):
                 self._branch(self._flatten(condition, iterators), then, otherwise, iterators, steps, span)
             case _:
+                if (word := clause.span.text.rstrip(";").strip()) in FOREIGN_WORDS:
+                    fail("L0901", f"not of this language: {FOREIGN_WORDS[word][0]}", clause.span, FOREIGN_WORDS[word][1])
+                if isinstance(clause, Assignment) and isinstance(clause.target, Results):
+                    fail("L0901", "not supported yet: several results of a function", clause.span,
+                         "write a function for each of them")
                 fail("L0222", "this is no assignment", clause.span, "write: name := expression;")
 
     def _assign(self, name: str, value: Flat, steps: list[tuple[str, Flat]], place: str) -> None:

@@ -5,6 +5,7 @@ from typing import Any, Protocol
 from lagrangia.base.diagnostics import Span, fail, suggest
 from lagrangia.language.classes import ClassTable
 from lagrangia.language.elements import element, length
+from lagrangia.language.foreign_words import FOREIGN_CALLS
 from lagrangia.language.functions import ALIASES, FUNCTIONS, REWRITTEN, SCALAR_FUNCTIONS
 from lagrangia.language.instances import Scope
 from lagrangia.language.lookups import Lookup, lookup_of, options_of, plane_of
@@ -90,6 +91,8 @@ class Calls(Loops, Protocol):
             count, make = REWRITTEN[node.function]
             _check_count(node, (count,))
             return make(*node.arguments, node.span)
+        if (last := node.function.rpartition(".")[2]) in FOREIGN_CALLS:
+            fail("L0901", f"not of this language: {node.function}(...)", node.span, FOREIGN_CALLS[last])
         if node.function not in FUNCTIONS:
             user = [name for name, c in {**self.table.library, **self.table.user}.items() if c.kind == "function"]
             hint = f"it is called '{ALIASES[node.function]}' here" if node.function in ALIASES else suggest(

@@ -131,7 +131,8 @@ class ClassTable:
 
 def _of_modelica(name: str, library: dict[str, ClassDefinition]) -> list[str]:
     last = name.rpartition(".")[2]
-    return [f"the library of this language has a '{last}' of its own: write {last}" if last in library else
+    is_alike = last in library and (library[last].kind == "type") is (".Units." in name or ".SIunits." in name)
+    return [f"the library of this language has {last} of its own: write {last}" if is_alike else
             suggest(last, library) or "lag help library lists what there is"]
 
 

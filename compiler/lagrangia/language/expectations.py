@@ -1,11 +1,14 @@
 """Text that does not parse -> what was expected there, in words, and what is likely to be meant."""
 
+import re
 from collections.abc import Iterator
+from itertools import pairwise
 from typing import NoReturn
 
 from lark import Lark, Token
 
 from lagrangia.base.diagnostics import LagError, Report, Source, Span, suggest
+from lagrangia.language.foreign_words import FOREIGN_PAIRS, FOREIGN_WORDS
 from lagrangia.language.recovery import Stop, find_stops
 
 # Terminals that are patterns; the others are said as they are written.
@@ -41,8 +44,6 @@ _FOREIGN = {
     **dict.fromkeys("“”", 'a text stands in straight quotes: "..."'), "²": "a power is written a^2",
 }
 _KINDS = {"class": "model", "block": "model", "struct": "record", "def": "function", "include": "import", "from": "import"}
-_UNSUPPORTED = ("replaceable", "redeclare")
-_CLASSES = ("model", "connector", "record", "function", "type", "package", "partial")
 _ENERGIES = ("kinetic", "potential", "dissipation", "work")
 _CLOSES = {")": "(", "]": "[", "}": "{"}
 
@@ -74,19 +75,25 @@ def _tell(report: Report, stop: Stop, parser: Lark) -> None:
 
 
 def _tell_unsupported(report: Report, stop: Stop) -> bool:
-    """What is Modelica's, but not ours; it was read as a type or a name."""
-    said = [token for token in stop.before[-3:] if token.type != "STRING"]
-    last = [token for token in said[-2:] if token.type == "NAME"]
-    foreign = next((token for token in last if token in _UNSUPPORTED), None)
-    if len(last) == 2 and last[0] in _CLASSES:
-        foreign = last[0]
-    if foreign is None:
-        return False
-    is_class = foreign in _CLASSES
-    place = Span(stop.source, foreign.start_pos or 0, foreign.end_pos or 0)
-    report.error("L0901", f"not supported yet: {f'a {foreign} inside another class' if is_class else foreign}", place,
-                 "classes stand side by side in the file" if is_class else "declare the component with the type it has")
-    return True
+    """What is Modelica's, but not ours; it was read as a type or a name, or is the word that did not fit."""
+    here = (stop.word, stop.span) if stop.word else None
+    last = [(str(t), Span(stop.source, t.start_pos or 0, t.end_pos or 0)) for t in stop.before[-3:] if t.type not in ("STRING",)]
+    words = [*last, *([here] if here is not None else [])]
+    if here is not None and (behind := re.compile(r"\s+([^\W\d]\w*)").match(stop.source.text, stop.span.end)):
+        words.append((behind[1], Span(stop.source, *behind.span(1))))
+    for (first, place), (second, end) in pairwise(words):
+        if (first, second) in FOREIGN_PAIRS:
+            what, instead = FOREIGN_PAIRS[first, second]
+            report.error("L0901", f"not of this language: {what}", place.to(end), instead)
+            return True
+    begins = [k for k, (word, _) in enumerate(words) if word in FOREIGN_WORDS and (k == 0 or words[k - 1][0] not in (".", "="))]
+    if begins and begins[0] > 0 and words[begins[0] - 1][0] == "end":
+        return True  # its beginning was told
+    for word, place in (words[k] for k in begins[:1]):
+        what, instead = FOREIGN_WORDS[word]
+        report.error("L0901", f"not of this language: {what}", place, instead)
+        return True
+    return False
 
 
 def _widened(stop: Stop) -> Stop:
@@ -157,6 +164,8 @@ def _guesses(stop: Stop) -> Iterator[str]:
         yield f"no '{_CLOSES[word]}' is open that it could close"
     if stop.last(2) == ("CLASS_KIND", "NAME") and word == "{":
         yield "a model has no braces: model Name ... end Name;"
+    if word == "." and {"EQUAL", "RPAR"} <= accepted and stop.before:
+        yield f"a part of a part is modified in brackets: {stop.before[-1]}(... = ...)"
     if "CLASS_KIND" in accepted:
         near = suggest(word, ["model", "function", "type", "import", "partial"])
         yield f"did you mean '{_KINDS[word]}'?" if word in _KINDS else near or "a file holds models: model Name ... end Name;"

@@ -6,6 +6,7 @@ from typing import Any
 
 from lagrangia.base.diagnostics import Diagnostic, LagError, Report, Span, TooMuchError, fail, nearest, suggest
 from lagrangia.language.algorithms import FlatFunction, flatten_function
+from lagrangia.language.assertions import check_assertion
 from lagrangia.language.classes import ClassTable
 from lagrangia.language.connections import Bindings, Connection, bound_to, connected
 from lagrangia.language.delays import check_delays, declare_delays, variable_of, with_delays
@@ -29,6 +30,7 @@ from lagrangia.language.flat import (
     Work,
     is_frame,
 )
+from lagrangia.language.foreign_words import FOREIGN_CALLS
 from lagrangia.language.idle import find_idle
 from lagrangia.language.instances import (
     STRUCTURAL_TYPES,
@@ -75,6 +77,7 @@ from lagrangia.language.without_effect import find_without_effect
 
 _AT_EVENTS = ("write: reinit(der(x), value);",
               "values that are held between instants: when sample(0, 0.01) then u = ...; end when;")
+_STOPS = "a run ends at StopTime; a stop of a part is reinit(der(x), 0) of what moves"
 
 
 def flatten(table: ClassTable, definition: ClassDefinition, structural: Mapping[str, Any] | None = None) -> FlatModel:
@@ -141,7 +144,8 @@ class _Flattening:
         check_delays(model, self.report)
         self.report.raise_errors()
         looks = (find_unread, find_idle, find_without_effect)
-        warnings = tuple(d for look in looks for d in look(model, root, self.table).diagnostics)
+        found = (d for look in looks for d in look(model, root, self.table).diagnostics)
+        warnings = (*self.report.diagnostics, *found)
         return with_moving_inputs(replace(model, warnings=warnings))
 
     def _require_model(self) -> None:
@@ -260,7 +264,8 @@ class _Flattening:
     def _kind(self, slot: Slot) -> Kind:
         prefixes = slot.declaration.prefixes
         if slot.base in STRUCTURAL_TYPES and "parameter" not in prefixes:
-            what = f"the {slot.enumeration or slot.base} variable '{slot.declaration.name}'"
+            kind = f"the {slot.base} variable" if not slot.enumeration else f"the variable of the enumeration {slot.enumeration},"
+            what = f"{kind} '{slot.declaration.name}'"
             fail("L0219", f"not supported yet: {what}", slot.declaration.name_span,
                  "Integer, Boolean, String and enumeration parameters are supported")
         kinds: tuple[Kind, ...] = ("parameter", "coordinate", "input")
@@ -336,7 +341,8 @@ class _Flattening:
             case WhenBlock() if kind == "equation":
                 self._add_when(clause, scope, place)
             case _:
-                fail("L0222", "an algorithm belongs into a function", clause.span)
+                fail("L0222", "an algorithm belongs into a function", clause.span,
+                     "write equations, y = ...; or call a function that has the algorithm")
 
     def _add_equality(self, kind: str, clause: Equality, scope: Scope, place: Span) -> None:
         left, right = clause.left, clause.right
@@ -369,8 +375,13 @@ class _Flattening:
         if call.function != "connect":
             if call.function == "reinit":
                 fail("L0222", "reinit stands in a when", span, "write: when x < 0 then reinit(der(x), value); end when;")
-            if call.function in ("assert", "terminate"):
-                fail("L0901", f"not supported yet: {call.function}", span)
+            if call.function == "assert":
+                check_assertion(call, scope, span, self.names, self.report)
+                return
+            if call.function == "terminate":
+                fail("L0901", "not supported yet: terminate", span, _STOPS)
+            if (last := call.function.rpartition(".")[2]) in FOREIGN_CALLS:
+                fail("L0901", f"not of this language: {call.function}(...)", span, FOREIGN_CALLS[last])
             if call.function == "equilibrium":
                 fail("L0222", "a start at rest stands in a section of its own", span, "write: initial equation equilibrium();")
             near = nearest(call.function, ["connect"])
@@ -440,6 +451,8 @@ class _Flattening:
 
     def _add_reset(self, call: Expression, scope: Scope, span: Span) -> None:
         if not isinstance(call, Call) or call.function != "reinit":
+            if isinstance(call, Call) and call.function == "terminate":
+                fail("L0901", "not supported yet: terminate", span, _STOPS)
             fail("L0222", "what happens at an event is said by reinit", span, "write: reinit(der(x), value);")
         if len(call.arguments) != 2 or call.named:
             fail("L0215", f"reinit takes a rate and its value, not {len(call.arguments)} arguments", span,

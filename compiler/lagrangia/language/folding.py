@@ -39,7 +39,7 @@ def fold(node: Flat, known: Known | None = None) -> float | bool | None:
             case Binary(("==" | "<>" | "<" | "<=" | ">" | ">=") as operator, EnumerationLiteral() as left,
                         EnumerationLiteral() as right, span):
                 if left.type_name != right.type_name:
-                    fail("L0302", f"a {left.type_name} and a {right.type_name} cannot be compared", span)
+                    fail("L0302", f"values of {left.type_name} and of {right.type_name} cannot be compared", span)
                 return bool(_FOLD[operator](left.ordinal, right.ordinal))
             case Binary(("==" | "<>") as operator, String() as left, String() as right, _):
                 return bool(_FOLD[operator](left.value, right.value))

@@ -153,7 +153,9 @@ class Instantiation:
 
     def _check_names(self, instance: Instance, members: list[tuple[Declaration, Modification]], change: Modification) -> None:
         known = {declaration.name for declaration, _ in members} | (OF_ANY_FRAME if instance.frame else frozenset())
-        self._refuse_unknown(instance.definition, change, known | instance.classes.keys() | instance.absent)
+        if change.children.keys() - known:
+            known |= known_names(self.table, instance.definition)  # classes that can be redeclared, and what is not there
+        self._refuse_unknown(instance.definition, change, known)
         instance.protected |= {declaration.name for declaration, _ in members if "protected" in declaration.prefixes}
         for name in instance.protected & change.children.keys():
             self.report.error("L0228", f"'{name}' of {instance.definition.name} is protected: it cannot be given from outside",

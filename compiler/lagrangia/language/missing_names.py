@@ -16,7 +16,7 @@ def refuse_name(node: Reference, scope: Scope) -> NoReturn:
     known = {*scope.instance.members, *scope.iterators, "time", "world"}
     hints = [suggest(first.name, known)]
     if first.name in scope.instance.absent:
-        hints = ["its condition is false, so it is not there"]
+        hints = ["its condition is false, or `break` left it out, so it is not there"]
     elif scope.instance.parent is not None and first.name in scope.instance.parent.members:
         hints.append(f"'{first.name}' belongs to {scope.instance.parent.definition.name}: pass it in a modification")
     where = scope.instance.definition.name

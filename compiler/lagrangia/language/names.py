@@ -204,7 +204,7 @@ class Names(Calls):
             case Field():
                 return self._field(node, scope)
             case Results(_, span):
-                fail("L0103", "several results stand on the left side of an equation alone", span, "write: (a, b) = f(x);")
+                fail("L0901", "not supported yet: several results of a function", span, "write a function for each of them")
             case Whole(span):
                 fail("L0214", "':' stands only in subscripts", span)
 

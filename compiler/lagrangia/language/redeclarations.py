@@ -54,8 +54,10 @@ def redeclared(table: ClassTable, report: Report, element: Declaration, given: M
         report.error("L0234", f"'{element.name}' cannot be redeclared: it is not replaceable", given.redeclared.span,
                      "a component of the library has the type that it has" if element.name_span.source in table.library_sources
                      else f"write `replaceable` before it, at {element.name_span}")
+        return element, own
     wanted = (constraining.type_name, constraining.span) if constraining else (element.type_name, element.type_span)
-    _check_type(table, report, (new.type_name, new.type_span), wanted, f"'{element.name}'")
+    if not _fits(table, report, (new.type_name, new.type_span), wanted, f"'{element.name}'"):
+        return element, own
     declaration = replace(
         new, name=element.name, prefixes=(element.prefixes & _KEPT) | (new.prefixes & (_KEPT | {"replaceable"})),
         dimensions=new.dimensions or element.dimensions, condition=element.condition, name_span=element.name_span,
@@ -79,31 +81,33 @@ def replace_local_classes(table: ClassTable, report: Report, definition: ClassDe
         if "replaceable" not in local.prefixes:
             report.error("L0234", f"'{local.name}' cannot be redeclared: it is not replaceable", given.redeclared.span,
                          f"write `replaceable` before it, at {local.name_span}")
+            continue
         base = next((e for e in local.elements if isinstance(e, Extends)), None)
-        if local.constraining is not None:
-            _check_type(table, report, (new.type_name, new.type_span), (local.constraining.type_name, local.constraining.span),
-                        f"'{local.name}'")
-        elif base is not None and len(local.elements) == 1:
-            _check_type(table, report, (new.type_name, new.type_span), (base.type_name, base.span), f"'{local.name}'")
+        wanted = local.constraining or (base if len(local.elements) == 1 else None)
+        if wanted is not None and not _fits(table, report, (new.type_name, new.type_span), (wanted.type_name, wanted.span),
+                                            f"'{local.name}'"):
+            continue
         instance.classes[local.name] = ReplacedClass(new.type_name, new.type_span, Modification(None, {
             name: replace(change, is_each=True) for name, change in given.children.items()}))
 
 
-def _check_type(table: ClassTable, report: Report, new: tuple[str, Span], wanted: tuple[str, Span], what: str) -> None:
+def _fits(table: ClassTable, report: Report, new: tuple[str, Span], wanted: tuple[str, Span], what: str) -> bool:
     """Whether one type has all that another one has, by their names. Raises LagError L0201."""
     a, b = (table.base_type(*one) for one in (new, wanted))
     if a is not None or b is not None:
         if a is None or b is None or a.builtin != b.builtin:
-            report.error("L0235", f"{what} is a {wanted[0]}: a {new[0]} cannot take its place", new[1])
-        return
+            report.error("L0235", f"{what} is of type {wanted[0]}: {new[0]} cannot take its place", new[1])
+            return False
+        return True
     first, second = table.lookup(*new), table.lookup(*wanted)
     if any(base is second for base in table.lineage(first)):
-        return
+        return True
     have, need = table.declared(first), table.declared(second)
     missing = [name for name, e in need.items() if name not in have and "protected" not in e.prefixes]
     if missing:
         report.error("L0235", f"{first.name} cannot stand for {what}: it lacks {_listed(missing)} of {second.name}", new[1],
                      f"what takes its place has all that {second.name} has; extending it is the surest way")
+    return not missing
 
 
 def _listed(names: Sequence[str]) -> str:

@@ -158,8 +158,8 @@ class Scopes:
         if inside:
             return [f"{package} has {', '.join(name.rpartition('.')[2] for name in inside)}"[:300]]
         near = suggest(package, [c.name for c in self.classes.values() if c.kind == "package"])
-        return [near or "packages are looked for beside the file, in the folders of --path and of LAGRANGIA_PATH, as NAME.lag or "
-                "NAME/package.lag"]
+        return [near or "packages are looked for beside the file, in the folders of --path and of LAGRANGIA_PATH, as Name.lag or "
+                "Name/package.lag"]
 
     def _reach(self, full: str) -> bool:
         """Whether there is a class of this full name, in the files that were read or in the folders of packages."""
