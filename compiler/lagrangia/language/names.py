@@ -415,7 +415,7 @@ class Names(Calls):
                     fail("L0214", f"'{slot.declaration.name}' has {size} elements, not {pick}", span)
         if slot.is_structural:
             return _pick(self.structural_value(slot, span), subscripts)
-        if not subscripts:
+        if not subscripts and not slot.dimensions:
             return Ref(slot.path, (), span)
 
         if len(subscripts) < len(slot.dimensions):
