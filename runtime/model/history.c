@@ -233,7 +233,8 @@ void lag_history_at(const LagHistory *h, double t, double *values)
     for (int k = 0; k < h->n; ++k) {
         double s;
         const double *now = h->count > 0 ? at(h, k, t, &s) : NULL;
-        values[k] = now ? value_at(now + HEAD + k * LAG_HISTORY_NODES, 2 * (s - now[0]) / (now[1] - now[0])) : 0;
+        const double from = now ? 2 * (s - now[0]) / (now[1] - now[0]) : 0;
+        values[k] = now ? value_at(now + HEAD + k * LAG_HISTORY_NODES, lag_min(lag_max(from, 0), 2)) : 0;
     }
 }
 

@@ -119,11 +119,32 @@ def test_steps_snapshots_and_sweeps_have_their_own_past() -> None:
     ("Real x(start = 1); equation der(x) = -1[1/s]*delay(x, 1[s] + x*1[s]);", "L0901.*a delay that changes"),
     ("Real x(start = 1); output Real y = der(delay(x, 1)); equation der(x) = -1[1/s]*x;", "L0901.*the rate of a delayed value"),
     ("Block b(m = 1, base = world, along = {1, 0}); Spring s(k = 1, stretch = delay(b.s, 1));", "L0901.*in a potential energy"),
+    ("Real x(start = 1); output Real y = x + delay(y, 1); equation der(x) = -1[1/s]*x;", "L0212.*follows from itself"),
+    ("parameter Time T = delay(1, 2); Real x(start = 1); equation der(x) = -x/T;", "L06.*delay"),
     ("Block b(m = 1, base = world, along = {1, 0}); output Real y = delay(der(der(b.s)), 1);", "L0901.*delay of accelerations"),
 ])
 def test_what_cannot_be_late_is_refused(text: str, message: str) -> None:
     with pytest.raises(lag.LagError, match=message):
         lag.loads(f"model A {text} end A;").simulate(at=[1.0])
+
+
+def test_functions_have_no_past() -> None:
+    with pytest.raises(lag.LagError, match=r"L0901.*delay in a function"):
+        lag.loads("function f input Real x; output Real y = delay(x, 1); end f;"
+                  " model A Real x(start = 1); output Real y = f(x); equation der(x) = -1[1/s]*x; end A;").simulate(at=[1.0])
+
+
+def test_a_sum_with_its_own_past_is_a_comb() -> None:
+    """y(t) = 1 + y(t - 1)/2, 2 before: it stays 2; 0 before: 1, 1.5, 1.75, ..., with jumps at all times and for good."""
+    for before, wanted in ((2.0, [2.0, 2.0, 2.0]), (0.0, [1.0, 1.5, 2 - 0.5**12])):
+        model = lag.loads(f"model A Real y = 1 + 0.5*delay(y, 1, before = {before}); Real x(start = 0); output Real z = y;"
+                          " equation der(x) = 1[1/s]*y; annotation(experiment(StopTime = 13)); end A;")
+        assert model.simulate(at=[0.5, 1.5, 12.5])["z"].tolist() == pytest.approx(wanted, abs=1e-14)
+
+
+def test_delays_longer_than_the_run() -> None:
+    model = lag.loads("model A Real x(start = 1); equation der(x) = -1[1/s]*delay(x, 1e6); end A;")
+    assert model.simulate(at=[1.0])["x"][0] == pytest.approx(0, abs=1e-12)
 
 
 def test_what_delays_have_not_is_refused_with_its_reason() -> None:

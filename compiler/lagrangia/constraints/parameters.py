@@ -165,7 +165,7 @@ class _ParameterLeaves:
         self.pending.clear()
 
     def symbol(self, name: str, level: int) -> Value | None:
-        variable = self.model.variables[name.removeprefix("pre(").removesuffix(")")]
+        variable = self.model.variables[name[4:-1] if name.startswith("pre(") else name]
         if variable.kind in ("coordinate", "input", "held", "delayed"):
             self._refuse(f"the {variable.kind} '{name}'")
         return self.parameter(name, variable.span) if variable.kind == "parameter" else None

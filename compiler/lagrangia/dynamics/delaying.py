@@ -53,8 +53,21 @@ def find_delaying(kinematics: Kinematics) -> Delaying:
         lags.append(lag)
         values.append(x)
         before.append(first)
+    _require_beginning(kinematics, values)
     late = ca.vertcat(ca.SX(0, 1), *[as_expression(kinematics.symbols.values[delay.name]) for delay in delays])
     everything = ca.vertcat(ca.SX(0, 1), *values)
     rises = not (delays and ca.depends_on(everything, late))
     return Delaying(ca.vertcat(ca.SX(0, 1), *lags), everything, ca.vertcat(ca.SX(0, 1), *before),
                     tuple(int(delay.before is not None) for delay in delays), rises)
+
+
+def _require_beginning(kinematics: Kinematics, values: list[ca.SX]) -> None:
+    """Raises LagError L0212 where what was before the start follows from itself."""
+    delays = kinematics.graph.model.delays
+    open_ones = [k for k, delay in enumerate(delays) if delay.before is None]
+    late = [as_expression(kinematics.symbols.values[delay.name]) for delay in delays]
+    while free := [k for k in open_ones if not any(ca.depends_on(values[k], late[j]) for j in open_ones)]:
+        open_ones = [k for k in open_ones if k not in free]
+    if open_ones:
+        fail("L0212", "what this was before the start follows from itself", delays[open_ones[0]].span,
+             "say what it was: delay(x, T, before = ...)")

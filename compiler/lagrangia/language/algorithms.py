@@ -19,6 +19,7 @@ from lagrangia.language.tree import (
     IfBlock,
     IfExpression,
     Local,
+    Ref,
     Reference,
     Results,
     Section,
@@ -172,6 +173,9 @@ class _LocalNames(Names):
                          lookups=names.lookups, make_package=names.make_package,
                          packages=names.packages)
         self.known = known  # the name that each variable's value has
+
+    def late(self, call: Call[Flat]) -> Ref:
+        fail("L0901", "not supported yet: delay in a function", call.span, "delay what the function is given, or what it gives")
 
     def resolve(self, node: Reference, scope: Scope) -> Flat:
         name = node.parts[0].name

@@ -45,10 +45,14 @@ class Calls(Loops, Protocol):
                  f"elements are picked with square brackets: {node.function}[1]")
         call = Call(node.function, arguments, named, node.span)
         if node.function == "delay" and self.table.function("delay", node.span) is None:
-            name = f"delay({len(self.delays) + 1})"
-            self.delays[name] = call
-            return Ref(name, (), node.span)
+            return self.late(call)
         return self.checked_call(call)
+
+    def late(self, call: Call[Flat]) -> Ref:
+        """The variable that stands for a call of `delay`."""
+        name = f"delay({len(self.delays) + 1})"
+        self.delays[name] = call
+        return Ref(name, (), call.span)
 
     def part_of_call(self, call: Call[Expression], name: str) -> Expression:
         """What a record has under a name that its constructor makes. Raises LagError L0215, L0302."""
