@@ -3,6 +3,7 @@
 from collections.abc import Callable, Mapping
 
 from lagrangia.base.diagnostics import fail, suggest
+from lagrangia.base.folders import data_folder
 from lagrangia.command.curves_topic import curves_topic
 from lagrangia.command.drawing_topic import drawing_topic
 from lagrangia.command.editor_topic import EDITOR
@@ -53,7 +54,7 @@ equation for i in 1:n-1 loop connect(link[i].b, link[i+1].a); end for;
 A literal may carry a unit: 30[deg], 1.5[kN/m]. A bare number takes the unit of its place. Dimensions are checked.
 Gravity is {0, -9.81} unless the scene declares World world(gravity = {0, 0}). A body that is joined to nothing floats with
 coordinates of its own, named after its frame: bar.center.x, bar.center.y, bar.center.phi. Ground is always written: a = world.
-See also: lag help library, functions, events, signals, tables, units.
+See also: lag help reference (all constructs, packages, records, matrices), library, functions, events, signals, tables, units.
 """
 
 _EVENTS = """\
@@ -457,6 +458,8 @@ before it.
 
 TOPICS: Mapping[str, tuple[str, Callable[[], str]]] = {
     "language": ("models, frames, energies: the language on one page", lambda: _LANGUAGE),
+    "reference": ("the language, construct by construct, and what of Modelica is in it",
+                  lambda: (data_folder("grammar") / "reference.md").read_text(encoding="utf-8")),
     "library": ("the components and what they state", library_topic),
     "drives": ("drive trains: shafts, gears, clutches, what slides along a line", lambda: DRIVES),
     "functions": ("mathematical functions, sources in time, your own functions", lambda: _FUNCTIONS),
