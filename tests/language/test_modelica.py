@@ -197,3 +197,10 @@ def test_assertions_that_hold_say_nothing(scene: Write) -> None:
     model = scene(f"""model M parameter Integer n = 2; output Real x[n] = {{1, 2}}; {BESIDE}
     equation assert(n == 2, "two"); end M;""")
     assert not model.compilation.flat.warnings
+
+
+def test_an_array_has_the_size_of_the_one_beside_it(scene: Callable[[str], lag.Model]) -> None:
+    model = scene("""partial model Rows parameter Real rows[:, 2]; Real y = sum(rows[i, 2] for i in 1:size(rows, 1)); end Rows;
+      model Table parameter Real points[:, 2] = [0, 1; 2, 5]; extends Rows(rows = points); end Table;
+      model M Block b(m = 1, base = world); Table s, t(points = [0, 1; 1, 2; 3, 4]); output Real y = s.y + t.y; end M;""")
+    assert model.simulate(at=[0.0])["y"] == pytest.approx([6 + 7])

@@ -11,6 +11,12 @@ def add_format(parser: ArgumentParser) -> None:
     add("--diff", action="store_true", help="write nothing; print what would change")
 
 
+def add_import(parser: ArgumentParser) -> None:
+    """Of `lag import`."""
+    parser.add_argument("file", metavar="FILE.mo", help="of the Modelica Standard Library's Rotational, Translational and Blocks")
+    parser.add_argument("-o", "--output", metavar="FILE.lag", help="where it goes (beside it, with the ending .lag)")
+
+
 def add_server(parser: ArgumentParser) -> None:
     """Of `lag server`."""
     parser.add_argument("--stdio", action="store_true", help="over standard input and output, as always: editors like to say so")

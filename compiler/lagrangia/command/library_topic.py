@@ -32,6 +32,9 @@ Friction     tau_pos and mu_pos are rows of a rate and what it takes there; it s
              first at rest. A clutch needs an inertia on both sides. FreeWheel.tau is the torque with which it carries along.
 Planar       scenes have shafts by Rotational.HingeFlange(of = hinge.phi) and Translational.SliderFlange(of = slider.s).
 Sensors      TorqueSensor and ForceSensor stand between two flanges: what the first side does to the second.
+Modelica     lag import FILE.mo makes a .lag file of a model of Modelica.Mechanics.Rotational and Translational, Modelica.Blocks
+             (Sources, Math, Continuous: those of the package Blocks) and Modelica.Units: names, parameters and comments stay,
+             what has no counterpart is left out as a comment, and the exit code is 1. Position and Speed move exactly.
 Not supported yet: gears with losses (LossyGear), accelerations that are prescribed (Accelerate)."""
 
 

@@ -11,7 +11,7 @@ from lagrangia.language.shipped import made_of, ship
 from lagrangia.language.syntax import grammar_file, parse, reader_tables
 from lagrangia.language.tree import ClassDefinition, Syntax
 
-_PACKAGES = {"Rotational": "rotational.lag", "Translational": "translational.lag"}
+_PACKAGES = {"Rotational": "rotational.lag", "Translational": "translational.lag", "Blocks": "blocks.lag"}
 
 
 @cache

@@ -415,11 +415,10 @@ class Names(Calls):
                     fail("L0214", f"'{slot.declaration.name}' has {size} elements, not {pick}", span)
         if slot.is_structural:
             return _pick(self.structural_value(slot, span), subscripts)
-        if not subscripts and not slot.dimensions:
-            return Ref(slot.path, (), span)
-
         if len(subscripts) < len(slot.dimensions):
             self._arrays[slot.path] = slot
+        if not subscripts:
+            return Ref(slot.path, (), span)
 
         def build(index: tuple[int, ...], left: list[int | list[int]]) -> Flat:
             if not left:

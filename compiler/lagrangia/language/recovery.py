@@ -7,7 +7,7 @@ import re
 from collections.abc import Iterator
 from copy import copy
 from dataclasses import field
-from itertools import product
+from itertools import pairwise, product
 
 from lark import Lark, Token
 from lark.exceptions import UnexpectedCharacters, UnexpectedToken
@@ -162,14 +162,22 @@ class _Reading:
 
     # -------------------------------------------------------------------- judging
 
+    @property
+    def is_nested(self) -> bool:
+        """Whether classes stand in others: which of their ends was lost is not known."""
+        return any(token.type == "CLASS_KIND" and (token.column or 0) > 1 and before.type != "PARTIAL"
+                   for before, token in pairwise(self.before))
+
     def is_consequence(self, stop: Stop, moved: "_Reading | None") -> bool:
         """Whether an earlier stop may be the reason of this one."""
+        if stop.word == "" and self.is_nested:
+            return True
         is_beginning = len(self.before) < self.here.count + 2
         line, _ = self.source.line_and_column(stop.span.start)
         if line <= self.line or (is_beginning and self.start == self.resumed):
             return True
         if self.here is self.file:
-            return self.is_torn
+            return self.is_torn or self.is_nested
         return self.is_faulty and (stop.word == "" or moved is not None or self._first_landmark(stop) in _NO_STATEMENT)
 
     def _first_landmark(self, stop: Stop) -> str:

@@ -1,0 +1,248 @@
+"""Modelica text -> Lagrangia text: names of the Modelica Standard Library that have a counterpart, by the words of the text.
+
+Names, parameters, descriptions and comments stay as they are. Annotations of pictures go. What has no counterpart is left out, as
+a comment, together with the equations that name it.
+"""
+
+import re
+from collections.abc import Iterator, Mapping, Sequence
+
+from lagrangia.base.records import dataclass
+from lagrangia.language.component_library import library_package
+
+_WORDS = re.compile(
+    r'"(?:[^"\\]|\\.)*"|//[^\n]*|/\*.*?\*/|'
+    r'[A-Za-z_]\w*(?:\s*\.\s*[A-Za-z_]\w*)*|\d[\d.]*(?:[eE][+-]?\d+)?|\s+|.', re.DOTALL)
+_UNITS = {
+    "Angle": "Angle", "AngularVelocity": "AngularVelocity", "AngularAcceleration": "AngularAcceleration", "Length": "Length",
+    "Distance": "Length", "Radius": "Length", "Diameter": "Length", "Height": "Length", "Position": "Position", "Area": "Area",
+    "Volume": "Volume", "Velocity": "Velocity", "Acceleration": "Acceleration", "Mass": "Mass", "Density": "Density",
+    "Inertia": "Inertia", "MomentOfInertia": "Inertia", "Force": "Force", "Torque": "Torque", "Frequency": "Frequency",
+    "AngularFrequency": "AngularFrequency", "Time": "Time", "Energy": "Energy", "Power": "Power", "Pressure": "Pressure",
+    "TranslationalSpringConstant": "Stiffness", "TranslationalDampingConstant": "Damping", "Current": "Current",
+    "RotationalSpringConstant": "TorsionStiffness", "RotationalDampingConstant": "TorsionDamping", "Voltage": "Voltage",
+    "ElectricCurrent": "Current", "ElectricPotential": "Voltage", "Temperature": "Temperature", "Momentum": "Momentum",
+    "AngularMomentum": "AngularMomentum", "DimensionlessRatio": "Ratio", "Efficiency": "Ratio",
+}
+_FUNCTIONS = {"sin", "cos", "tan", "asin", "acos", "atan", "atan2", "sinh", "cosh", "tanh", "exp", "log", "log10"}
+_CONSTANTS = {"pi": "pi", "g_n": "9.80665", "e": "exp(1)"}
+_FLANGES = {"Flange_a": "Flange", "Flange_b": "Flange", "Support": "Flange", "Flange": "Flange"}
+_PACKAGES = frozenset("Rotational Translational Components Sources Sensors Interfaces Blocks Thermal Math Icons".split())
+_OF_MECHANICS = ("Components", "Sources", "Sensors", "Interfaces")
+_OF_BLOCKS = ("Sources", "Math", "Continuous", "Nonlinear")
+_IDLE = frozenset("useHeatPort stateSelect animation smoothness phi_nominal s_nominal nominal startForward mode".split())  # arguments without a meaning here
+_RENAMED = {"freqHz": "f"}  # arguments, as they were called before version 4
+_SECTIONS = frozenset({"equation", "algorithm", "public", "protected", "end", "model", "class", "package", "block", "partial"})
+_CLASSES = ("model", "class", "package", "block", "connector", "record")
+
+
+@dataclass(frozen=True)
+class Imported:
+    """The text, and what was left out of it: statements in one line each."""
+
+    text: str
+    left_out: tuple[str, ...]
+
+
+def imported(text: str) -> Imported:
+    """A Modelica text in this language."""
+    words = _without_annotations(_WORDS.findall(text.removeprefix("\ufeff")))
+    statements = list(_statements(words))
+    aliases = dict(pair for statement in statements for pair in _aliases(statement))
+    around = list(_around(words))
+    if around:  # in the library itself, whose outermost package imports it
+        aliases.setdefault("SI", "Modelica.Units.SI")
+    left, missing, out = list[str](), set[str](), list[str]()
+    for statement in statements:
+        meant = [_meaning(word, aliases, around) for word in statement]
+        first = next((k for k, word in enumerate(statement) if _is_name(word) and word not in _PREFIXES), None)
+        told = " ".join("".join(statement).split())
+        if first is not None and _goes(statement[first], told):
+            out.append(_space(statement).rstrip(" \t"))
+        elif any(name is None for name in meant) or missing & set(_heads(statement)):
+            missing |= set(_declared(statement, first))
+            left.append(told)
+            out.append(f"{_space(statement)}// left out: {told}")
+        else:
+            out.append("".join(name or "" for name in _without_idle(meant)))
+    return Imported("".join(out).strip() + "\n", tuple(left))
+
+
+_PREFIXES = frozenset("parameter constant input output final inner outer replaceable redeclare discrete".split())
+
+
+def _goes(first: str, told: str) -> bool:
+    """Whether a statement says nothing here: what it imports from is not, pictures are not read."""
+    return (first == "import" and "Modelica" in told) or first == "within" or (first == "extends" and "Icons." in told)
+
+
+def _is_name(word: str) -> bool:
+    return word[:1].isalpha() or word[:1] == "_"
+
+
+def _space(statement: Sequence[str]) -> str:
+    """What stands before it: lines and comments."""
+    found = []
+    for word in statement:
+        if not (word.isspace() or word.startswith(("//", "/*"))):
+            break
+        found.append(word)
+    return "".join(found)
+
+
+def _without_annotations(words: Sequence[str]) -> list[str]:
+    """Without them, but for experiment(...) of those of classes."""
+    found, at = list[str](), 0
+    while at < len(words):
+        if words[at] != "annotation":
+            found.append(words[at])
+            at += 1
+            continue
+        end = _closing(words, at)
+        kept = next((k for k in range(at, end) if words[k] == "experiment"), None)
+        if kept is not None:
+            found += ["annotation", "(", *words[kept : _closing(words, kept) + 1], ")"]
+        else:
+            while found and found[-1].isspace():
+                found.pop()
+            if found and found[-1] in (";", "equation", "algorithm"):  # of the class: its semicolon goes, too
+                end = next(k for k in range(end, len(words)) if words[k] == ";")
+        at = end + 1
+    return found
+
+
+def _closing(words: Sequence[str], at: int) -> int:
+    """The bracket that closes the first one behind a place; the last word where none does."""
+    depth = 0
+    for k in range(at, len(words)):
+        depth += (words[k] == "(") - (words[k] == ")")
+        if words[k] == ")" and depth == 0:
+            return k
+    return len(words) - 1
+
+
+def _statements(words: Sequence[str]) -> Iterator[list[str]]:
+    """Up to each semicolon; heads of sections and classes by themselves."""
+    current, depth = list[str](), 0
+    for k, word in enumerate(words):
+        current.append(word)
+        depth += (word in ("(", "[", "{")) - (word in (")", "]", "}"))
+        is_head = word in _SECTIONS and word != "end" and word not in ("model", "class", "package", "block", "partial")
+        is_named = _opens_class(current) and not _description_follows(words, k)
+        if (word == ";" and depth == 0) or is_head or is_named:
+            yield current
+            current = []
+    if current:
+        yield current
+
+
+def _opens_class(statement: Sequence[str]) -> bool:
+    """Whether it is `model Name`, perhaps with its description, and no short class."""
+    told = [word for word in statement if not word.isspace() and not word.startswith(("//", "/*"))]
+    told = [word for word in told if word not in ("partial", "encapsulated", "final")]
+    is_head = len(told) in (2, 3) and told[0] in _CLASSES and _is_name(told[1])
+    return is_head and (len(told) == 2 or told[2].startswith('"'))
+
+
+def _description_follows(words: Sequence[str], at: int) -> bool:
+    following = next((word for word in words[at + 1 :] if not word.isspace()), "")
+    return following.startswith('"') or following == "="
+
+
+def _aliases(statement: Sequence[str]) -> Iterator[tuple[str, str]]:
+    """Short names that an import gives: name, full name; "*" for all of a package is told as (package, "*")."""
+    told = [word for word in statement if not word.isspace() and not word.startswith(("//", "/*"))]
+    if told[:1] != ["import"]:
+        return
+    if "=" in told:
+        yield told[1], told[3]
+    elif "*" in told:
+        yield f"*{told[1].rstrip('.')}", told[1].rstrip(".")
+    elif "{" in told:
+        package = told[1].rstrip(".")
+        yield from ((name, f"{package}.{name}") for name in told[2:] if _is_name(name))
+    else:
+        yield told[1].rpartition(".")[2], told[1]
+
+
+def _around(words: Sequence[str]) -> Iterator[str]:
+    """The packages of the library that the text stands in, the innermost first."""
+    told = [re.sub(r"\s", "", word) for word in words if not word.isspace()]
+    package = told[1] if told[:1] == ["within"] and told[1].startswith("Modelica") else ""
+    while package:
+        yield package
+        package = package.rpartition(".")[0]
+
+
+def _meaning(word: str, aliases: Mapping[str, str], around: Sequence[str]) -> str | None:
+    """A word in this language; None where a name of the Modelica Standard Library has no counterpart."""
+    if not _is_name(word):
+        return word
+    name = re.sub(r"\s", "", word)
+    head, dot, rest = name.partition(".")
+    if head in aliases and aliases[head].startswith("Modelica"):
+        name = aliases[head] + dot + rest
+    elif not dot:
+        packages = [full for short, full in aliases.items() if short.startswith("*") and full.startswith("Modelica")]
+        return next((found for full in packages if (found := _of_library(f"{full}.{name}")) is not None), word)
+    if name.startswith("Modelica."):
+        return _of_library(name)
+    found = next((found for package in around if (found := _of_library(f"{package}.{name}")) is not None), word)
+    return None if found == word and around and head in _PACKAGES else found
+
+
+def _of_library(name: str) -> str | None:
+    parts = name.split(".")
+    last = parts[-1]
+    if parts[1:3] == ["Units", "SI"] or parts[1] == "SIunits":
+        return _UNITS.get(last, "Real")
+    if parts[1] == "Math":
+        return last if last in _FUNCTIONS else None
+    if parts[1] == "Constants":
+        return _CONSTANTS.get(last)
+    if (parts[1], len(parts)) not in (("Mechanics", 5), ("Blocks", 4)):
+        return None
+    package, kinds = ("Blocks", _OF_BLOCKS) if parts[1] == "Blocks" else (parts[2], _OF_MECHANICS)
+    if parts[-2] not in kinds:
+        return None
+    last = _FLANGES.get(last, last) if package != "Blocks" else last
+    found = library_package(package)
+    known = {inner.name for definition in found.classes for inner in definition.classes} if found is not None else set()
+    return f"{package}.{last}" if last in known else None
+
+
+def _heads(statement: Sequence[str]) -> Iterator[str]:
+    """The first part of each name."""
+    return (re.split(r"\s*\.", word)[0] for word in statement if _is_name(word))
+
+
+def _declared(statement: Sequence[str], first: int | None) -> list[str]:
+    """The components that a declaration declares: names outside of brackets behind its type."""
+    found, depth, is_name = list[str](), 0, True
+    for word in statement[(first if first is not None else -1) + 1 :]:
+        depth += word in ("(", "[", "{")
+        depth -= word in (")", "]", "}")
+        if depth == 0 and _is_name(word) and is_name:
+            found.append(word)
+            is_name = False
+        is_name = is_name or (word == "," and depth == 0)
+    return found
+
+
+def _without_idle(words: Sequence[str | None]) -> list[str | None]:
+    """Without arguments that mean nothing here, as stateSelect = StateSelect.always."""
+    found, at = list[str | None](), 0
+    while at < len(words):
+        following = next((word for word in words[at + 1 :] if word is not None and not word.isspace()), "")
+        if words[at] not in _IDLE or following != "=":
+            found.append(_RENAMED.get(str(words[at]), words[at]) if following == "=" else words[at])
+            at += 1
+            continue
+        while words[at] not in (",", ")"):
+            at += 1
+        last = next((k for k in range(len(found) - 1, -1, -1) if not str(found[k]).isspace()), 0)
+        if words[at] == ",":
+            at += 1
+        elif found and found[last] == ",":
+            del found[last:]
+    return found

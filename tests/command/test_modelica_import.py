@@ -1,0 +1,79 @@
+"""`lag import`: Modelica files become .lag files that run; what has no counterpart is told."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.linalg import expm
+
+import lagrangia as lag
+from lagrangia.command.cli import main
+from lagrangia.editor.modelica_import import imported
+
+DRIVE = """within ;
+model Drive "Two wheels with a gear"
+  extends Modelica.Icons.Example;
+  import SI = Modelica.Units.SI;
+  parameter SI.Inertia Jmotor(min=0)=0.1 "of the motor"; // kept
+  parameter Modelica.SIunits.RotationalDampingConstant damping = 10;
+  Modelica.Mechanics.Rotational.Components.Inertia a(J=Jmotor, w(fixed=true, start=3)) annotation (Placement(
+        transformation(extent={{-38,-8},{-22,8}})));
+  Modelica.Mechanics.Rotational.Components.IdealGear gear(ratio=10, useSupport=true);
+  Modelica.Mechanics.Rotational.Components.Inertia b(J=2, phi(fixed=true, start=0), stateSelect=StateSelect.always);
+  Modelica.Mechanics.Rotational.Components.Damper damper(d=damping, useHeatPort=false);
+  Modelica.Mechanics.Rotational.Components.Fixed fixed;
+  Modelica.Blocks.Sources.Sine sine(amplitude=4, freqHz=0.5);
+  Modelica.Mechanics.Rotational.Sources.Torque torque annotation (Placement(transformation(extent={{-68,-8},{-52,8}})));
+equation
+  connect(a.flange_b, gear.flange_a) annotation (Line(points={{-22,0},{-18,0}}));
+  connect(gear.flange_b, b.flange_a);
+  connect(damper.flange_a, b.flange_b);
+  connect(damper.flange_b, fixed.flange);
+  connect(gear.support, fixed.flange);
+  connect(sine.y, torque.tau) annotation (Line(points={{-81.2,0},{-69.6,0}}, color={0,0,127}));
+  connect(torque.flange, a.flange_a);
+  annotation (Documentation(info="<html>connect(a; b) \\"text\\"</html>"), experiment(StopTime=1.0, Tolerance=1e-10));
+end Drive;
+"""
+
+
+def test_a_drive_train_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("drive.mo").write_text(DRIVE, encoding="utf-8")
+    assert main(["import", "drive.mo"]) == 0
+    text = Path("drive.lag").read_text(encoding="utf-8")
+    assert "// kept" in text and "Placement" not in text and "Icons" not in text and "stateSelect" not in text
+    assert main(["format", "--check", "drive.lag"]) == 0
+    run = lag.load("drive.lag").simulate(at=[1.0], tolerance=1e-12)
+    J = 0.1 * 100 + 2  # of b: J b.w' = 40 sin(pi t) - 10 b.w, from 0.3
+    A = np.array([[-10 / J, 40 / J, 0], [0, 0, np.pi], [0, -np.pi, 0]])
+    assert run["b.w"][0] == pytest.approx((expm(A) @ [0.3, 0, 1])[0], abs=1e-11)
+    assert main(["import", "drive.mo"]) == 2
+    assert "is there already" in capsys.readouterr().err
+
+
+def test_what_has_no_counterpart_is_left_out_and_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = tmp_path / "hot.mo"
+    heat = "Modelica.Thermal.HeatTransfer.Components.HeatCapacitor hot(C=1,\n    T(start=[1, 2; 3, 4]));\nequation\n"
+    file.write_text(DRIVE.replace("equation\n", f"{heat}  connect(hot.port, damper.heatPort);\n", 1), encoding="utf-8")
+    assert main(["import", str(file)]) == 1
+    told = capsys.readouterr().err
+    assert "HeatCapacitor hot(C=1, T(start=[1, 2; 3, 4]));" in told and "connect(hot.port, damper.heatPort);" in told
+    assert lag.load(tmp_path / "hot.lag").simulate(stop=0.1)["b.w"][0] == pytest.approx(0.3)
+
+
+def test_texts_that_cannot_be_imported(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    wrong = (("a.mo", "model A\n  Real x", "L0105"), ("a.urdf", "<robot/>", "L0703"), ("b.mo", "model A end B;", "L01"))
+    for name, text, code in wrong:
+        (tmp_path / name).write_text(text, encoding="utf-8")
+        assert main(["import", str(tmp_path / name)]) == 2
+        assert code in capsys.readouterr().err
+    assert not list(tmp_path.glob("*.lag"))
+
+
+def test_names_that_the_library_itself_uses() -> None:
+    """Its own examples name packages from where they stand."""
+    found = imported("within Modelica.Mechanics.Translational.Examples;\nmodel A\n  SI.Length x;\n  Components.Mass m(m=1);\n"
+                     "  Rotational.Sensors.SpeedSensor s;\n  Sensors.MultiSensor q;\nend A;\n")
+    assert "Length x;" in found.text and "Translational.Mass m(m=1);" in found.text and "Rotational.SpeedSensor s;" in found.text
+    assert found.left_out == ("Sensors.MultiSensor q;",)
