@@ -30,7 +30,8 @@ _FLANGES = {"Flange_a": "Flange", "Flange_b": "Flange", "Support": "Flange", "Fl
 _PACKAGES = frozenset("Rotational Translational Components Sources Sensors Interfaces Blocks Thermal Math Icons".split())
 _OF_MECHANICS = ("Components", "Sources", "Sensors", "Interfaces")
 _OF_BLOCKS = ("Sources", "Math", "Continuous", "Nonlinear")
-_IDLE = frozenset("useHeatPort stateSelect animation smoothness phi_nominal s_nominal nominal startForward mode".split())  # arguments without a meaning here
+# Arguments without a meaning here:
+_IDLE = frozenset("useHeatPort stateSelect animation smoothness phi_nominal s_nominal nominal startForward mode".split())
 _RENAMED = {"freqHz": "f"}  # arguments, as they were called before version 4
 _SECTIONS = frozenset({"equation", "algorithm", "public", "protected", "end", "model", "class", "package", "block", "partial"})
 _CLASSES = ("model", "class", "package", "block", "connector", "record")
