@@ -9,7 +9,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Protocol
 
-from lagrangia.base.diagnostics import Span, fail
+from lagrangia.base.diagnostics import Report, Span, fail
 from lagrangia.base.records import dataclass
 from lagrangia.language.flat import Equation, Variable
 from lagrangia.language.instances import FrameSlot, Instance, Member, Scope, Slot
@@ -184,6 +184,11 @@ class Bindings:
             meetings.setdefault(find(name), []).append((name, by.get(name)))
         return list(meetings.values())
 
+    def with_inputs(self, inputs: set[str]) -> dict[str, Variable]:
+        """The variables; of those that components call inputs, what nothing gives comes from outside."""
+        return {name: replace(x, kind="input") if name in inputs and not self._is_given(x) else x
+                for name, x in self.variables.items()}
+
     def _join(self, meeting: Sequence[tuple[str, Connection | None]]) -> Iterator[Equation]:
         names = {name for name, _ in meeting}
         given = [name for name, _ in meeting if self._is_given(self.variables[name])]
@@ -228,3 +233,14 @@ def _array(shape: tuple[int, ...], index: tuple[int, ...], elements: Mapping[tup
     if not shape:
         return elements[index]
     return Array(tuple(_array(shape[1:], (*index, k), elements, span) for k in range(1, shape[0] + 1)), span)
+
+
+def require_bindings(variables: Mapping[str, Variable], report: Report) -> None:
+    """Reports L0211 for variables that nothing gives a value."""
+    for variable in variables.values():
+        if variable.kind == "variable" and variable.binding is None:
+            *component, name = variable.name.split(".")
+            hint = f"write: {component[-1]}({name} = ...)" if component else f"write: {name} = ..., or an equation for it"
+            report.error("L0211", f"the variable '{variable.name}' has no value", variable.span, hint,
+                         "what the motion decides is a coordinate: declare it with `coordinate`; a first-order state "
+                         f"has an equation for its rate, der({name}) = ...")

@@ -8,7 +8,7 @@ from lagrangia.base.diagnostics import Diagnostic, LagError, Report, Span, TooMu
 from lagrangia.language.algorithms import FlatFunction, flatten_function
 from lagrangia.language.assertions import check_assertion
 from lagrangia.language.classes import ClassTable
-from lagrangia.language.connections import Bindings, Connection, bound_to, connected
+from lagrangia.language.connections import Bindings, Connection, bound_to, connected, require_bindings
 from lagrangia.language.delays import check_delays, declare_delays, variable_of, with_delays
 from lagrangia.language.elsewhen import warn_of_both
 from lagrangia.language.experiments import allowed_of, experiment_of
@@ -102,6 +102,7 @@ class _Flattening:
         self.joined: list[Equation] = []  # signals, by connect
         self.connections: list[Connection] = []
         self.ends: set[str] = set()  # variables of connectors
+        self.inputs: set[str] = set()  # of components
         self.energies: list[Energy] = []
         self.works: list[Work] = []
         self.initial: list[Equation] = []
@@ -235,7 +236,8 @@ class _Flattening:
             return
         kind = self._kind(slot)
         if kind == "input" and owner.parent is not None:
-            kind = "variable"  # of a component: what it is connected or bound to
+            kind = "variable"  # of a component: what it is connected or bound to, or else one of the scene
+            self.inputs.add(slot.path)
         if slot.binding is None and kind == "parameter":
             self._missing_value(slot, owner)
         if slot.binding is not None and kind == "coordinate":
@@ -472,9 +474,9 @@ class _Flattening:
         constraints = bindings.take(found.equations)
         if not self.report.errors:
             constraints += bindings.connect(self.connections)
-        self.variables = bindings.variables
+        self.variables = bindings.with_inputs(self.inputs)
         if not self.report.errors:  # an equation that is wrong may have been meant to give the value
-            self._require_bindings()
+            require_bindings(self.variables, self.report)
         self._let_vary()
         return tuple(constraints)
 
@@ -487,12 +489,3 @@ class _Flattening:
             if variable.may_vary and variable.binding is not None and any(
                     not isinstance(leaf, Ref) or leaf.name in moving for leaf in leaves([variable.binding], bindings)):
                 self.variables[name] = replace(variable, kind="variable")
-
-    def _require_bindings(self) -> None:
-        for variable in self.variables.values():
-            if variable.kind == "variable" and variable.binding is None:
-                *component, name = variable.name.split(".")
-                hint = f"write: {component[-1]}({name} = ...)" if component else f"write: {name} = ..., or an equation for it"
-                self.report.error("L0211", f"the variable '{variable.name}' has no value", variable.span, hint,
-                                  "what the motion decides is a coordinate: declare it with `coordinate`; a first-order state "
-                                  f"has an equation for its rate, der({name}) = ...")
