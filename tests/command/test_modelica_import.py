@@ -77,3 +77,10 @@ def test_names_that_the_library_itself_uses() -> None:
                      "  Rotational.Sensors.SpeedSensor s;\n  Sensors.MultiSensor q;\nend A;\n")
     assert "Length x;" in found.text and "Translational.Mass m(m=1);" in found.text and "Rotational.SpeedSensor s;" in found.text
     assert found.left_out == ("Sensors.MultiSensor q;",)
+
+
+def test_arguments_of_peoples_own_classes_stay() -> None:
+    """What means nothing here of the library's components may be a parameter of one's own."""
+    text = "model A\n  Own own(mode=2, smoothness=0.5);\nend A;\n"
+    assert imported(text).text == text
+    assert imported(f"// of mine\nwithin Modelica.Mechanics.Rotational;\n{text}").text == f"// of mine\n\n{text}"

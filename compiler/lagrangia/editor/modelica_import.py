@@ -6,6 +6,7 @@ a comment, together with the equations that name it.
 
 import re
 from collections.abc import Iterator, Mapping, Sequence
+from functools import cache
 
 from lagrangia.base.records import dataclass
 from lagrangia.language.component_library import library_package
@@ -26,14 +27,14 @@ _UNITS = {
 }
 _FUNCTIONS = {"sin", "cos", "tan", "asin", "acos", "atan", "atan2", "sinh", "cosh", "tanh", "exp", "log", "log10"}
 _CONSTANTS = {"pi": "pi", "g_n": "9.80665", "e": "exp(1)"}
-_FLANGES = {"Flange_a": "Flange", "Flange_b": "Flange", "Support": "Flange", "Flange": "Flange"}
+_FLANGES = {"Flange_a": "Flange", "Flange_b": "Flange", "Support": "Flange"}
 _PACKAGES = frozenset("Rotational Translational Components Sources Sensors Interfaces Blocks Thermal Math Icons".split())
 _OF_MECHANICS = ("Components", "Sources", "Sensors", "Interfaces")
 _OF_BLOCKS = ("Sources", "Math", "Continuous", "Nonlinear")
-# Arguments without a meaning here:
+# Arguments of the library's components without a meaning here:
 _IDLE = frozenset("useHeatPort stateSelect animation smoothness phi_nominal s_nominal nominal startForward mode".split())
 _RENAMED = {"freqHz": "f"}  # arguments, as they were called before version 4
-_SECTIONS = frozenset({"equation", "algorithm", "public", "protected", "end", "model", "class", "package", "block", "partial"})
+_SECTIONS = ("equation", "algorithm", "public", "protected")
 _CLASSES = ("model", "class", "package", "block", "connector", "record")
 
 
@@ -47,17 +48,16 @@ class Imported:
 
 def imported(text: str) -> Imported:
     """A Modelica text in this language."""
-    words = _without_annotations(_WORDS.findall(text.removeprefix("\ufeff")))
-    statements = list(_statements(words))
+    statements = list(_statements(_without_annotations(_WORDS.findall(text.removeprefix("\ufeff")))))
     aliases = dict(pair for statement in statements for pair in _aliases(statement))
-    around = list(_around(words))
+    around = list(_around(statements[0])) if statements else []
     if around:  # in the library itself, whose outermost package imports it
         aliases.setdefault("SI", "Modelica.Units.SI")
     left, missing, out = list[str](), set[str](), list[str]()
     for statement in statements:
         meant = [_meaning(word, aliases, around) for word in statement]
         first = next((k for k, word in enumerate(statement) if _is_name(word) and word not in _PREFIXES), None)
-        told = " ".join("".join(statement).split())
+        told, is_of_library = " ".join("".join(statement).split()), meant != statement
         if first is not None and _goes(statement[first], told):
             out.append(_space(statement).rstrip(" \t"))
         elif any(name is None for name in meant) or missing & set(_heads(statement)):
@@ -65,7 +65,8 @@ def imported(text: str) -> Imported:
             left.append(told)
             out.append(f"{_space(statement)}// left out: {told}")
         else:
-            out.append("".join(name or "" for name in _without_idle(meant)))
+            kept = [name for name in meant if name is not None]
+            out.append("".join(_without_idle(kept) if is_of_library else kept))
     return Imported("".join(out).strip() + "\n", tuple(left))
 
 
@@ -79,6 +80,11 @@ def _goes(first: str, told: str) -> bool:
 
 def _is_name(word: str) -> bool:
     return word[:1].isalpha() or word[:1] == "_"
+
+
+def _told(statement: Sequence[str]) -> list[str]:
+    """Its words, without spaces and comments."""
+    return [word for word in statement if not (word.isspace() or word.startswith(("//", "/*")))]
 
 
 def _space(statement: Sequence[str]) -> str:
@@ -128,9 +134,8 @@ def _statements(words: Sequence[str]) -> Iterator[list[str]]:
     for k, word in enumerate(words):
         current.append(word)
         depth += (word in ("(", "[", "{")) - (word in (")", "]", "}"))
-        is_head = word in _SECTIONS and word != "end" and word not in ("model", "class", "package", "block", "partial")
         is_named = _opens_class(current) and not _description_follows(words, k)
-        if (word == ";" and depth == 0) or is_head or is_named:
+        if (word == ";" and depth == 0) or word in _SECTIONS or is_named:
             yield current
             current = []
     if current:
@@ -139,8 +144,7 @@ def _statements(words: Sequence[str]) -> Iterator[list[str]]:
 
 def _opens_class(statement: Sequence[str]) -> bool:
     """Whether it is `model Name`, perhaps with its description, and no short class."""
-    told = [word for word in statement if not word.isspace() and not word.startswith(("//", "/*"))]
-    told = [word for word in told if word not in ("partial", "encapsulated", "final")]
+    told = [word for word in _told(statement) if word not in ("partial", "encapsulated", "final")]
     is_head = len(told) in (2, 3) and told[0] in _CLASSES and _is_name(told[1])
     return is_head and (len(told) == 2 or told[2].startswith('"'))
 
@@ -151,8 +155,8 @@ def _description_follows(words: Sequence[str], at: int) -> bool:
 
 
 def _aliases(statement: Sequence[str]) -> Iterator[tuple[str, str]]:
-    """Short names that an import gives: name, full name; "*" for all of a package is told as (package, "*")."""
-    told = [word for word in statement if not word.isspace() and not word.startswith(("//", "/*"))]
+    """Short names that an import gives: name, full name; of all of a package "*" and its name, and that name."""
+    told = _told(statement)
     if told[:1] != ["import"]:
         return
     if "=" in told:
@@ -166,9 +170,9 @@ def _aliases(statement: Sequence[str]) -> Iterator[tuple[str, str]]:
         yield told[1].rpartition(".")[2], told[1]
 
 
-def _around(words: Sequence[str]) -> Iterator[str]:
-    """The packages of the library that the text stands in, the innermost first."""
-    told = [re.sub(r"\s", "", word) for word in words if not word.isspace()]
+def _around(first: Sequence[str]) -> Iterator[str]:
+    """The packages of the library that the text stands in, as its first statement says, the innermost first."""
+    told = [re.sub(r"\s", "", word) for word in _told(first)]
     package = told[1] if told[:1] == ["within"] and told[1].startswith("Modelica") else ""
     while package:
         yield package
@@ -193,6 +197,7 @@ def _meaning(word: str, aliases: Mapping[str, str], around: Sequence[str]) -> st
 
 
 def _of_library(name: str) -> str | None:
+    """A full name in this language; None where it has no counterpart."""
     parts = name.split(".")
     last = parts[-1]
     if parts[1:3] == ["Units", "SI"] or parts[1] == "SIunits":
@@ -207,9 +212,13 @@ def _of_library(name: str) -> str | None:
     if parts[-2] not in kinds:
         return None
     last = _FLANGES.get(last, last) if package != "Blocks" else last
+    return f"{package}.{last}" if last in _classes_of(package) else None
+
+
+@cache
+def _classes_of(package: str) -> frozenset[str]:
     found = library_package(package)
-    known = {inner.name for definition in found.classes for inner in definition.classes} if found is not None else set()
-    return f"{package}.{last}" if last in known else None
+    return frozenset(inner.name for outer in found.classes for inner in outer.classes) if found is not None else frozenset()
 
 
 def _heads(statement: Sequence[str]) -> Iterator[str]:
@@ -230,18 +239,18 @@ def _declared(statement: Sequence[str], first: int | None) -> list[str]:
     return found
 
 
-def _without_idle(words: Sequence[str | None]) -> list[str | None]:
+def _without_idle(words: Sequence[str]) -> list[str]:
     """Without arguments that mean nothing here, as stateSelect = StateSelect.always."""
-    found, at = list[str | None](), 0
+    found, at = list[str](), 0
     while at < len(words):
-        following = next((word for word in words[at + 1 :] if word is not None and not word.isspace()), "")
+        following = next((word for word in words[at + 1 :] if not word.isspace()), "")
         if words[at] not in _IDLE or following != "=":
-            found.append(_RENAMED.get(str(words[at]), words[at]) if following == "=" else words[at])
+            found.append(_RENAMED.get(words[at], words[at]) if following == "=" else words[at])
             at += 1
             continue
         while words[at] not in (",", ")"):
             at += 1
-        last = next((k for k in range(len(found) - 1, -1, -1) if not str(found[k]).isspace()), 0)
+        last = next((k for k in range(len(found) - 1, -1, -1) if not found[k].isspace()), 0)
         if words[at] == ",":
             at += 1
         elif found and found[last] == ",":

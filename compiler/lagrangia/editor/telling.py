@@ -1,6 +1,6 @@
 """What is told of a class or a declaration where the cursor is: its kind, type, unit, default, value, and what it is for."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 
 from lagrangia.base.diagnostics import LagError
 from lagrangia.editor.meanings import Index, Meaning, Occurrence
@@ -118,8 +118,3 @@ def _one_line(text: str) -> str:
 def described(meaning: Meaning) -> str:
     """In a few words."""
     return meaning.node.description if meaning.node is not None else ""
-
-
-def declared_with_units(index: Index, definition: ClassDefinition) -> Mapping[str, tuple[Declaration, str]]:
-    """What a class has, with units."""
-    return {name: (declaration, unit_of(index.table, declaration)) for name, declaration in index.members(definition).items()}
