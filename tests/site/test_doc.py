@@ -14,7 +14,6 @@ from lagrangia.command.cli import main
 from lagrangia.language.classes import build_class_table
 from lagrangia.language.component_library import drawn_library
 from lagrangia.language.syntax import parse
-from lagrangia.language.tree import Syntax
 from lagrangia.site.formulas import formula
 from lagrangia.site.pages import Package, library_title, site
 
@@ -59,10 +58,9 @@ def pages() -> Mapping[str, str]:
     springs = next(file for file in drawn_library() if file.source.name.endswith("springs.lag"))
     types = next(file for file in drawn_library() if file.source.name.endswith("types.lag"))
     table = build_class_table(drawn_library(), [])
-    packages = [Package("own", own, build_class_table(drawn_library(), [own]), Path("own.lag")),
-                *(Package(library_title(file.source), file, table, None) for file in (springs, types))]
-    users: list[Syntax] = [package.syntax for package in packages]
-    return dict(site(packages, users, lambda definition, scenes, runs: f"<svg><!--{len(scenes)} {runs}--></svg>"))
+    packages = [Package("own", (own,), build_class_table(drawn_library(), [own]), Path("own.lag")),
+                *(Package(library_title(file.source), (file,), table, None) for file in (springs, types))]
+    return dict(site(packages, [], lambda definition, scenes, runs: f"<svg><!--{len(scenes)} {runs}--></svg>"))
 
 
 def test_pages_are_whole_and_their_links_lead_to_pages(pages: Mapping[str, str]) -> None:
@@ -122,3 +120,28 @@ def test_the_command_draws_most_of_the_library(tmp_path: Path, capsys: pytest.Ca
     assert "<svg" in pages["own.Soft.html"] and "<svg" in pages["own.Runs.html"]
     assert main(["doc", "-o", str(tmp_path)]) == 2, "which holds something else"
     assert "holds something else" in capsys.readouterr().err
+
+
+@pytest.mark.slow
+def test_packages_have_pages_in_files_and_in_folders(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    own = tmp_path / "Own"
+    (own / "Sub").mkdir(parents=True)
+    (own / "package.lag").write_text("package Own\n  record Wheel\n    parameter Length r = 0.3;\n  end Wheel;\nend Own;\n")
+    (own / "Cart.lag").write_text("within Own;\nmodel Cart\n  extends Block(m = 2);\n"
+                                  "  Sub.Damped d(c = 3, a = base, b = center);\n"
+                                  "  Wheel w;\n  Rotational.Inertia J(J = w.r*1[kg.m]);\nend Cart;\n")
+    (own / "Sub" / "package.lag").write_text("within Own;\npackage Sub\nend Sub;\n")
+    (own / "Sub" / "Damped.lag").write_text("within Own.Sub;\nmodel Damped\n  extends Damper;\nend Damped;\n")
+    target = tmp_path / "site"
+    assert main(["doc", str(own), "-o", str(target)]) == 0
+    pages = {file.name: file.read_text(encoding="utf-8") for file in target.glob("*.html")}
+    for text in pages.values():
+        assert set(Reader(text).links) <= {*pages, "site.css", "search.js"}
+    cart = pages["Own.Own.Cart.html"]
+    assert "<svg" in cart and 'href="Own.Own.Wheel.html">Wheel' in cart and 'href="Own.Own.Sub.Damped.html">Damped' in cart
+    assert 'href="library.rotational.Rotational.Inertia.html">Inertia' in cart.partition("<h2>Source")[2]
+    assert 'href="Own.Own.Cart.html"' in pages["library.rotational.Rotational.Inertia.html"].partition("Used by")[2]
+    assert "radius" not in pages["Own.Own.html"] and 'href="Own.Own.Wheel.html"' in pages["Own.Own.html"]
+    (own / "Astray.lag").write_text("model Astray\nend Astray;\n")
+    assert main(["doc", str(own), "-o", str(target)]) == 2
+    assert "its first line is `within Own;`" in capsys.readouterr().err

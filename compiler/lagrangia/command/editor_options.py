@@ -25,7 +25,7 @@ def add_server(parser: ArgumentParser) -> None:
 def add_doc(parser: ArgumentParser) -> None:
     """Of `lag doc`."""
     add = parser.add_argument
-    add("files", nargs="*", metavar="FILE", help="your own, beside the library")
+    add("files", nargs="*", metavar="FILE", help="your own, beside the library; a folder with package.lag is a package")
     add("-o", "--output", default="site", metavar="FOLDER", help="where to: site by default")
 
 

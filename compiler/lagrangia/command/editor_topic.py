@@ -22,9 +22,10 @@ Runs models whose names begin with Test, of the folder tests by default; of a na
 Where MODEL.csv stands beside it, the motion is compared at its times: each column may differ by that share of its largest value.
 --update stores what the runs give. Exit code 1 where a run or a comparison fails, 2 where a text is wrong.
 
-lag doc [FILE ...] [-o FOLDER]
-Pages of the library and of your files: text, a picture of each component (alone, its ports held or moved by what is not drawn),
-parameters with units and defaults, ports, energies and equations as they are written, who uses it, source. Opens from files.
+lag doc [FILE|FOLDER ...] [-o FOLDER]
+Pages of the library with its packages, of your files, and of all files of a folder that is a package: text, a picture of each
+component (alone, its ports held or moved by what is not drawn), parameters with units and defaults, ports, energies and equations
+as they are written, who uses it, source. Opens from files.
 
 lag server
 The language server, over standard input and output: pip install 'lagrangia[editor]'. Errors of syntax, names and units come while

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from typing import Literal
 
 from lagrangia.base.records import dataclass
-from lagrangia.editor.meanings import Index, class_named
+from lagrangia.editor.meanings import Index, class_named, lineage
 from lagrangia.editor.surroundings import brackets_at, followed, modified, section_at
 from lagrangia.editor.telling import heading, unit_of
 from lagrangia.language.classes import BUILTIN_TYPES
@@ -97,15 +97,28 @@ def _member(index: Index, declaration: Declaration) -> Proposal:
 
 
 def _members_of(index: Index, owner: ClassDefinition, names: str) -> Iterator[Proposal]:
-    found = followed(index, owner, names)
+    found = followed(index, owner, names) or index.class_or_package(names, owner.name_span)
     kind = found.type_name if isinstance(found, Declaration) else found.name if found is not None else ""
     definition = found if isinstance(found, ClassDefinition) else class_named(index.table, kind, owner.name_span)
     if kind in ("Frame", "World"):
         yield from (Proposal(name, "property", a.unit) for name, a in ATTRIBUTES.items() if name in OF_ANY_FRAME)
-    if definition is not None:
+    if isinstance(found, ClassDefinition) and found.name != "World":
+        yield from _of_class(index, found)
+    elif definition is not None:
         visible = (d for d in index.members(definition).values() if "protected" not in d.prefixes)
         yield from (_member(index, declaration) for declaration in visible)
         yield from (Proposal(name, "property", a.unit) for name, a in ATTRIBUTES.items() if name not in OF_ANY_FRAME)
+
+
+def _of_class(index: Index, definition: ClassDefinition) -> Iterator[Proposal]:
+    """Behind the name of a package its classes and constants, behind that of an enumeration its values."""
+    yield from (Proposal(literal.name, "variable", definition.name, literal.description) for literal in definition.literals)
+    inside = [c for base in lineage(index.table, definition) for c in base.classes]
+    inside += [c for name, c in index.table.user.items() if name.rpartition(".")[0] == definition.name]
+    for one in {c.name_span: c for c in inside}.values():
+        kind: Kind = "function" if one.kind == "function" else "type" if one.kind == "type" else "class"
+        yield Proposal(one.name.rpartition(".")[2], kind, one.kind, one.description)
+    yield from (_member(index, d) for d in index.members(definition).values() if "constant" in d.prefixes)
 
 
 def _arguments(index: Index, definition: ClassDefinition | None, kind: str) -> Iterator[Proposal]:

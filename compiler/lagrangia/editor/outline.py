@@ -6,7 +6,7 @@ from typing import Any
 
 from lagrangia.base.diagnostics import LagError, Source, Span
 from lagrangia.base.records import dataclass
-from lagrangia.editor.meanings import Index, class_named
+from lagrangia.editor.meanings import Index, all_classes, class_named
 from lagrangia.editor.telling import unit_of
 from lagrangia.editor.words import COMMENT, pieces_of
 from lagrangia.language.tree import (
@@ -16,6 +16,7 @@ from lagrangia.language.tree import (
     Declaration,
     ForBlock,
     IfBlock,
+    LiteralDefinition,
     Number,
     Section,
     Unary,
@@ -68,7 +69,7 @@ def tokens(index: Index) -> list[Token]:
             modifiers.append("defaultLibrary")
         if isinstance(node, ClassDefinition):
             kind = node.kind if node.kind in ("type", "function") else "class"
-        elif isinstance(node, Declaration) and {"parameter", "constant"} & node.prefixes:
+        elif isinstance(node, LiteralDefinition) or (isinstance(node, Declaration) and {"parameter", "constant"} & node.prefixes):
             kind = "parameter"
             modifiers.append("readonly")
         elif isinstance(node, Declaration) and node.type_name == "Frame":
@@ -82,7 +83,7 @@ def tokens(index: Index) -> list[Token]:
 def units_of_numbers(index: Index) -> Iterator[tuple[int, str]]:
     """Behind which characters bare numbers stand that take a unit from their place, and which."""
     source = index.syntax.source
-    for definition in index.syntax.classes:
+    for definition in all_classes(index.syntax.classes):
         for element in definition.elements:
             if isinstance(element, Declaration):
                 yield from _unit_behind(element.binding, unit_of(index.table, element), source)

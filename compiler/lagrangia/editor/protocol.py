@@ -15,6 +15,8 @@ from lagrangia.language.tree import ClassDefinition, Declaration
 
 _SEVERITIES = {"error": types.DiagnosticSeverity.Error, "warning": types.DiagnosticSeverity.Warning,
                "note": types.DiagnosticSeverity.Information}
+_SYMBOLS = {"function": types.SymbolKind.Function, "package": types.SymbolKind.Package, "record": types.SymbolKind.Struct,
+            "enumeration": types.SymbolKind.Enum, "connector": types.SymbolKind.Interface}
 _KINDS = {"class": types.CompletionItemKind.Class, "type": types.CompletionItemKind.Struct,
           "function": types.CompletionItemKind.Function, "variable": types.CompletionItemKind.Variable,
           "port": types.CompletionItemKind.Interface, "property": types.CompletionItemKind.Property,
@@ -83,13 +85,16 @@ class Places:
         return data
 
     def symbol(self, node: ClassDefinition | Declaration) -> types.DocumentSymbol:
-        """A class with what it declares."""
+        """A class with what it declares, and the classes in it."""
         if isinstance(node, Declaration):
             is_fixed = {"parameter", "constant"} & node.prefixes
             kind = types.SymbolKind.Constant if is_fixed else types.SymbolKind.Variable
             return types.DocumentSymbol(node.name, kind, self.range(node.span), self.range(node.name_span), detail=node.type_name)
-        kind = types.SymbolKind.Function if node.kind == "function" else types.SymbolKind.Class
+        kind = _SYMBOLS.get("enumeration" if node.literals else node.kind, types.SymbolKind.Class)
         inside = [self.symbol(element) for element in node.elements if isinstance(element, Declaration)]
+        inside += [types.DocumentSymbol(literal.name, types.SymbolKind.EnumMember, place := self.range(literal.span), place,
+                                        detail=literal.description) for literal in node.literals]
+        inside += [self.symbol(definition) for definition in node.classes]
         return types.DocumentSymbol(node.name, kind, self.range(node.span), self.range(node.name_span), detail=node.description,
                                     children=inside)
 

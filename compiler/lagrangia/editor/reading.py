@@ -6,6 +6,7 @@ from pathlib import Path
 
 from lagrangia.base.diagnostics import Diagnostic, LagError, Report, Source, Span
 from lagrangia.compile.elsewhere import faults_beside
+from lagrangia.compile.packages import Packages
 from lagrangia.compile.pipeline import deep_recursion, flatten_files, read_files, without_collections
 from lagrangia.editor.meanings import Index, members
 from lagrangia.editor.surroundings import statement_start, without_texts
@@ -44,7 +45,7 @@ def read_text(path: Path, read: Read) -> Reading:
         flat = None
         try:
             syntax, imported = read_files(path, read)
-            table = build_class_table(library(), [syntax, *imported])
+            table = build_class_table(library(), [syntax, *imported], Packages(syntax).find)
         except LagError as error:
             return Reading(source, error.diagnostics, None, lambda: _index_of_mended(path, source, read))
         last = next((c for c in reversed(syntax.classes) if c.kind == "model" and not c.is_partial), None)
@@ -78,7 +79,7 @@ def _index_of_mended(path: Path, source: Source, read: Read) -> Index | None:
     for _ in range(_MOST_MENDED):
         try:
             syntax, imported = read_files(path, _in_place(path, Source(source.name, text), read))
-            return Index(syntax, build_class_table(library(), [syntax, *imported]))
+            return Index(syntax, build_class_table(library(), [syntax, *imported], Packages(syntax).find))
         except LagError as error:
             places = [d.span for d in error.diagnostics if d.span is not None and d.span.source.name == source.name]
             shorter = without_statements(text, places)

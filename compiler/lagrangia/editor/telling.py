@@ -8,7 +8,7 @@ from lagrangia.editor.reading import Reading
 from lagrangia.language.classes import ClassTable
 from lagrangia.language.compiled_numbers import values_as_declared
 from lagrangia.language.frame_attributes import WORDS
-from lagrangia.language.tree import Argument, ClassDefinition, Declaration, String
+from lagrangia.language.tree import Argument, ClassDefinition, Declaration, LiteralDefinition, String
 
 _MOST_VALUES = 6
 _ORDER = ("parameter", "constant", "input", "output", "coordinate", "discrete", "final")
@@ -42,6 +42,8 @@ def told_of(reading: Reading, found: Occurrence) -> str:
         return "\n\n".join(_of_class(index, node))
     if isinstance(node, Declaration):
         return "\n\n".join(_of_declaration(reading, index, found, node))
+    if isinstance(node, LiteralDefinition):
+        return "\n\n".join(filter(None, [f"```lag\n{found.meaning.name}\n```", node.description, f"*{found.meaning.place}*"]))
     return f"```lag\nfor {found.meaning.name}\n```"
 
 
@@ -50,6 +52,8 @@ def _of_class(index: Index, definition: ClassDefinition) -> Iterator[str]:
     if definition.description:
         yield definition.description
     rows = [row for declaration in index.members(definition).values() if (row := _row(index.table, declaration))]
+    rows += [f"- `{inner.name}`: {inner.description}" for inner in definition.classes]
+    rows += [f"- `{literal.name}`: {literal.description}" for literal in definition.literals]
     if rows:
         yield "\n".join(rows)
     yield f"*{definition.name_span}*"

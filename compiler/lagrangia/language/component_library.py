@@ -11,7 +11,7 @@ from lagrangia.language.shipped import made_of, ship
 from lagrangia.language.syntax import grammar_file, parse, reader_tables
 from lagrangia.language.tree import ClassDefinition, Syntax
 
-_PACKAGES = {"Rotational": "rotational.lag", "Translational": "translational.lag", "Blocks": "blocks.lag"}
+LIBRARY_PACKAGES = {"Rotational": "rotational.lag", "Translational": "translational.lag", "Blocks": "blocks.lag"}
 
 
 @cache
@@ -28,7 +28,7 @@ def drawn_library() -> tuple[Syntax, ...]:
 
 def library_package(name: str) -> Syntax | None:
     """A package of the library, which is read when it is named; None for any other name."""
-    file = _PACKAGES.get(name)
+    file = LIBRARY_PACKAGES.get(name)
     return _package(name, file) if file is not None else None
 
 
@@ -47,7 +47,7 @@ def ship_all() -> None:
     ship(lark_key(), [grammar_file()], lark_tables(grammar_file()))
     ship("library", _files(), _parsed())
     ship("drawn", _files(), _parsed_whole())
-    for name, file in _PACKAGES.items():
+    for name, file in LIBRARY_PACKAGES.items():
         ship(f"package-{name}", [_folder() / file], write_trees(_trees([_folder() / file])))
 
 
@@ -56,7 +56,7 @@ def _folder() -> Path:
 
 
 def _files() -> list[Path]:
-    return sorted(file for file in _folder().glob("*.lag") if file.name not in _PACKAGES.values())
+    return sorted(file for file in _folder().glob("*.lag") if file.name not in LIBRARY_PACKAGES.values())
 
 
 def _parsed_whole() -> bytes:

@@ -61,6 +61,10 @@ class Scopes:
             self._known[key] = self._resolved(name, around)
         return self._known[key]
 
+    def package(self, name: str, span: Span) -> str | None:
+        """The full name of the package or class that the beginning of a dotted name means where `span` is."""
+        return self._resolved(f"{name}.", self.around(span)) if name else None
+
     def around(self, span: Span) -> list[Enclosing]:
         """What encloses a place, the innermost first."""
         syntax = self.files.get(span.source)
@@ -115,7 +119,7 @@ class Scopes:
     def _resolved(self, name: str, around: Iterable[Enclosing]) -> str | None:
         first, *rest = name.split(".")
         at = self._first(first, around, bool(rest))
-        for step in rest:
+        for step in filter(None, rest):
             at = self._within(at, step) if at is not None else None
         return at
 

@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import cached_property
 from html import escape
 from pathlib import Path
 
@@ -11,6 +12,7 @@ from lagrangia.editor.meanings import Index, class_named
 from lagrangia.editor.telling import unit_of
 from lagrangia.editor.words import COMMENT, pieces_of
 from lagrangia.language.classes import ClassTable
+from lagrangia.language.scoping import lifted
 from lagrangia.language.tree import ClassDefinition, Declaration, Syntax
 from lagrangia.site.formulas import formula
 from lagrangia.site.showing import scenes_of
@@ -23,10 +25,11 @@ _ROLES = ("parameter", "constant", "input", "output", "coordinate")
 
 @dataclass(frozen=True)
 class Package:
-    """A file with its classes and what is known of others; `imported` is its place, None for the library's."""
+    """Files with their classes and what is known of others; `imported` is the place of a single
+    file, None where its classes are found by their names."""
 
     title: str
-    syntax: Syntax
+    files: tuple[Syntax, ...]
     table: ClassTable
     imported: Path | None
 
@@ -34,42 +37,49 @@ class Package:
         """The name of the page of one of its classes."""
         return f"{self.title.replace('/', '.')}.{definition.name}.html"
 
+    @cached_property
+    def classes(self) -> tuple[ClassDefinition, ...]:
+        """Those that stand in others, too, by their full names."""
+        return tuple(definition for syntax in self.files for definition in lifted(syntax))
 
-def site(packages: Sequence[Package], users: Sequence[Syntax], draw: Draw) -> Iterator[tuple[str, str]]:
-    """Names of files with what they hold. `users` are files in which it is looked who uses what; `draw` draws a scene."""
+
+def site(packages: Sequence[Package], users: Sequence[Package], draw: Draw) -> Iterator[tuple[str, str]]:
+    """Names of files with what they hold. `users` have no pages, but use what has; `draw` draws a scene."""
     writer = _Writer(packages, users, draw)
     for package in packages:
-        for definition in package.syntax.classes:
+        for definition in package.classes:
             yield package.page(definition), writer.page(package, definition)
     yield "index.html", writer.index()
-    entries = [{"name": d.name, "about": d.description, "page": p.page(d)} for p in packages for d in p.syntax.classes]
+    entries = [{"name": d.name, "about": d.description, "page": p.page(d)} for p in packages for d in p.classes]
     search = (_HERE / "search.js").read_text(encoding="utf-8")
     yield "search.js", f"const ENTRIES = {json.dumps(entries, ensure_ascii=False)};\n{search}"
     yield "site.css", (_HERE / "site.css").read_text(encoding="utf-8")
 
 
 class _Writer:
-    def __init__(self, packages: Sequence[Package], users: Sequence[Syntax], draw: Draw) -> None:
-        self.packages, self.users, self.draw = packages, users, draw
-        self.pages = {id(d): package.page(d) for package in packages for d in package.syntax.classes}
+    def __init__(self, packages: Sequence[Package], users: Sequence[Package], draw: Draw) -> None:
+        self.packages, self.draw = packages, draw
+        self.users = _users([*packages, *users])
+        self.pages = {_key(d): package.page(d) for package in packages for d in package.classes}
 
     def index(self) -> str:
         parts = ["<h1>Lagrangia <small>components</small></h1>"]
         for package in self.packages:
             rows = "".join(f"<tr><td>{self._link(d, d.name)}</td><td>{escape(d.kind)}</td><td>{escape(d.description)}</td></tr>"
-                           for d in package.syntax.classes)
+                           for d in package.classes)
             parts.append(f"<h2>{escape(package.title)}</h2><div class=wide><table>{rows}</table></div>")
         return _page("Lagrangia", "\n".join(parts))
 
     def page(self, package: Package, definition: ClassDefinition) -> str:
         """Of one class."""
-        index = Index(Syntax(package.syntax.source, (), ()), package.table)
+        index = Index(Syntax(definition.name_span.source, (), ()), package.table)
         members = index.members(definition)
         kind = f"{'partial ' if definition.is_partial else ''}{definition.kind}"
         parts = [f"<h1>{escape(definition.name)} <small>{kind}, in {escape(package.title)}</small></h1>",
                  f"<p>{escape(definition.description)}</p>", self._figure(package, definition, members)]
         parts += [self._table(package, title, rows) for title, rows in _grouped(members) if rows]
         parts += self._formulas(package, definition)
+        parts.append(self._inside(definition))
         parts.append(self._uses(definition))
         parts.append(f"<h2>Source</h2>{self._source(package, definition)}")
         return _page(definition.name, "\n".join(filter(None, parts)))
@@ -77,7 +87,7 @@ class _Writer:
     def _figure(self, package: Package, definition: ClassDefinition, members: Mapping[str, Declaration]) -> str:
         if definition.kind != "model" or definition.is_partial:
             return ""
-        runs = definition is package.syntax.classes[-1] and package.imported is not None
+        runs = definition is package.classes[-1] and package.imported is not None
         types = {name for name, kind in {**package.table.library, **package.table.user}.items() if kind.kind == "type"}
         scenes = list(scenes_of(definition, members, {*types, "Real", "Integer"}, package.imported))
         drawn = self.draw(definition, scenes, runs)
@@ -110,34 +120,53 @@ class _Writer:
             if found:
                 yield f"<h2>{title}</h2><div class=wide>{''.join(found)}</div>"
 
+    def _inside(self, definition: ClassDefinition) -> str:
+        rows = "".join(f"<tr><td>{self._link(c, c.name)}</td><td>{escape(c.kind)}</td><td>{escape(c.description)}</td></tr>"
+                       for c in definition.classes)
+        return f"<h2>Classes</h2><div class=wide><table>{rows}</table></div>" if rows else ""
+
     def _uses(self, definition: ClassDefinition) -> str:
-        links = []
-        for syntax in self.users:
-            for other in syntax.classes:
-                if other is not definition and any(element.type_name == definition.name for element in other.elements):
-                    links.append(self._link(other, other.name))
+        links = [self._link(other, other.name) for other in self.users.get(_key(definition), ())]
         return f"<h2>Used by</h2><p>{', '.join(dict.fromkeys(links))}</p>" if links else ""
 
     def _link(self, definition: ClassDefinition, name: str) -> str:
-        page = self.pages.get(id(definition))
+        page = self.pages.get(_key(definition))
         return f'<a href="{escape(page)}">{escape(name)}</a>' if page is not None else escape(name)
 
     def _source(self, package: Package, definition: ClassDefinition) -> str:
         """Its text, coloured, with links to the classes that it names."""
         text = definition.span.text
-        written, at = [], 0
+        written, at, name = [], 0, ""
         for piece in pieces_of(Source(package.title, text)):
+            name = f"{name}{piece.text}" if piece.text == "." or name.endswith(".") else piece.text  # dotted, as far as it goes
             written.append(escape(text[at : piece.start]))
             at = piece.start + len(piece.text)
             shown = escape(piece.text)
-            kind = class_named(package.table, piece.text, definition.name_span) if piece.kind == "NAME" else None
-            if kind is not None and kind is not definition and id(kind) in self.pages:
+            kind = class_named(package.table, name, definition.name_span) if piece.kind == "NAME" else None
+            if kind is not None and _key(kind) != _key(definition) and _key(kind) in self.pages:
                 shown = self._link(kind, piece.text)
             elif mark := "c" if piece.kind == COMMENT else "s" if piece.kind == "STRING" else \
                     "w" if piece.kind != "NAME" and piece.text.isalpha() else "":
                 shown = f"<span class={mark}>{shown}</span>"
             written.append(shown)
         return f"<pre>{''.join(written)}{escape(text[at:])}</pre>"
+
+
+def _key(definition: ClassDefinition) -> tuple[str, int]:
+    """Where it is defined: the same for the same class, in whichever reading of its file."""
+    return definition.name_span.source.name, definition.name_span.start
+
+
+def _users(packages: Sequence[Package]) -> Mapping[tuple[str, int], list[ClassDefinition]]:
+    """By the classes, those that have a component of them, or extend them."""
+    found: dict[tuple[str, int], list[ClassDefinition]] = {}
+    for package in packages:
+        for definition in package.classes:
+            for element in definition.elements:
+                used = class_named(package.table, element.type_name, element.span)
+                if used is not None and _key(used) != _key(definition):
+                    found.setdefault(_key(used), []).append(definition)
+    return found
 
 
 def _grouped(members: Mapping[str, Declaration]) -> Iterator[tuple[str, list[Declaration]]]:
