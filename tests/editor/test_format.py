@@ -11,6 +11,7 @@ from typing import Any
 import pytest
 
 from helpers.fuzz_models import random_model
+from helpers.fuzz_valid import valid_model
 from lagrangia.base.diagnostics import LagError, Source, Span
 from lagrangia.command.cli import main
 from lagrangia.compile.pipeline import flatten_file
@@ -82,9 +83,12 @@ def meaning(node: Any) -> Any:
 
 
 def flat(file: Path, text: str) -> Any:
-    """What a file means if this is its text."""
+    """What a file means if this is its text, or what is wrong with it."""
     file.write_text(text, encoding="utf-8")
-    return meaning(flatten_file(file)[1])
+    try:
+        return meaning(flatten_file(file)[1])
+    except LagError as error:
+        return [(found.code, re.sub(r"\.lag:[\d:]+", "", found.message)) for found in error.diagnostics]
 
 
 def test_the_one_layout() -> None:
@@ -113,14 +117,25 @@ def test_texts_stay_what_they_are() -> None:
     assert read > 300
 
 
-@pytest.mark.parametrize("folder", ["models/examples", "tests/cases"])
-def test_models_mean_the_same(folder: str, tmp_path: Path) -> None:
-    for part in ("models/examples", "tests/cases"):
-        shutil.copytree(ROOT / part, tmp_path / part)
-    for file in sorted((tmp_path / folder).glob("*.lag"))[::2]:
-        text = re.sub(r"(?m)^ +", "", file.read_text(encoding="utf-8"))
+@pytest.mark.slow
+def test_models_mean_the_same_and_wrong_ones_are_as_wrong(tmp_path: Path) -> None:
+    """All texts of the repository beside what they import, and those of the fuzzer, crowded to the left."""
+    for part in ("models", "tests"):
+        shutil.copytree(ROOT / part, tmp_path / part, ignore=shutil.ignore_patterns("__pycache__"))
+    given = {tmp_path / file.relative_to(ROOT): re.sub(r"(?m)^ +", "", file.read_text(encoding="utf-8"))
+             for file in [*MODELS, *TESTS] if file.parent.name != "library"}
+    given |= {tmp_path / f"{seed}.lag": text for seed in range(80) for text in [random_model(seed)]}
+    given |= {tmp_path / f"valid{seed}.lag": text for seed in range(80) for text in [valid_model(seed)]}
+    right = 0
+    for file, text in given.items():
+        try:
+            new = laid_out(text)
+        except LagError:
+            continue
         before = flat(file, text)
-        assert flat(file, laid_out(text)) == before, file
+        right += isinstance(before, tuple)
+        assert flat(file, new) == before, file
+    assert right > 250
 
 
 def test_strange_texts_stay_what_they_are() -> None:
