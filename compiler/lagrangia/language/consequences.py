@@ -3,6 +3,7 @@ but for forces and dissipation functions on those of contacts.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import replace
 
 from lagrangia.base.diagnostics import Report, Span
 from lagrangia.language.events import are_alike
@@ -18,7 +19,7 @@ Stated = tuple[Iterable[Flat], str, Span]
 def keep_consequences_out(model: FlatModel, report: Report) -> None:
     """Raises LagError L0911 for the rate of a reaction, L0914."""
     speaks_of_reactions = speaks_of_contacts = False
-    for node in nodes(*_expressions(model)):
+    for node in nodes(*_of_all_kinds(model)):
         if node.__class__ is FrameRef or node.__class__ is Call:
             speaks_of_reactions |= _is_reaction(node)
             speaks_of_contacts |= _is_contact_force(node)
@@ -134,7 +135,11 @@ def _of_parameters(model: FlatModel) -> list[Stated]:
             if v.kind in ("parameter", "constant") and v.binding is not None]
 
 
-def _expressions(model: FlatModel) -> Iterator[Flat]:
-    for expressions, _, _ in (*_of_positions(model), *_of_forces(model)):
+def _of_all_kinds(model: FlatModel) -> Iterator[Flat]:
+    """All that is stated, but for repeats, in which nothing stands that does not stand elsewhere."""
+    apart = replace(model, frame_equations=(*model.news(model.frame_equations),), constraints=(*model.news(model.constraints),),
+                    energies=(*model.news(model.energies),), works=(*model.news(model.works),),
+                    variables={v.name: v for v in model.news(model.variables.values())})
+    for expressions, _, _ in (*_of_positions(apart), *_of_forces(apart)):
         yield from expressions
-    yield from (v.binding for v in model.variables.values() if v.binding is not None)
+    yield from (v.binding for v in apart.variables.values() if v.binding is not None)

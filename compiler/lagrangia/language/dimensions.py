@@ -62,15 +62,16 @@ PURE = Quantity(ONE)
 def check_dimensions(model: FlatModel) -> FlatModel:
     """The model with warnings of turns taken for radians. Raises LagError L03xx with all mismatches found."""
     checker = _Checker(model)
-    for variable in model.variables.values():
+    for variable in model.news(model.variables.values()):
         checker.guard(checker.check_variable, variable, place=variable.span)
     for frame in model.frames.values():
         for name, start in frame.starts.items():
             checker.guard(checker.expect, start, dimension_of(name), f"the start of {name}")
-    for frames in model.frame_equations:
-        checker.guard(checker.check_frame, frames.left, place=frames.span)
-        checker.guard(checker.check_frame, frames.right, place=frames.span)
-    for equation in (*model.constraints, *model.initial_equations):
+    for frames in model.news(model.frame_equations):
+        for side in (frames.left, frames.right):
+            if isinstance(side, Call):
+                checker.guard(checker.check_frame, side, place=frames.span)
+    for equation in model.news((*model.constraints, *model.initial_equations)):
         checker.guard(checker.check_equation, equation, place=equation.span)
     for state in model.states.values():
         rate = Call("der", (Ref(state.name, (), state.span),), (), state.span)
@@ -81,11 +82,11 @@ def check_dimensions(model: FlatModel) -> FlatModel:
         checker.guard(checker.check_sampler, sampler)
     for delay in model.delays:
         checker.guard(checker.check_delay, delay)
-    for energy in (energy for energy in model.energies if not energy.is_signal):
+    for energy in (energy for energy in model.news(model.energies) if not energy.is_signal):
         wanted = _WATT if energy.kind == "dissipation" else _JOULE
         what = "a dissipation function" if energy.kind == "dissipation" else f"a {energy.kind} energy"
         checker.guard(checker.expect, energy.value, wanted, what, place=energy.span)
-    for work in (work for work in model.works if not work.is_signal):
+    for work in (work for work in model.news(model.works) if not work.is_signal):
         checker.guard(checker.check_work, work.force, work.position, work.span, place=work.span)
     for figure in model.figures:
         checker.guard(checker.check_figure, figure)

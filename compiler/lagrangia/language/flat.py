@@ -1,8 +1,8 @@
 """FlatModel: one list of variables, frames, equations and energy terms, with names like `link[2].phi`."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import field
-from typing import Literal
+from typing import Literal, TypeVar
 
 from lagrangia.base.diagnostics import Diagnostic, Span
 from lagrangia.base.records import dataclass
@@ -11,6 +11,7 @@ from lagrangia.language.functions import FRAME_FUNCTIONS
 from lagrangia.language.lookups import Lookup, ReadPlane, ReadTable
 from lagrangia.language.tree import Array, Call, EnergyKind, Flat, FrameRef
 
+T = TypeVar("T")
 Kind = Literal["parameter", "input", "coordinate", "variable", "held", "delayed"]
 
 
@@ -227,6 +228,13 @@ class FlatModel:
     allowed: tuple[str, ...] = ()  # codes of warnings that the model says are meant: annotation(allow = "L0224")
     components: Mapping[str, str] = field(default_factory=dict)  # descriptions of those that have one, by their names
     read: tuple[str, ...] = ()  # the other files that were read for it
+    # Parts of the model, by their ids, that differ from others in nothing but the index of an element (stamps.py): what holds of
+    # the others' dimensions holds of them.
+    repeats: Mapping[int, object] = field(default_factory=dict, repr=False, compare=False)
+
+    def news(self, items: Iterable[T]) -> Iterator[T]:
+        """Of parts of the model, those that are no repeats of others."""
+        return (x for x in items if id(x) not in self.repeats)
 
 
 def places_of(node: Flat) -> tuple[Flat, ...]:

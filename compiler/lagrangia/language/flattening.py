@@ -2,10 +2,12 @@
 
 from collections.abc import Mapping
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 from lagrangia.base.diagnostics import Diagnostic, LagError, Report, Span, TooMuchError, fail, nearest, suggest
 from lagrangia.language.algorithms import FlatFunction, flatten_function
+from lagrangia.language.alike_elements import Alike
 from lagrangia.language.assertions import check_assertion
 from lagrangia.language.classes import ClassTable
 from lagrangia.language.connections import Bindings, Connection, bound_to, connected, require_bindings
@@ -44,12 +46,13 @@ from lagrangia.language.instances import (
     outside,
 )
 from lagrangia.language.instantiation import Instantiation
-from lagrangia.language.limits import display_unit_of, flag_of, read_limit, require_within, unit_of
+from lagrangia.language.limits import display_unit_of, flag_of, read_limit, refuse_missing, require_within, unit_of
 from lagrangia.language.mentions import leaves
 from lagrangia.language.moving_inputs import with_moving_inputs
 from lagrangia.language.names import Names
 from lagrangia.language.overrides import override_tree
 from lagrangia.language.samplers import check_held, declare_held
+from lagrangia.language.stamps import stamp
 from lagrangia.language.states import find_states, refuse_states_elsewhere
 from lagrangia.language.tree import (
     Boolean,
@@ -100,6 +103,8 @@ class _Flattening:
         self.frame_equations: list[FrameEquation] = []
         self.equations: list[Equation] = []
         self.joined: list[Equation] = []  # signals, by connect
+        self.repeats: dict[int, object] = {}
+        self.frames_joined: set[tuple[int, int]] = set()  # connect(a, b) of frames, by the ids of calls and instances
         self.connections: list[Connection] = []
         self.ends: set[str] = set()  # variables of connectors
         self.inputs: set[str] = set()  # of components
@@ -137,7 +142,7 @@ class _Flattening:
             self.structural,
             experiment_of(self.table, definition, self.names, Scope(root)), definition.name_span, (), tuple(self.figures),
             self.states, self.names.lookups, samplers=tuple(self.samplers), at_rest=self.at_rest,
-            allowed=allowed_of(self.table, definition), components=self.components,
+            allowed=allowed_of(self.table, definition), components=self.components, repeats=self.repeats,
         )
         model = with_delays(model, delays)
         refuse_states_elsewhere(model, self.report)
@@ -201,8 +206,9 @@ class _Flattening:
 
     def _visit_member(self, member: Member, owner: Instance) -> None:
         if isinstance(member, list):
-            for element in member:
-                self._visit_member(element, owner)
+            visit = partial(self._visit_member, owner=owner)
+            for element in stamp(self, member, visit) if isinstance(member, Alike) else member:
+                visit(element)
         elif isinstance(member, Instance):
             self._visit(member)
         elif isinstance(member, FrameSlot):
@@ -239,7 +245,7 @@ class _Flattening:
             kind = "variable"  # of a component: what it is connected or bound to, or else one of the scene
             self.inputs.add(slot.path)
         if slot.binding is None and kind == "parameter":
-            self._missing_value(slot, owner)
+            refuse_missing(self.table, slot, owner)
         if slot.binding is not None and kind == "coordinate":
             fail("L0218", f"the coordinate '{declaration.name}' cannot be bound", slot.binding.expression.span,
                  f"give it a start, {declaration.name}(start = ...), or state an equation")
@@ -273,17 +279,6 @@ class _Flattening:
         kinds: tuple[Kind, ...] = ("parameter", "coordinate", "input")
         return next((kind for kind in kinds if kind in prefixes), "variable")
 
-    def _missing_value(self, slot: Slot, owner: Instance) -> None:
-        name, span = slot.declaration.name, slot.declaration.name_span
-        said = f" ({slot.declaration.description})" if slot.declaration.description else ""
-        if owner.parent is not None:
-            fail("L0211", f"{owner.definition.name} '{owner.path}' needs a value for its parameter '{name}'{said}",
-                 self._place(owner.span, owner.parent), f"write: {owner.span.text}({name} = ...)")
-        if any(slot.declaration is element for element in owner.definition.elements):
-            fail("L0211", f"the parameter '{name}'{said} has no value", span, f"write: {name} = ...")
-        fail("L0211", f"{owner.definition.name} inherits the parameter '{name}'{said} without a value", owner.span,
-             f"write: extends ...({name} = ...)")
-
     def _add_frame(self, slot: FrameSlot, owner: Instance) -> None:
         is_ground = owner.frame is slot and self._is_world(owner)
         if is_ground and slot.path != "world":
@@ -294,17 +289,17 @@ class _Flattening:
         place = self._place(slot.span, owner)
         self.frames[slot.path] = Frame(slot.path, is_ground, starts, slot.fixed, owner.definition.name, place)
         if slot.binding is not None:
-            self._guard(lambda: self._bind_frame(slot), owner)
+            self._guard(lambda: self.frame_equations.append(self.bound_frame(slot)), owner)
 
-    def _bind_frame(self, slot: FrameSlot) -> None:
+    def bound_frame(self, slot: FrameSlot) -> FrameEquation:
+        """The equation of a port that is given a frame. Raises LagError L0221."""
         assert slot.binding is not None
         value = self.names.flatten_bound(slot.binding)
         span = slot.binding.expression.span
         if not is_frame(value):
             fail("L0221", f"the port '{slot.path}' needs a frame", span,
                  "bind it to a port, as bar.a, or to shift(...), turn(...)")
-        place = self._place(span, slot.owner)
-        self.frame_equations.append(FrameEquation(FrameRef(slot.path, "", (), span), value, place))
+        return FrameEquation(FrameRef(slot.path, "", (), span), value, self._place(span, slot.owner))
 
     # ------------------------------------------------------------ clauses
 
@@ -391,11 +386,13 @@ class _Flattening:
                  f"did you mean '{near}'?" if near else "an equation has a '=' between two expressions, or is connect(a, b)")
         if len(call.arguments) != 2:
             fail("L0215", f"connect takes two frames, not {len(call.arguments)}", span, "write: connect(a, b)")
-        if any(is_absent(argument, scope) for argument in call.arguments):
-            return  # to a component that is not there nothing is connected
-        if (between := connected(call, scope, span, self.names)) is not None:
-            self.connections += between
-            return
+        key = id(call), id(scope.instance)  # elements of arrays are of one class: what they have is the same in all passes
+        if key not in self.frames_joined:
+            if any(is_absent(argument, scope) for argument in call.arguments):
+                return  # to a component that is not there nothing is connected
+            if (between := connected(call, scope, span, self.names)) is not None:
+                self.connections += between
+                return
         a, b = (self.names.flatten(argument, scope) for argument in call.arguments)
         if all(isinstance(end, Ref) for end in (a, b)):
             self.joined.append(Equation(a, b, span, scope.instance.path))
@@ -404,6 +401,7 @@ class _Flattening:
             if not is_frame(end):
                 fail("L0221", "connect joins frames, or signals, this is none", end.span,
                      "a frame is a port, as bar.a, or shift(...) or turn(...) of one; a signal is a variable")
+        self.frames_joined.add(key)
         self.frame_equations.append(FrameEquation(a, b, span))
 
     def _add_figure(self, call: Expression, scope: Scope, place: Span) -> None:

@@ -6,6 +6,7 @@ from math import prod
 
 from lagrangia.base.diagnostics import Report, Span, fail, suggest
 from lagrangia.base.records import dataclass
+from lagrangia.language.alike_elements import FEWEST, Alike, First, can_be_copied, copies_of
 from lagrangia.language.classes import ClassTable
 from lagrangia.language.frame_attributes import OF_ANY_FRAME
 from lagrangia.language.instances import (
@@ -280,10 +281,27 @@ class Instantiation:
         if not sizes:
             suffix = f"[{','.join(map(str, at))}]" if at else ""
             return self._one(instance, declaration, change, instance.child_path(declaration.name) + suffix)
+        if sizes[0] > 1 and prod(sizes) >= FEWEST and (found := self._alike(instance, declaration, change, sizes, at)):
+            return found
         return [
             self._elements(instance, declaration, deal_out(change, index, sizes[0], len(sizes)), sizes[1:], (*at, index))
             for index in range(1, sizes[0] + 1)
         ]
+
+    def _alike(self, instance: Instance, declaration: Declaration, change: Modification, sizes: tuple[int, ...],
+               at: tuple[int, ...]) -> Alike | None:
+        """The elements of an array in its first dimension, where they are copies of the first; None where they may differ, or
+        something is wrong with it."""
+        told, count, mark, size = len(self.report.diagnostics), self.count, First(1), sizes[0]
+        first = self._elements(instance, declaration, deal_out(change, mark, size, len(sizes)), sizes[1:], (*at, mark))
+        whole = count + size * (self.count - count)
+        if (isinstance(first, FrameSlot) or len(self.report.diagnostics) > told or whole > _MOST_COMPONENTS
+                or not can_be_copied(first, mark)):
+            self.count = count
+            return None
+        self.count = whole
+        stem = f"{instance.child_path(declaration.name)}[{''.join(f'{k},' for k in at)}"
+        return copies_of(first, instance, mark, size, stem)
 
     def _one(self, instance: Instance, declaration: Declaration, change: Modification, path: str) -> Member:
         base = self.table.base_type(declaration.type_name, declaration.type_span)

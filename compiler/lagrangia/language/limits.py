@@ -1,10 +1,12 @@
 """Attributes of variables: the least and the largest value that a declaration allows, units, whether a start is fixed."""
 
 import operator
+from typing import NoReturn
 
 from lagrangia.base.diagnostics import fail
+from lagrangia.language.classes import ClassTable
 from lagrangia.language.folding import fold
-from lagrangia.language.instances import Slot
+from lagrangia.language.instances import Instance, Slot, outside
 from lagrangia.language.names import Names
 from lagrangia.language.tree import Array, Flat, Number, String
 from lagrangia.language.units_written import read_unit
@@ -21,6 +23,19 @@ def read_limit(names: Names, slot: Slot, attribute: str) -> float | None:
     if value is None or isinstance(value, bool):
         fail("L0208", f"'{attribute}' must be a number", bound.expression.span)
     return float(value)
+
+
+def refuse_missing(table: ClassTable, slot: Slot, owner: Instance) -> NoReturn:
+    """Of a parameter that has to be given. Raises LagError L0211."""
+    name, span = slot.declaration.name, slot.declaration.name_span
+    said = f" ({slot.declaration.description})" if slot.declaration.description else ""
+    if owner.parent is not None:
+        fail("L0211", f"{owner.definition.name} '{owner.path}' needs a value for its parameter '{name}'{said}",
+             outside(table, owner.span, owner.parent), f"write: {owner.span.text}({name} = ...)")
+    if any(slot.declaration is element for element in owner.definition.elements):
+        fail("L0211", f"the parameter '{name}'{said} has no value", span, f"write: {name} = ...")
+    fail("L0211", f"{owner.definition.name} inherits the parameter '{name}'{said} without a value", owner.span,
+         f"write: extends ...({name} = ...)")
 
 
 def require_within(names: Names, slot: Slot, value: Flat) -> None:

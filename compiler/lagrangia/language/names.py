@@ -8,6 +8,7 @@ from lagrangia.base.diagnostics import Report, Span, fail, suggest
 from lagrangia.base.records import dataclass
 from lagrangia.language.calls import Calls
 from lagrangia.language.classes import ENUMERATION, ClassTable
+from lagrangia.language.element_references import ElementReference, element_reference
 from lagrangia.language.elements import element, length
 from lagrangia.language.folding import fold, folded
 from lagrangia.language.frame_attributes import ATTRIBUTES, OF_ANY_FRAME, REACTIONS, WORDS, WORDS_OF_ELEMENTS
@@ -67,6 +68,7 @@ class Names(Calls):
     _pending: list[str] = field(default_factory=list)
     _arrays: dict[str, Slot] = field(default_factory=dict)  # variables that were named as arrays
     _dealt: dict[tuple[int, int], tuple[Bound, Flat]] = field(default_factory=dict)
+    _elements: dict[tuple[int, int], ElementReference] = field(default_factory=dict)  # by the ids of nodes and instances
 
     def define_function(self, definition: ClassDefinition, span: Span) -> None:
         """Makes sure that `functions` has it. Raises LagError for one that is wrong."""
@@ -176,7 +178,7 @@ class Names(Calls):
             case Boolean() | String() | EnumerationLiteral():
                 return node
             case Reference():
-                return self.resolve(node, scope)
+                return self._in_pass(node, scope) if scope.iterators else self.resolve(node, scope)
             case Unary(operator, operand, span):
                 inner = self.flatten(operand, scope)
                 if operator == "+":
@@ -290,6 +292,18 @@ class Names(Calls):
         return Number(float(scope.iterators["end"]), None, span, True)
 
     # ------------------------------------------------------------ references
+
+    def _in_pass(self, node: Reference, scope: Scope) -> Flat:
+        """What a name stands for in one of the passes of a loop."""
+        key = id(node), id(scope.instance)
+        known = self._elements.get(key)
+        if known is not None and (again := known.at(scope.iterators)) is not None:
+            self.work.spend(len(known.sizes), node.parts[0].span)
+            return again
+        found = self.resolve(node, scope)
+        if known is None and (new := element_reference(node, scope, found, self.integer)) is not None:
+            self._elements[key] = new
+        return found
 
     def resolve(self, node: Reference, scope: Scope) -> Flat:
         """What a name stands for where it is written. Raises LagError."""
