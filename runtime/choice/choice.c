@@ -70,7 +70,7 @@ static double pirk_limit(const LagFacts *f) { return f->constraints > 0 ? PIRK_C
 static int is_smooth(const LagFacts *f)
 {
     const int is_rough = f->has_conditions || f->has_corners || f->may_hide;
-    return f->has_jacobian && !is_rough && !f->is_swing && f->tolerance <= pirk_limit(f);
+    return f->has_jacobian && !is_rough && !f->is_swing && !f->has_attitudes && f->tolerance <= pirk_limit(f);
 }
 
 static double adams_limit(const LagFacts *f) { return ADAMS_STEP + ADAMS_COORDINATE * f->coordinates; }
@@ -79,7 +79,7 @@ static double adams_limit(const LagFacts *f) { return ADAMS_STEP + ADAMS_COORDIN
  * singular positions long steps lead across, where short ones lead into them. */
 static int is_long(const LagFacts *f)
 {
-    const int begins_anew = f->has_conditions || f->has_modes || f->has_inputs || f->has_corners;
+    const int begins_anew = f->has_attitudes || f->has_conditions || f->has_modes || f->has_inputs || f->has_corners;
     return !begins_anew && f->constraints == 0 && f->rhs_cost > adams_limit(f);
 }
 
@@ -303,5 +303,6 @@ LagFacts lag_facts(const LagModel *model, const LagSettings *settings)
         .has_inputs = model->n_inputs > 0,
         .is_swing = model->is_swing,
         .may_hide = model->may_hide,
+        .has_attitudes = model->n_attitudes > 0,
     };
 }

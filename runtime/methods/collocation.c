@@ -3,11 +3,18 @@
  */
 #include "methods/collocation.h"
 
+#include <float.h>
+#include <math.h>
 #include <string.h>
+
+#include "state/attitudes.h"
+
+enum { MOST_TURNS = 30 };
 
 void lag_collocation_layout(LagCollocation *s, const LagMotion *m, LagArena *arena)
 {
     s->rate = lag_take(arena, LAG_RADAU_STAGES * (size_t)m->n);
+    s->way = lag_take(arena, m->n_attitudes > 0 ? LAG_RADAU_STAGES * (size_t)m->n : 0);
     s->power = lag_take(arena, LAG_RADAU_STAGES * (size_t)(m->size - 2 * m->n));
     s->slope = lag_take(arena, (size_t)m->size);
 }
@@ -26,6 +33,46 @@ static void weigh(const LagRadauTableau *tableau, double x, double *value, doubl
             const double coefficient = tableau->legendre[k * s + i];
             value[i] += coefficient * p[k];
             integral[i] += coefficient * (k == 0 ? x : (p[k + 1] - p[k - 1]) / (4 * k + 2));
+        }
+    }
+}
+
+/* One sweep: rates of positions by the places as they are known, and places from these. Returns the largest change, rad. */
+static double turn_stages(LagCollocation *step, const LagMotion *m, int first, double h, double *place)
+{
+    const LagRadauTableau *tableau = step->tableau;
+    const int n = m->n, stages = tableau->stages;
+    const double *w = m->y + n + first;
+    double largest = 0;
+    for (int i = 0; i < stages; ++i) {
+        const double *z = step->rate + i * n + first, now[3] = {w[0] + z[0], w[1] + z[1], w[2] + z[2]};
+        double *way = step->way + i * n + first;
+        lag_attitude_rates(place + i * n + first, now, way);
+        for (int k = 0; k < 3; ++k)
+            way[k] -= w[k];
+    }
+    for (int i = 0; i < stages; ++i)
+        for (int k = 0; k < 3; ++k) {
+            double sum = tableau->node[i] * w[k], *at = place + i * n + first + k;
+            for (int j = 0; j < stages; ++j)
+                sum += tableau->a[i * stages + j] * step->way[j * n + first + k];
+            largest = fmax(largest, fabs(h * sum - *at));
+            *at = h * sum;
+        }
+    return largest;
+}
+
+/* Sweeps come nearer by half of what a step turns at most, each in a few operations: nothing is evaluated. Where a step turns too
+ * far for that, its iterations do not converge either. */
+void lag_collocation_turn(LagCollocation *step, const LagMotion *m, double h, double *place)
+{
+    for (int i = 0; i < m->n_attitudes; ++i) {
+        double change = INFINITY;
+        for (int k = 0; k < MOST_TURNS && change > DBL_EPSILON; ++k) {
+            const double next = turn_stages(step, m, m->attitudes[2 * i], h, place);
+            if (!(next < change))
+                break;
+            change = next;
         }
     }
 }
@@ -60,6 +107,13 @@ void lag_collocation_at(const LagCollocation *step, const LagMotion *m, const do
         }
         at[k] = y[k] + h * place;
         at[n + k] = y[n + k] + rate;
+    }
+    for (int i = 0; i < 3 * m->n_attitudes; ++i) {
+        const int k = m->attitudes[2 * (i / 3)] + i % 3;
+        double place = x * y[n + k];
+        for (int j = 0; j < s; ++j)
+            place += integral[j] * step->way[j * n + k];
+        at[k] = y[k] + h * place;
     }
     for (int k = 0; k < n_power; ++k) {
         double energy = x * step->slope[2 * n + k];

@@ -14,6 +14,7 @@
 
 #include "methods/dop853_tableau.h"
 #include "numbers/lanes.h"
+#include "state/attitudes.h"
 #include "steps/step.h"
 #include "methods/tsit5_tableau.h"
 #include "methods/verner9_tableau.h"
@@ -244,11 +245,26 @@ static double attempt_verner9(void *self, LagMotion *m, double t_new, const LagS
     return attempt(self, m, &VERNER9, t_new, scale, worst);
 }
 
+/* Rates of the state, which may have been projected, as slopes of its positions at the end. */
+static void take_rates(LagExplicit *s, const LagMotion *m)
+{
+    double *k = s->k[s->tableau->stages];
+    memcpy(k, m->other + m->n, (size_t)m->n * sizeof *k);
+    if (m->n_attitudes > 0)
+        lag_attitudes_turn_slope(m, m->other, k);
+}
+
+static double *slope(void *self)
+{
+    LagExplicit *s = self;
+    return s->k[s->first_slope_is_last ? s->tableau->stages : 0];
+}
+
 static int accept(void *self, LagMotion *m, double t_new)
 {
     LagExplicit *s = self;
     if (s->tableau->error_at_end) /* the projection's correction of the accelerations is below their error */
-        memcpy(s->k[s->tableau->stages], m->other + m->n, (size_t)m->n * sizeof *m->other);
+        take_rates(s, m);
     else if (!end_slope(s, m, t_new))
         return 0;
     for (int i = 2 * m->n; i < m->size; ++i)
@@ -387,16 +403,16 @@ static const LagRecord RECORD = {keep, recall};
 
 const LagMethod lag_dop853 = {
     .name = "erk", .order = 8, .layout = layout_dop853, .restart = restart, .step = lag_step_adaptive, .attempt = attempt_dop853,
-    .accept = accept, .interpolate = interpolate, .take_back = take_back, .is_good_inside = 1, .holds_switches = 1,
+    .accept = accept, .slope = slope, .interpolate = interpolate, .take_back = take_back, .is_good_inside = 1, .holds_switches = 1,
     .most_sliding = INT_MAX, .stride = 1, .record = &RECORD,
 };
 const LagMethod lag_verner9 = {
     .name = "erk9", .order = 9, .layout = layout_verner9, .restart = restart, .step = lag_step_adaptive,
-    .attempt = attempt_verner9, .accept = accept, .interpolate = interpolate_verner9, .holds_switches = 1,
+    .attempt = attempt_verner9, .accept = accept, .slope = slope, .interpolate = interpolate_verner9, .holds_switches = 1,
     .most_sliding = INT_MAX, .stride = 1, .ends_at_rows = 1, .dreads_rows = 1,
 };
 const LagMethod lag_tsit5 = {
     .name = "erk5", .order = 5, .layout = layout_tsit5, .restart = restart, .step = lag_step_adaptive, .attempt = attempt_tsit5,
-    .accept = accept, .interpolate = interpolate, .take_back = take_back, .is_good_inside = 1, .holds_switches = 1,
+    .accept = accept, .slope = slope, .interpolate = interpolate, .take_back = take_back, .is_good_inside = 1, .holds_switches = 1,
     .most_sliding = INT_MAX, .stride = 1, .record = &RECORD,
 };

@@ -203,6 +203,8 @@ static LagStatus step(LagRun *run)
     return run->model->jacobian_waits ? lag_fail(run, LAG_WANTS_JACOBIAN, -1, 0, 0) : go_on(run);
 }
 
+static double *slope(void *self) { return ((LagRadau *)self)->slope; }
+
 /* Between the states that a step solves for its order is lower, and stiff springs make much of what is off there: what happens in a step
  * is found again at the end of a shorter one. */
 static void take_back(LagRun *run)
@@ -226,6 +228,6 @@ static void interpolate(void *self, LagMotion *m, double t, double *y)
 }
 
 const LagMethod lag_radau = {
-    .name = "implicit", .order = 4, .layout = layout, .restart = restart, .step = step, .interpolate = interpolate,
+    .name = "implicit", .order = 4, .layout = layout, .restart = restart, .step = step, .slope = slope, .interpolate = interpolate,
     .take_back = take_back, .holds_switches = 1, .most_sliding = LAG_MOST_BORDER, .stride = 1,
 };

@@ -43,6 +43,17 @@ static double norm(const LagRadau *s, const LagMotion *m, const LagScale *scale,
     return sum > 0 ? sqrt(sum / moving) : sum;
 }
 
+/* Of attitudes, whose positions go other ways than their rates. */
+static void place_attitudes(const LagRadau *s, const LagMotion *m, double *place)
+{
+    for (int i = 0; i < 3 * m->n_attitudes; ++i) {
+        const int k = m->attitudes[2 * (i / 3)] + i % 3;
+        place[k] = 0;
+        for (int j = 0; j < s->tableau->stages; ++j)
+            place[k] += s->tableau->error_place[j] * s->trial.way[j * m->n + k];
+    }
+}
+
 double lag_radau_error(LagRadau *s, LagRun *run, double h, int again, int *worst)
 {
     LagMotion *m = &run->motion;
@@ -58,6 +69,7 @@ double lag_radau_error(LagRadau *s, LagRun *run, double h, int again, int *worst
         }
         force[k] = sum / h + s->slope[n + k];
     }
+    place_attitudes(s, m, place);
     filter(s, n, mu, place, force);
     double error = norm(s, m, &run->scale, worst);
     if (!(error >= 1) || !again)

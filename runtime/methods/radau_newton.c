@@ -76,6 +76,8 @@ static void place_stages(LagRadau *s, const LagMotion *m, double h)
             s->place[i * n + k] = h * sum;
         }
     }
+    if (m->n_attitudes > 0)
+        lag_collocation_turn(&s->trial, m, h, s->place);
 }
 
 /* Accelerations and powers of the stages. Returns 0 when they are not finite. */

@@ -86,6 +86,7 @@ struct LagModel {
     int n_samplers; /* at whose instants held values change */
     int n_held;     /* values that are held between instants: modes */
     int n_delays;   /* delayed values */
+    int n_attitudes; /* of three coordinates each, whose rates are angular velocities: attitudes.c */
     int breaks_rise; /* no delayed value is made of others at once: what breaks is smoother a lag later */
     const int *coordinate_kind; /* n + n_lost: group of like coordinates */
     const int *fixed;           /* 2 (n + n_lost): LAG_START_..., of positions then rates */
@@ -99,6 +100,7 @@ struct LagModel {
     const int *samplers;        /* n_samplers: the event whose argument is a whole number at its instants, from 0 on */
     const int *held;            /* n_held: the mode of each */
     const int *stated;          /* n_delays: whether it is said what was before the start */
+    const int *attitudes;       /* 2 n_attitudes: the first coordinate of each, and the first of four modes: its reference */
     const LagTable *tables;
     int outputs_need_acceleration; /* a or lambda */
     int switches_need_acceleration;

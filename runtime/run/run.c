@@ -77,6 +77,8 @@ static void connect_parts(LagRun *run, const LagModel *model)
     run->inputs.history = &run->history;
     run->motion.n = model->n;
     run->motion.size = 2 * model->n + model->n_power;
+    run->motion.n_attitudes = model->n_attitudes;
+    run->motion.attitudes = model->attitudes;
     run->motion.rhs = lag_accelerations;
     run->motion.flow = lag_flow;
     run->motion.context = run;

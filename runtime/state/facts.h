@@ -36,7 +36,8 @@ typedef struct {
     int32_t is_series, order;        /* whether series take turns with implicit steps; their order */
     int32_t trouble;                 /* LAG_TROUBLE_... */
     int32_t is_damped;               /* what changes most is a rate that dies out without swinging */
-    int32_t fits_transition, has_jacobian, has_conditions, has_corners, has_modes, has_inputs, is_swing, may_hide;
+    int32_t fits_transition, has_jacobian, has_conditions, has_corners, has_modes, has_inputs, is_swing, may_hide,
+        has_attitudes;
 } LagFacts;
 
 /* What a method cannot do, or need not. */

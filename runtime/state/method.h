@@ -41,6 +41,9 @@ typedef struct {
      * at its end is not finite. */
     int (*accept)(void *self, LagMotion *motion, double t_new);
 
+    /* The slope at the present state, as it is kept for the next step; NULL where none is. */
+    double *(*slope)(void *self);
+
     /* State y at t in [t_old, t_end]. */
     void (*interpolate)(void *self, LagMotion *motion, double t, double *y);
 

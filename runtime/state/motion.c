@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "numbers/lanes.h"
+#include "state/attitudes.h"
 
 enum { LONG = 8 }; /* coordinates */
 
@@ -21,6 +22,7 @@ void lag_motion_layout(LagMotion *m, LagArena *arena)
     m->slope = lag_take(arena, size);
     m->point = lag_take(arena, size);
     m->sum = lag_take(arena, size);
+    m->attitude_carry = lag_take(arena, 4 * (size_t)m->n_attitudes);
 }
 
 int lag_motion_slope(LagMotion *m, double t, const double *q, const double *v, double *k)
@@ -28,7 +30,10 @@ int lag_motion_slope(LagMotion *m, double t, const double *q, const double *v, d
     if (v != k)
         memcpy(k, v, (size_t)m->n * sizeof *k);
     ++m->evaluations;
-    return m->rhs(m->context, t, q, k, k + m->n, k + 2 * m->n);
+    const int is_finite = m->rhs(m->context, t, q, k, k + m->n, k + 2 * m->n);
+    if (m->n_attitudes > 0)
+        lag_attitudes_turn_slope(m, q, k);
+    return is_finite;
 }
 
 /* The same as long as there are LAG_LANES. Returns how far it came. */

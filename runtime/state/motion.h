@@ -15,6 +15,9 @@ typedef int (*LagFlow)(void *context, LagFlowPart part, const double *q, const d
 
 typedef struct {
     int n, size; /* size = 2 n + n_power */
+    int n_attitudes;
+    const int *attitudes;        /* of the model */
+    double *attitude_carry;      /* 4 n_attitudes: what rounding took from their references */
     LagRhs rhs;
     LagFlow flow;
     void *context;
@@ -33,7 +36,8 @@ typedef struct {
 
 void lag_motion_layout(LagMotion *motion, LagArena *arena);
 
-/* Slope k of the state (q, v) at t; v is copied, unless it is already in its place. Returns 1 when it is finite. */
+/* Slope k of the state (q, v) at t; v is copied, unless it is already in its place: it is the slope of q, but of attitudes. Returns 1
+ * when it is finite. */
 int lag_motion_slope(LagMotion *motion, double t, const double *q, const double *v, double *k);
 
 /* other = y + step, compensated. */

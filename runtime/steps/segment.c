@@ -4,6 +4,7 @@
 
 #include "events/accelerations.h"
 #include "state/account.h"
+#include "state/attitudes.h"
 #include "state/first_step.h"
 #include "model/function.h"
 #include "state/holds.h"
@@ -45,6 +46,7 @@ void lag_segment_enter(LagRun *run)
         run->d_before[i] = run->d[i];
     lag_call(&model->modes, in, &run->d, run->work);
     lag_sampling_keep(run);
+    lag_attitudes_keep(run);
     run->silent_table = lag_tables_read(model, run->event_a, run->event_b, inside, run->d);
     lag_inputs_read(&run->inputs, run->d);
 }
@@ -84,15 +86,23 @@ static void look_ahead(LagRun *run)
     lag_switches_recall(run);
 }
 
+/* A table that says nothing here ends the run. */
+static LagStatus look_at_tables(LagRun *run)
+{
+    if (run->silent_table < 0)
+        return LAG_OK;
+    run->segment_over = 1;
+    return lag_fail(run, LAG_TABLE_ENDED, -1, 0, run->silent_table);
+}
+
 LagStatus lag_segment_evaluate(LagRun *run)
 {
     LagMotion *motion = &run->motion;
     const int n = motion->n;
     motion->t_old = motion->t;
-    if (run->silent_table >= 0) {
-        run->segment_over = 1;
-        return lag_fail(run, LAG_TABLE_ENDED, -1, 0, run->silent_table);
-    }
+    lag_attitudes_move(run);
+    if (look_at_tables(run) != LAG_OK)
+        return run->failure.status;
     if (run->methods.solver == LAG_SOLVER_ORBIT) { /* the state or the equations are others now */
         lag_stepper_choose(run, run->choice.trouble(run, LAG_TROUBLE_DISTURBED));
         run->choice.reset(run);

@@ -3,6 +3,7 @@
 #include <math.h>
 
 #include "state/account.h"
+#include "state/attitudes.h"
 #include "numbers/extremes.h"
 #include "events/rest.h"
 #include "steps/branch.h"
@@ -45,6 +46,16 @@ static LagStatus look_for_progress(LagRun *run)
     return run->settings.max_steps == 0 && steps > MOST_STEPS ? lag_step_no_progress(run, run->statistics.worst, steps) : LAG_OK;
 }
 
+/* A segment, or a step in one. */
+static LagStatus begin(LagRun *run)
+{
+    if (run->segment_over)
+        return lag_segment_next(run);
+    if (run->model->n_attitudes > 0)
+        lag_attitudes_move(run);
+    return LAG_OK;
+}
+
 LagStatus lag_step(LagRun *run)
 {
     if (!lag_turn(run))
@@ -52,18 +63,16 @@ LagStatus lag_step(LagRun *run)
     lag_switches_resolve(run);
     if (run->model->n_delays > 0)
         lag_history_cut(&run->history, run->motion.t);
-    if (run->segment_over) {
-        const LagStatus status = lag_segment_next(run);
-        if (status != LAG_OK)
-            return status;
-    }
+    LagStatus status = begin(run);
+    if (status != LAG_OK)
+        return status;
     if (run->settings.max_steps > 0 && run->statistics.steps >= run->settings.max_steps)
         return lag_fail(run, LAG_TOO_MANY_STEPS, -1, 0, 0);
     if (lag_rest_begins(run))
         return lag_rest_step(run);
     if (!lag_turn_creep(run))
         return lag_fail(run, LAG_NOT_FINITE, -1, 0, 0);
-    LagStatus status = run->methods.table->step(run);
+    status = run->methods.table->step(run);
     if (status == LAG_OK)
         status = lag_roots_watch(run);
     if (status == LAG_OK && run->model->n_delays > 0)

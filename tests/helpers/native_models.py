@@ -30,6 +30,7 @@ HEADS = {
     "place": "const double t = *in[0], *q = in[1];(void)t,(void)q;double *dq = out[0];",
     "steer": "const double *q = in[1], *v = in[2];(void)q,(void)v;double *dv = out[0];",
     "residual": STATE + "double *phi = out[0], *rate = out[1];",
+    "jacobian": "const double *q = in[1], *v = in[2];(void)q,(void)v;",
     "hoist": "const double *p = in[0];double *c = out[0];",
 }
 

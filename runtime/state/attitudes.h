@@ -1,0 +1,24 @@
+/* Attitudes in space: three positions each, against a reference that is moved along from step to step. */
+#ifndef LAG_ATTITUDES_H
+#define LAG_ATTITUDES_H
+
+#include "state/motion.h"
+#include "state/settings.h"
+
+/* Rates of the three positions s, which turn with the angular velocity w (3, rad/s, in the turned axes). */
+void lag_attitude_rates(const double *s, const double *w, double *rates);
+
+/* In a slope k at the positions q, what stands where angular velocities are copied to become rates of positions. */
+void lag_attitudes_turn_slope(const LagMotion *motion, const double *q, double *k);
+
+/* References as parameters say, at the start of a run; and the size that angles have by themselves: after lag_scale_size. */
+void lag_attitudes_begin(LagRun *run);
+
+/* Where modes were worked out anew, references stay as they are. */
+void lag_attitudes_keep(LagRun *run);
+
+/* The present state is told against its own attitudes from now on: a step begins. States within the step before are no longer
+ * understood. */
+void lag_attitudes_move(LagRun *run);
+
+#endif
