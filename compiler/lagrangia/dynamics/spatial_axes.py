@@ -1,0 +1,238 @@
+"""Joints in space as they are written -> links in axes of their own, in which few operations are left.
+
+A hinge's link has z along the hinge, and its origin on it, nearest to the parent's. From the parent's z to its own a turn about
+z and one about x lead; the first adds to the angle of the parent's hinge, once. Hinges that follow each other about parallel axes
+share axes that turn with none of them, as bodies of the plane do: then their bodies are turned, not all that they carry. A slider
+keeps the axes of its parent. What follows from parameters alone is worked out once, before a run.
+Source: Denavit and Hartenberg (1955); Craig, Introduction to Robotics (1989), for the frame at the near end of a link.
+"""
+
+import math
+from collections.abc import Sequence
+
+import casadi as ca
+
+from lagrangia.algebra.duals import Scalar, dot, is_zero, minus, plus, times
+from lagrangia.algebra.scalars import as_expression
+from lagrangia.base.records import dataclass
+from lagrangia.dynamics.spatial_drift import STILL, Link
+from lagrangia.frames.spatial_inertia import (
+    SAME,
+    Matrix,
+    Move,
+    RigidInertia,
+    Rotation,
+    Shift,
+    Turn,
+    Vector,
+    added,
+    composed,
+    product,
+    scaled,
+    transposed,
+)
+
+_EXACT = 4e-16  # what differs less from 0, 1 or -1 is that number: cos(pi/2) is 6e-17
+
+
+@dataclass(frozen=True)
+class SpatialJoint:
+    """A joint in space: in the parent's frame at the end of a constant pose, the frame behind it turned or shifted.
+
+    kind "turn": by `amount` about `axis`; "shift": by `amount` along it; "rotation": to the axes that are the columns of
+    `attitude`, with the angular velocity `rates` in them.
+    """
+
+    parent: int | None  # its place among the joints, which stand parents first; None: the world
+    kind: str
+    R: Matrix  # of the constant pose: its axes are columns along the parent's
+    origin: Sequence[Scalar]
+    coordinates: tuple[int, ...]  # one, or three of a rotation; none where time moves it
+    axis: Sequence[Scalar] = (0.0, 0.0, 1.0)  # of length 1, in the axes of the constant pose
+    amount: Scalar = 0.0
+    rates: Sequence[Scalar] = (0.0,)
+    seconds: Sequence[Scalar] = (0.0,)  # of the amount, but for what second derivatives of coordinates add
+    factor: Scalar = 1.0  # of the amount, by its coordinate
+    attitude: Matrix = SAME
+    body: RigidInertia | None = None  # in the frame behind it
+
+
+@dataclass(frozen=True)
+class Seat:
+    """Where the frame behind a joint sits in its link: its vectors are turned by G, then about z by an angle."""
+
+    link: int | None  # None: the world
+    G: Matrix = SAME
+    origin: Sequence[Scalar] = STILL  # before the turn about z
+    angle: Scalar = 0.0
+
+    @property
+    def turn(self) -> Turn:
+        """About z."""
+        return _turn(2, self.angle)
+
+    def to_link(self, vector: Sequence[Scalar]) -> Vector:
+        """Components along the link's axes, (3,)."""
+        return self.turn.to_parent(product(self.G, vector))
+
+    def placed(self, body: RigidInertia) -> RigidInertia:
+        """A body in the link's axes, about its origin."""
+        found = body.placed(self.G, self.origin)
+        return found if is_zero(self.angle) else found.turned(self.turn)
+
+
+def lay_axes(joints: Sequence[SpatialJoint]) -> tuple[list[Link], list[Seat]]:
+    """A link for each joint, and where the frame behind it sits in it."""
+    layout = _Layout(joints)
+    for k in range(len(joints)):
+        layout.lay(k)
+    return layout.links, layout.seats
+
+
+class _Layout:
+    def __init__(self, joints: Sequence[SpatialJoint]) -> None:
+        self.joints = joints
+        self.children: list[list[int]] = [[] for _ in joints]
+        for k, joint in enumerate(joints):
+            if joint.parent is not None:
+                self.children[joint.parent].append(k)
+        self.follows = [self._is_parallel(joint) for joint in joints]
+        self.seats: list[Seat] = []
+        self.links: list[Link] = []
+        self.led: dict[int, Turn] = {}  # the tilts of hinges that their parent's angle is led to
+
+    def lay(self, k: int) -> None:
+        """The next link; those before it are there."""
+        joint = self.joints[k]
+        seat = self.seats[joint.parent] if joint.parent is not None else Seat(None)
+        if joint.kind == "shift":
+            moves, own, along = self._slide(joint, seat)
+            directions = [[*scaled(joint.factor, along), *STILL]]
+            spin = spin_rate = STILL
+        elif joint.kind == "rotation":
+            moves, own = self._turn_freely(joint, seat)
+            directions = [[*STILL, *row] for row in SAME]
+            spin, spin_rate = joint.rates, joint.seconds
+        else:
+            moves, own, sign = self._follow(joint, seat) if self.follows[k] else self._tilt(k, joint, seat)
+            directions = [[*STILL, 0.0, 0.0, times(sign, joint.factor)]]
+            spin, spin_rate = ([0.0, 0.0, times(sign, x[0])] for x in (joint.rates, joint.seconds))
+        body = own.placed(joint.body) if joint.body is not None and not joint.body.is_nothing else None
+        pairs = tuple(zip(joint.coordinates, directions, strict=False))  # none where time moves it
+        self.links.append(Link(joint.parent, moves, pairs, spin, spin_rate, body))
+        self.seats.append(own)
+
+    def _is_parallel(self, joint: SpatialJoint) -> bool:
+        """Whether a hinge is parallel to the hinge that its parent is, whatever the parameters."""
+        if joint.parent is None or joint.kind != "turn" or self.joints[joint.parent].kind != "turn":
+            return False
+        before, own = self.joints[joint.parent].axis, _snapped(product(joint.R, joint.axis))
+        if all(isinstance(x, float) for x in (*before, *own)):
+            along = dot(before, own)
+            return all(abs(x - along * y) <= _EXACT for x, y in zip(own, before, strict=True))
+        return all(_is_same(x, y) for x, y in zip(own, before, strict=True))
+
+    def _slide(self, joint: SpatialJoint, seat: Seat) -> tuple[tuple[Move, ...], Seat, Vector]:
+        """In the axes of the parent's link; the last is its direction there."""
+        G = _product(seat.G, joint.R)
+        along = product(G, joint.axis)
+        place = added(added(seat.origin, product(seat.G, joint.origin)), scaled(joint.amount, along))
+        along = seat.turn.to_parent(along)
+        shift = Shift(seat.turn.to_parent(place), *(scaled(x[0], along) for x in (joint.rates, joint.seconds)))
+        return (shift,), Seat(len(self.links), G, STILL, seat.angle), along
+
+    def _turn_freely(self, joint: SpatialJoint, seat: Seat) -> tuple[tuple[Move, ...], Seat]:
+        """In the axes of the frame behind it."""
+        place = added(seat.origin, product(seat.G, joint.origin))
+        turns = () if is_zero(seat.angle) else (seat.turn,)
+        return (*turns, Shift(place), Rotation(_product(_product(seat.G, joint.R), joint.attitude))), Seat(len(self.links))
+
+    def _follow(self, joint: SpatialJoint, seat: Seat) -> tuple[tuple[Move, ...], Seat, Scalar]:
+        """A hinge parallel to the one before it, in the same axes; the last is 1, or -1 where it turns the other way."""
+        x, y, z = added(seat.origin, product(seat.G, joint.origin))
+        G = _product(seat.G, joint.R)
+        along = product(G, joint.axis)[2]
+        sign = along if isinstance(along, float) else 1.0
+        moves = (Shift(seat.turn.to_parent([x, y, 0.0])),)
+        return moves, Seat(len(self.links), G, (0.0, 0.0, z), plus(seat.angle, times(sign, joint.amount))), sign
+
+    def _tilt(self, k: int, joint: SpatialJoint, seat: Seat) -> tuple[tuple[Move, ...], Seat, Scalar]:
+        """Any other hinge: tilted to have z along it, and turned with it where none that follows is parallel."""
+        if k in self.led:
+            lead, tilt = 0.0, self.led[k]
+        else:
+            lead, tilt = _way_to(product(_product(seat.G, joint.R), joint.axis))
+        turned = [_turn(2, 0.0, lead), tilt]
+        place, W = added(seat.origin, product(seat.G, joint.origin)), _product(seat.G, joint.R)
+        for turn in turned:
+            place, W = turn.to_child(place), _along_child(turn, W)
+        x, y, z = place
+        moves = [move for move in (_turn(2, seat.angle, lead), tilt) if not _is_nothing(move)] + [Shift((x, y, 0.0))]
+        if any(self.follows[child] for child in self.children[k]):
+            return tuple(moves), Seat(k, W, (0.0, 0.0, z), joint.amount), 1.0
+        onward = self._lead_on(k, W)
+        moves.append(_turn(2, joint.amount, onward))
+        return tuple(moves), Seat(k, _along_child(_turn(2, 0.0, onward), W), (0.0, 0.0, z)), 1.0
+
+    def _lead_on(self, k: int, W: Matrix) -> Scalar:
+        """What to add to the angle of a hinge so that the next one is tilted about x or y alone."""
+        for child in self.children[k]:
+            joint = self.joints[child]
+            if joint.kind == "turn":
+                lead, self.led[child] = _way_to(product(_product(W, joint.R), joint.axis))
+                return lead
+        return 0.0
+
+
+def _way_to(axis: Sequence[Scalar]) -> tuple[Scalar, Turn]:
+    """The angle about z, and the turn about x or y after it, that lead from z to an axis."""
+    x, y, z = _snapped(axis)
+    if is_zero(x):
+        return 0.0, Turn(0, z, minus(0.0, y))
+    if is_zero(y):
+        return 0.0, Turn(1, z, x)
+    aside = plus(times(x, x), times(y, y))
+    if isinstance(x, float) and isinstance(y, float):
+        return math.atan2(x, -y), Turn(0, z, math.sqrt(aside))
+    return as_expression(ca.atan2(x, -y)), Turn(0, z, as_expression(ca.sqrt(aside)))
+
+
+def _turn(axis: int, amount: Scalar, more: Scalar = 0.0) -> Turn:
+    """By amount + more. Quarters are exact."""
+    if isinstance(amount, float) and isinstance(more, float):
+        amount, more = 0.0, amount + more
+    quarters = round(2 * more / math.pi) if isinstance(more, float) else 0
+    if isinstance(more, float) and abs(more - quarters * math.pi / 2) <= _EXACT * (1 + abs(quarters)):
+        more = 0.0
+    else:
+        quarters = 0
+    total = plus(amount, more)
+    if isinstance(total, float):
+        cos, sin = math.cos(total), math.sin(total)
+    else:
+        cos, sin = as_expression(ca.cos(total)), as_expression(ca.sin(total))
+    for _ in range(quarters % 4):
+        cos, sin = minus(0.0, sin), cos
+    return Turn(axis, cos, sin)
+
+
+def _along_child(turn: Turn, R: Matrix) -> list[Vector]:
+    """The axes that are R's columns, in components along the turned axes."""
+    return [_snapped(row) for row in transposed([turn.to_child(column) for column in transposed(R)])]
+
+
+def _product(a: Matrix, b: Matrix) -> list[Vector]:
+    return [_snapped(row) for row in composed(a, b)]
+
+
+def _is_nothing(turn: Turn) -> bool:
+    return is_zero(turn.sin) and isinstance(turn.cos, float) and turn.cos == 1.0
+
+
+def _snapped(vector: Sequence[Scalar]) -> Vector:
+    """With 0, 1 and -1 for numbers that only rounding tells from them."""
+    return [float(round(x)) if isinstance(x, (float, int)) and abs(x - round(x)) <= _EXACT else x for x in vector]
+
+
+def _is_same(a: Scalar, b: Scalar) -> bool:
+    return bool(a == b) if isinstance(a, float) and isinstance(b, float) else bool(ca.is_equal(ca.SX(a), ca.SX(b), 2))

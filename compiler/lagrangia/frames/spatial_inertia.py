@@ -1,0 +1,288 @@
+"""Rigid and articulated bodies of space: inertias, wrenches and twists in six numbers, vx, vy, vz, wx, wy, wz, in a body's axes.
+
+About the frame's origin, with the mass m, the first moment b and the second moment J: p = m v + w x b, L = J w + b x v. Of
+symmetric matrices the upper triangle is kept. What is the number 0 costs nothing; turns about a coordinate axis take 9
+operations where three entries of a symmetric block mix, by u = s (a - b) + 2 c h: a' = a - s u, b' = b + s u, h' = c u - h.
+"""
+
+from collections.abc import Callable, Sequence
+
+from lagrangia.algebra.duals import Scalar, dot, is_zero, minus, plus, times
+from lagrangia.base.records import dataclass
+
+Vector = list[Scalar]  # (3,), or (6,) of a twist or a wrench
+Matrix = Sequence[Sequence[Scalar]]  # 3 by 3
+Inertia = list[Vector]  # 6 by 6; I[i][j] with i <= j
+SIZE = 6
+_CYCLE = ((0, 1, 2), (1, 2, 0), (2, 0, 1))
+SAME: Matrix = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+
+
+# -------------------------------------------------------------------- vectors of three
+
+
+def cross(a: Sequence[Scalar], b: Sequence[Scalar]) -> Vector:
+    """a x b."""
+    return [minus(times(a[i], b[j]), times(a[j], b[i])) for _, i, j in _CYCLE]
+
+
+def added(a: Sequence[Scalar], b: Sequence[Scalar]) -> Vector:
+    """a + b, of any length."""
+    return [plus(x, y) for x, y in zip(a, b, strict=True)]
+
+
+def scaled(factor: Scalar, a: Sequence[Scalar]) -> Vector:
+    """A multiple, of any length."""
+    return [times(factor, x) for x in a]
+
+
+def product(R: Matrix, vector: Sequence[Scalar]) -> Vector:
+    """R v."""
+    return [dot(row, vector) for row in R]
+
+
+def transposed(R: Matrix) -> list[Vector]:
+    """R^T."""
+    return [[row[j] for row in R] for j in range(3)]
+
+
+def composed(a: Matrix, b: Matrix) -> list[Vector]:
+    """a b."""
+    return transposed([product(a, column) for column in transposed(b)])
+
+
+def is_nothing(vector: Sequence[Scalar]) -> bool:
+    """Whether all of its components are the number 0."""
+    return all(map(is_zero, vector))
+
+
+# -------------------------------------------------------------------- rigid bodies
+
+
+@dataclass(frozen=True)
+class RigidInertia:
+    """About the origin of a frame, along its axes: kg, kg.m, kg.m2."""
+
+    mass: Scalar
+    moment: Sequence[Scalar]  # mass times centre of mass, (3,)
+    second_moment: Matrix  # symmetric, all of it is kept
+
+    def placed(self, R: Matrix, origin: Sequence[Scalar]) -> "RigidInertia":
+        """The same body in a frame in which this one's axes are the columns of R, and its origin is there (parallel axes)."""
+        moment = product(R, self.moment)
+        J = composed(composed(R, self.second_moment), transposed(R))
+        whole = plus(times(2.0, dot(origin, moment)), times(self.mass, dot(origin, origin)))
+        ahead = [plus(x, times(self.mass, o)) for x, o in zip(moment, origin, strict=True)]  # J - o b^T - (b + m o) o^T + whole
+        J = [[minus(plus(J[i][j], whole if i == j else 0.0), plus(times(origin[i], moment[j]), times(ahead[i], origin[j])))
+              for j in range(3)] for i in range(3)]
+        return RigidInertia(self.mass, ahead, J)
+
+    def with_other(self, other: "RigidInertia") -> "RigidInertia":
+        """Of two bodies that are one."""
+        J = [added(a, b) for a, b in zip(self.second_moment, other.second_moment, strict=True)]
+        return RigidInertia(plus(self.mass, other.mass), added(self.moment, other.moment), J)
+
+    def turned(self, turn: "Turn") -> "RigidInertia":
+        """The same body in a frame that is followed by the turn."""
+        I = turn.inertia_to_parent([[0.0] * SIZE] * 3 + [[0.0] * 3 + [*row] for row in self.second_moment])
+        J = [[I[3 + min(i, j)][3 + max(i, j)] for j in range(3)] for i in range(3)]
+        return RigidInertia(self.mass, turn.to_parent(self.moment), J)
+
+    @property
+    def is_nothing(self) -> bool:
+        """Whether it is that of no body."""
+        return is_zero(self.mass) and is_nothing(self.moment) and all(map(is_nothing, self.second_moment))
+
+    def matrix(self) -> Inertia:
+        """In the numbers of a twist."""
+        I = no_inertia()
+        x, y, z = self.moment
+        B = [[0.0, z, minus(0.0, y)], [minus(0.0, z), 0.0, x], [y, minus(0.0, x), 0.0]]
+        for i in range(3):
+            I[i][i] = self.mass
+            I[i][3:] = B[i]
+            I[3 + i][3 + i :] = self.second_moment[i][i:]
+        return I
+
+    def centrifugal(self, w: Sequence[Scalar]) -> Vector:
+        """The wrench that the body asks for when it turns evenly about the origin, which stays: w x (w x b), w x J w."""
+        J = self.second_moment
+        L = [dot([J[min(i, j)][max(i, j)] for j in range(3)], w) for i in range(3)]
+        return [*cross(w, cross(w, self.moment)), *cross(w, L)]
+
+
+NOBODY = RigidInertia(0.0, (0.0,) * 3, [[0.0] * 3] * 3)
+
+
+# -------------------------------------------------------------------- matrices of a twist
+
+
+def no_inertia() -> Inertia:
+    """A matrix of zeros."""
+    return [[0.0] * SIZE for _ in range(SIZE)]
+
+
+def together(a: Inertia, b: Inertia) -> Inertia:
+    """a + b."""
+    return [[0.0] * i + added(a[i][i:], b[i][i:]) for i in range(SIZE)]
+
+
+def momentum(I: Inertia, twist: Sequence[Scalar]) -> Vector:
+    """I s."""
+    return [dot([I[min(i, j)][max(i, j)] for j in range(SIZE)], twist) for i in range(SIZE)]
+
+
+@dataclass(frozen=True)
+class Turn:
+    """On the way to a child: about a coordinate axis, by an angle with this cosine and sine."""
+
+    axis: int
+    cos: Scalar
+    sin: Scalar
+
+    def to_parent(self, vector: Sequence[Scalar]) -> Vector:
+        """Components along the parent's axes, (3,) or (6,)."""
+        return self._by_pairs(vector, self._pair)
+
+    def to_child(self, vector: Sequence[Scalar]) -> Vector:
+        """Components along the child's axes, (3,) or (6,)."""
+        return self._by_pairs(vector, self._pair_back)
+
+    def _by_pairs(self, vector: Sequence[Scalar], pair: Callable[[Scalar, Scalar], tuple[Scalar, Scalar]]) -> Vector:
+        found, (_, i, j) = [*vector], _CYCLE[self.axis]
+        for at in range(0, len(vector), 3):
+            found[at + i], found[at + j] = pair(vector[at + i], vector[at + j])
+        return found
+
+    def inertia_to_parent(self, I: Inertia) -> Inertia:
+        """R I R^T, block by block."""
+        found, (k, i, j) = [row[:] for row in I], _CYCLE[self.axis]
+        for at in (0, 3):
+            self._mix_symmetric(I, found, at + i, at + j, at + k)
+        rows = [[I[r][3 + c] for c in range(3)] for r in range(3)]
+        a, f, g, b = self._mixed(rows[i][i], rows[i][j], rows[j][i], rows[j][j])
+        found[i][3 + i], found[i][3 + j], found[j][3 + i], found[j][3 + j] = a, f, g, b
+        found[i][3 + k], found[j][3 + k] = self._pair(rows[i][k], rows[j][k])
+        found[k][3 + i], found[k][3 + j] = self._pair(rows[k][i], rows[k][j])
+        return found
+
+    def _mix_symmetric(self, I: Inertia, found: Inertia, i: int, j: int, k: int) -> None:
+        def put(a: int, b: int, value: Scalar) -> None:
+            found[min(a, b)][max(a, b)] = value
+
+        def get(a: int, b: int) -> Scalar:
+            return I[min(a, b)][max(a, b)]
+
+        a, h, _, b = self._mixed(get(i, i), get(i, j), get(i, j), get(j, j))
+        put(i, i, a)
+        put(i, j, h)
+        put(j, j, b)
+        x, y = self._pair(get(i, k), get(j, k))
+        put(i, k, x)
+        put(j, k, y)
+
+    def _pair(self, x: Scalar, y: Scalar) -> tuple[Scalar, Scalar]:
+        return minus(times(self.cos, x), times(self.sin, y)), plus(times(self.sin, x), times(self.cos, y))
+
+    def _pair_back(self, x: Scalar, y: Scalar) -> tuple[Scalar, Scalar]:
+        return plus(times(self.cos, x), times(self.sin, y)), minus(times(self.cos, y), times(self.sin, x))
+
+    def _mixed(self, a: Scalar, f: Scalar, g: Scalar, b: Scalar) -> tuple[Scalar, Scalar, Scalar, Scalar]:
+        """R [[a, f], [g, b]] R^T."""
+        c, s = self.cos, self.sin
+        if is_zero(s):
+            return a, f, g, b
+        if is_zero(c):
+            return b, minus(0.0, g), minus(0.0, f), a
+        across = times(times(2.0, c), f) if f is g else times(c, plus(f, g))
+        u = plus(times(s, 0.0 if a is b else minus(a, b)), across)
+        more = times(s, u)
+        near = times(c, u)
+        return minus(a, more), minus(near, g), minus(near, f), plus(b, more)
+
+
+@dataclass(frozen=True)
+class Rotation:
+    """On the way to a child, whose axes are the columns of R along the parent's."""
+
+    R: Matrix
+
+    def to_parent(self, vector: Sequence[Scalar]) -> Vector:
+        """Components along the parent's axes, (3,) or (6,)."""
+        return [x for at in range(0, len(vector), 3) for x in product(self.R, vector[at : at + 3])]
+
+    def to_child(self, vector: Sequence[Scalar]) -> Vector:
+        """Components along the child's axes, (3,) or (6,)."""
+        back = transposed(self.R)
+        return [x for at in range(0, len(vector), 3) for x in product(back, vector[at : at + 3])]
+
+    def inertia_to_parent(self, I: Inertia) -> Inertia:
+        """R I R^T, block by block."""
+        found = no_inertia()
+        for at in (0, 3):
+            block = [[I[at + min(i, j)][at + max(i, j)] for j in range(3)] for i in range(3)]
+            half = composed(self.R, block)
+            for i in range(3):
+                for j in range(i, 3):
+                    found[at + i][at + j] = dot(half[i], self.R[j])
+        B = composed(self.R, [I[i][3:] for i in range(3)])
+        for i in range(3):
+            found[i][3:] = product(self.R, B[i])
+        return found
+
+
+@dataclass(frozen=True)
+class Shift:
+    """On the way to a child, whose origin is further by a vector. `rate`, `second`: of it, where it moves, but for what second
+    derivatives of coordinates add."""
+
+    ahead: Sequence[Scalar]
+    rate: Sequence[Scalar] = (0.0,) * 3
+    second: Sequence[Scalar] = (0.0,) * 3
+
+    def wrench_to_parent(self, wrench: Sequence[Scalar]) -> Vector:
+        """With its moment about the parent's origin."""
+        return [*wrench[:3], *added(wrench[3:], cross(self.ahead, wrench[:3]))]
+
+    def twist_to_child(self, twist: Sequence[Scalar]) -> Vector:
+        """That of the child's origin."""
+        return [*added(twist[:3], cross(twist[3:], self.ahead)), *twist[3:]]
+
+    def centrifugal(self, w: Sequence[Scalar]) -> Vector:
+        """What the child's origin is accelerated with where the parent turns evenly: w x (w x d) + 2 w x d' + d''."""
+        found = cross(w, cross(w, self.ahead))
+        if not is_nothing(self.rate):
+            found = added(found, scaled(2.0, cross(w, self.rate)))
+        return added(found, self.second)
+
+    def inertia_to_parent(self, I: Inertia) -> Inertia:
+        """X^T I X, where X takes the parent's twist to the child's, v + w x d: with D = -[d], B + M D and J + D^T B + (B + M D)^T D."""
+        found = [row[:] for row in I]
+        B = [row[3:] for row in I[:3]]
+        for i in range(3):
+            for j in range(3):
+                terms = [(sign, m, I[min(i, k)][max(i, k)]) for k, m, sign in _COLUMN[j]]
+                found[i][3 + j] = plus(B[i][j], self._sum(terms))
+        moved = [row[3:] for row in found[:3]]
+        for i in range(3):
+            for j in range(i, 3):
+                terms = [(sign, m, B[k][j]) for k, m, sign in _COLUMN[i]] + [(sign, m, moved[k][i]) for k, m, sign in _COLUMN[j]]
+                found[3 + i][3 + j] = plus(I[3 + i][3 + j], self._sum(terms))
+        return found
+
+    def _sum(self, terms: list[tuple[int, int, Scalar]]) -> Scalar:
+        """Of sign times d[m] times a number: what has one d[m] is added first."""
+        total: Scalar = 0.0
+        for m, x in enumerate(self.ahead):
+            if is_zero(x):
+                continue
+            part: Scalar = 0.0
+            for sign, _, value in sorted((t for t in terms if t[1] == m), key=lambda t: -t[0]):
+                part = plus(part, value) if sign > 0 else minus(part, value)
+            total = plus(total, times(x, part))
+        return total
+
+
+# Of the columns of D = -[d], the entries that are not 0: (row, component of d, sign). Column j is e_j x d.
+_COLUMN = (((1, 2, -1), (2, 1, 1)), ((0, 2, 1), (2, 0, -1)), ((0, 1, -1), (1, 0, 1)))
+Move = Turn | Rotation | Shift

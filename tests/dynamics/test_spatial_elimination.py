@@ -1,0 +1,209 @@
+"""Accelerations along trees in space: against Jacobians in the axes of the world, published numbers, and counts of operations."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import casadi as ca
+import numpy as np
+import pytest
+import yaml
+
+from helpers.spatial_reference import accelerations, turned
+from lagrangia.algebra.scalars import symbol
+from lagrangia.dynamics.motion import count_nodes
+from lagrangia.dynamics.spatial_axes import SpatialJoint, lay_axes
+from lagrangia.dynamics.spatial_drift import drift_of
+from lagrangia.dynamics.spatial_elimination import SpatialTree
+from lagrangia.frames.spatial_inertia import SAME, RigidInertia
+
+X, Y, Z = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
+GRAVITY = (0.3, -0.2, -9.81)
+
+
+def general_body(random: np.random.Generator) -> RigidInertia:
+    """Of a general shape, away from its frame."""
+    rod = random.uniform(-1, 1, (3, 3))
+    J, b, m = rod @ rod.T, random.uniform(-0.3, 0.3, 3), random.uniform(0.5, 2)
+    J = np.trace(J) * np.eye(3) - J + (b @ b * np.eye(3) - np.outer(b, b)) / m
+    return RigidInertia(float(m), b.tolist(), J.tolist())
+
+
+def general_attitude(random: np.random.Generator) -> list[list[float]]:
+    n = random.normal(size=3)
+    return turned(n / np.linalg.norm(n), 1.3).tolist()
+
+
+def joint(random: np.random.Generator, parent: int | None, kind: str, at: int, axis: Sequence[float] | None = None,
+          R: Any = None) -> SpatialJoint:
+    """At a general place; without an axis about a general one."""
+    if axis is None:
+        axis = random.normal(size=3)
+        axis = (axis / np.linalg.norm(axis)).tolist()
+    places = (at, at + 1, at + 2) if kind == "rotation" else (at,)
+    rates = random.uniform(-2, 2, len(places)).tolist()
+    R = general_attitude(random) if R is None else R
+    return SpatialJoint(parent, kind, R, random.uniform(-1, 1, 3).tolist(), places, axis, float(random.uniform(-1, 1)), rates,
+                        (0.0,) * len(places), attitude=general_attitude(random), body=general_body(random))
+
+
+def solve(joints: Sequence[SpatialJoint], size: int, r: Sequence[Any], gravity: Sequence[Any]) -> tuple[SpatialTree, list[Any]]:
+    links, _ = lay_axes(joints)
+    tree, drift = SpatialTree(links, size), drift_of(links)
+    return tree, tree.solve(r, tree.bias_loads(drift), drift, [-x for x in gravity])
+
+
+def check(joints: Sequence[SpatialJoint], size: int, within: float = 1e-11) -> None:
+    r = np.linspace(-1, 2, size)
+    _, found = solve(joints, size, r.tolist(), GRAVITY)
+    expected = accelerations(joints, size, r, np.array(GRAVITY))
+    assert np.abs(np.array(found) - expected).max() <= within * np.abs(expected).max()
+
+
+TREES: dict[str, list[tuple[int | None, str, Any, Any]]] = {
+    "general hinges": [(k - 1 if k else None, "turn", None, None) for k in range(6)],
+    "branches": [(None, "turn", None, None), (0, "turn", None, None), (0, "turn", None, None), (0, "turn", X, None),
+                 (1, "turn", None, None)],
+    "hinges about coordinate axes": [(k - 1 if k else None, "turn", axis, SAME) for k, axis in enumerate((Z, Y, Y, X, Y, X))],
+    "parallel": [(k - 1 if k else None, "turn", (0.0, -1.0, 0.0) if k == 2 else Y, SAME) for k in range(4)],
+    "parallel, then others": [(None, "turn", Z, SAME), (0, "turn", X, SAME), (1, "turn", X, SAME), (2, "turn", None, SAME),
+                              (2, "shift", None, SAME), (4, "turn", X, SAME), (5, "turn", None, None), (1, "rotation", X, None)],
+    "sliders": [(None, "shift", X, SAME), (0, "turn", None, None), (1, "shift", None, None), (2, "turn", None, None),
+                (3, "shift", Z, SAME)],
+    "balls": [(None, "rotation", X, None), (0, "rotation", X, None), (1, "turn", None, None), (2, "rotation", X, None)],
+    "floating": [(None, "shift", X, SAME), (0, "shift", Y, SAME), (1, "shift", Z, SAME), (2, "rotation", X, SAME),
+                 (3, "turn", Y, SAME), (3, "turn", None, None)],
+}
+
+
+@pytest.mark.parametrize("name", TREES)
+def test_accelerations_are_those_of_jacobians_in_the_world(name: str) -> None:
+    random, at, joints = np.random.default_rng(3), 0, []
+    for parent, kind, axis, R in TREES[name]:
+        joints.append(joint(random, parent, kind, at, axis, R))
+        at += len(joints[-1].coordinates)
+    if name == "floating":
+        joints[:3] = [replace(x, body=None) for x in joints[:3]]
+    check(joints, at)
+
+
+# -------------------------------------------------------------------- published numbers
+
+
+def about_x(angle: float) -> list[list[float]]:
+    c, s = round(float(np.cos(angle)), 15), float(np.sin(angle))
+    return [[1.0, 0.0, 0.0], [0.0, c, -s], [0.0, s, c]]
+
+
+def numbers(values: Sequence[str]) -> list[float]:
+    return [float(eval(x, {"pi": np.pi})) for x in values]  # of the case's file: "pi/2"
+
+
+def puma(case: dict[str, Any], q: Sequence[Any], v: Sequence[Any]) -> list[SpatialJoint]:
+    data = case["parameters"]
+    alpha, a, d, m = (numbers(data[name]) for name in ("alpha", "a", "d", "m"))
+    joints: list[SpatialJoint] = []
+    for k in range(6):
+        J = np.diag(numbers(data["I"][k])).tolist()
+        about_center = RigidInertia(m[k], (0.0, 0.0, 0.0), J).placed(SAME, numbers(data["r"][k]))
+        R, origin = (about_x(alpha[k - 1]), (a[k - 1], 0.0, d[k - 1])) if k else (SAME, (0.0, 0.0, 0.0))
+        body = about_center.placed(about_x(alpha[k]), (a[k], 0.0, d[k]))
+        joints.append(SpatialJoint(k - 1 if k else None, "turn", R, origin, (k,), Z, q[k], (v[k],), body=body))
+    return joints
+
+
+CASE = yaml.safe_load((Path(__file__).parents[1] / "cases" / "puma560_forward_dynamics.yaml").read_text())
+
+
+@pytest.mark.parametrize("name", CASE["reference"]["configurations"])
+def test_puma_560(name: str) -> None:
+    place = CASE["reference"]["configurations"][name]
+    q, v, tau, expected = (numbers(place[x]) for x in ("q", "qd", "tau", "qdd_without_motor_inertia"))
+    _, found = solve(puma(CASE, q, v), 6, tau, (0.0, 0.0, -9.81))
+    assert np.abs(np.array(found) - expected).max() <= 1e-13 * np.abs(expected).max()
+
+
+# -------------------------------------------------------------------- operations
+
+
+class Written:
+    """Symbols in place of the numbers of joints that are not 0, 1 or -1, with their values."""
+
+    def __init__(self) -> None:
+        self.values: dict[Any, float] = {}
+        self.moving: list[Any] = []
+
+    def symbol(self, value: float, moves: bool = False) -> Any:
+        if not moves and value in (0.0, 1.0, -1.0):
+            return value
+        found = symbol(f"x{len(self.values)}")
+        self.values[found] = value
+        self.moving += [found] if moves else []
+        return found
+
+    def joint(self, joint: SpatialJoint) -> SpatialJoint:
+        vector, body = (lambda values: [self.symbol(x) for x in values]), joint.body
+        if body is not None:
+            J = [[0.0] * 3 for _ in range(3)]
+            for i in range(3):
+                for j in range(i, 3):
+                    J[i][j] = J[j][i] = self.symbol(body.second_moment[i][j])
+            body = RigidInertia(self.symbol(body.mass), vector(body.moment), J)
+        moved = {"amount": self.symbol(joint.amount, True)} if joint.kind != "rotation" else {
+            "attitude": [[self.symbol(x, True) for x in row] for row in joint.attitude]}
+        return replace(joint, R=[vector(row) for row in joint.R], origin=vector(joint.origin), axis=vector(joint.axis), body=body,
+                       rates=[self.symbol(x, True) for x in joint.rates], **moved)
+
+    def values_of(self, expressions: Sequence[Any]) -> np.ndarray:
+        function = ca.Function("f", [ca.vertcat(*self.values)], [ca.vertcat(*expressions)])
+        return np.array(function(list(self.values.values()))).ravel()
+
+
+def operations(joints: Sequence[SpatialJoint], size: int) -> int:
+    """That depend on the state; what they give is checked as well."""
+    written = Written()
+    symbolic = [written.joint(x) for x in joints]
+    gravity = [written.symbol(x) for x in GRAVITY]
+    _, found = solve(symbolic, size, [0.0] * size, gravity)
+    expected = accelerations(joints, size, np.zeros(size), np.array(GRAVITY))
+    assert np.abs(written.values_of(found) - expected).max() <= 1e-9 * np.abs(expected).max()
+    return count_nodes([ca.vertcat(*found)], written.moving)
+
+
+SLENDER = RigidInertia(1.1, (0.3, 0.0, 0.0), ((0.01, 0.0, 0.0), (0.0, 0.12, 0.0), (0.0, 0.0, 0.13)))
+
+
+def chain(n: int, axes: Sequence[Any], R: Any, origin: Any = None, kind: str = "turn",
+          slender: bool = False) -> list[SpatialJoint]:
+    random, joints, width = np.random.default_rng(1), [], 3 if kind == "rotation" else 1
+    for k in range(n):
+        found = joint(random, k - 1 if k else None, kind, width * k, axes[k % len(axes)], R)
+        if slender:
+            found = replace(found, body=SLENDER)
+        joints.append(replace(found, origin=origin or found.origin))
+    return joints
+
+
+AHEAD = (0.7, 0.0, 0.0)
+COUNTED = {
+    "general hinges": (lambda n: chain(n, [None], None), 404),
+    "hinges about y and z in turns": (lambda n: chain(n, [Y, Z], SAME, AHEAD, slender=True), 230),
+    "hinges about x, y and z in turns": (lambda n: chain(n, [X, Y, Z], SAME, AHEAD, slender=True), 211),
+    "hinges about z": (lambda n: chain(n, [Z], SAME, AHEAD, slender=True), 68),
+    "balls": (lambda n: chain(n, [X], SAME, AHEAD, "rotation", slender=True), 550),
+    "general balls": (lambda n: chain(n, [X], SAME, None, "rotation"), 550),
+}
+
+
+@pytest.mark.parametrize("name", COUNTED)
+def test_operations_a_joint(name: str) -> None:
+    make, most = COUNTED[name]
+    width = 3 if "balls" in name else 1
+    less, more = (operations(make(n), width * n) for n in (6, 12))
+    assert more - less <= 6 * most
+
+
+def test_long_chains_take_as_much_a_hinge() -> None:
+    counts = [operations(chain(n, [None], None), n) for n in (10, 20, 30)]
+    assert counts[2] - counts[1] == counts[1] - counts[0]
