@@ -226,7 +226,7 @@ def _product(a: Matrix, b: Matrix) -> list[Vector]:
 
 
 def _is_nothing(turn: Turn) -> bool:
-    return is_zero(turn.sin) and isinstance(turn.cos, float) and turn.cos == 1.0
+    return is_zero(turn.s) and isinstance(turn.c, float) and turn.c == 1.0
 
 
 def _snapped(vector: Sequence[Scalar]) -> Vector:

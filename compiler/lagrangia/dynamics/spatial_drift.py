@@ -96,7 +96,7 @@ def _turns(link: Link) -> int:
     found = 0
     for move in link.moves:
         if isinstance(move, Turn):
-            found += 0 if is_zero(move.cos) or is_zero(move.sin) else _TURNED
+            found += 0 if is_zero(move.c) or is_zero(move.s) else _TURNED
         elif not isinstance(move, Shift):
             found += 15
     return found

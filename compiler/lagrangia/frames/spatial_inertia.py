@@ -134,11 +134,11 @@ def momentum(I: Inertia, twist: Sequence[Scalar]) -> Vector:
 
 @dataclass(frozen=True)
 class Turn:
-    """On the way to a child: about a coordinate axis, by an angle with this cosine and sine."""
+    """On the way to a child: about a coordinate axis, by an angle."""
 
     axis: int
-    cos: Scalar
-    sin: Scalar
+    c: Scalar  # the cosine of the angle
+    s: Scalar  # its sine
 
     def to_parent(self, vector: Sequence[Scalar]) -> Vector:
         """Components along the parent's axes, (3,) or (6,)."""
@@ -182,14 +182,14 @@ class Turn:
         put(j, k, y)
 
     def _pair(self, x: Scalar, y: Scalar) -> tuple[Scalar, Scalar]:
-        return minus(times(self.cos, x), times(self.sin, y)), plus(times(self.sin, x), times(self.cos, y))
+        return minus(times(self.c, x), times(self.s, y)), plus(times(self.s, x), times(self.c, y))
 
     def _pair_back(self, x: Scalar, y: Scalar) -> tuple[Scalar, Scalar]:
-        return plus(times(self.cos, x), times(self.sin, y)), minus(times(self.cos, y), times(self.sin, x))
+        return plus(times(self.c, x), times(self.s, y)), minus(times(self.c, y), times(self.s, x))
 
     def _mixed(self, a: Scalar, f: Scalar, g: Scalar, b: Scalar) -> tuple[Scalar, Scalar, Scalar, Scalar]:
         """R [[a, f], [g, b]] R^T."""
-        c, s = self.cos, self.sin
+        c, s = self.c, self.s
         if is_zero(s):
             return a, f, g, b
         if is_zero(c):
@@ -256,7 +256,7 @@ class Shift:
         return added(found, self.second)
 
     def inertia_to_parent(self, I: Inertia) -> Inertia:
-        """X^T I X, where X takes the parent's twist to the child's, v + w x d: with D = -[d], B + M D and J + D^T B + (B + M D)^T D."""
+        """X^T I X, where X is v + w x d: with D = -[d] B + M D, J + D^T B + (B + M D)^T D."""
         found = [row[:] for row in I]
         B = [row[3:] for row in I[:3]]
         for i in range(3):
