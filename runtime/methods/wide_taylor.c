@@ -6,18 +6,22 @@
 
 #include "methods/taylor.h"
 #include "model/function.h"
+#include "numbers/extremes.h"
 #include "numbers/rough_power.h"
 #include "numbers/wide_jets.h"
 #include "state/ends.h"
 #include "state/state.h"
 
 enum { MOST_SLOTS = 1200 }; /* that stay near the processor */
+/* The first order that short steps are looked at after; steps that are so many times longer than the one before are not short; what
+ * the last two terms of their series are at most, relative to the state. */
+enum { FEWEST = 4 };
+static const double NEAR = 4, FAINT = 1e-16;
 
 int lag_wide_taylor_serves(const LagModel *model)
 {
-    const int happens = model->n_events + model->n_modes + model->n_switches + model->n_resets + model->n_cones;
-    const int is_held = model->n_samplers + model->n_lookups + model->n_pieces + model->n_inputs + model->n_delays;
-    return happens + is_held + model->n_multipliers + model->n_islands == 0 && model->jet_code && model->jet_pitch == 1
+    const int happens = model->n_switches + model->n_resets + model->n_cones + model->n_delays;
+    return happens + model->n_multipliers + model->n_islands == 0 && model->jet_code && model->jet_pitch == 1
         && !model->is_long_state && !model->series_may_hide && model->n_jet_slots <= MOST_SLOTS;
 }
 
@@ -30,9 +34,10 @@ void lag_wide_taylor_layout(LagWideTaylor *s, const LagRun *like, LagArena *aren
     s->size = like->motion.size;
     lag_wide_scale_layout(&s->scale, &like->scale, arena);
     lag_wide_series_layout(&s->series, model, arena);
-    double **const vectors[] = {&s->y, &s->carry, &s->old, &s->made, &s->made_carry, &s->way};
+    double **const vectors[] = {&s->y, &s->carry, &s->old, &s->made, &s->made_carry, &s->weight};
     for (size_t i = 0; i < sizeof vectors / sizeof *vectors; ++i)
         *vectors[i] = lag_take(arena, size);
+    s->slope = lag_take(arena, (size_t)model->n_inputs * LAG_ABREAST);
 }
 
 /* Order and lengths are those of series alone. */
@@ -43,7 +48,10 @@ static void plan(LagWideTaylor *s, const LagRun *like)
     s->last = one->last;
     s->before_last = one->before_last;
     s->longest = like->settings.max_step > 0 ? like->settings.max_step : INFINITY;
+    s->faint = FAINT / like->scale.tolerance;
 }
+
+static int first_input(const LagWideTaylor *s) { return 1 + 2 * s->n; }
 
 static double *jet(const LagWideTaylor *s, int slot) { return s->series.jets + (size_t)slot * LAG_WIDE_JET; }
 
@@ -94,14 +102,34 @@ int lag_wide_taylor_load(LagWideTaylor *s, int lane, LagRun *run)
     place_numbers(s, lane, run);
     s->t[lane] = m->t;
     s->t_old[lane] = m->t_old;
-    s->stop[lane] = run->settings.t_stop;
     s->length[lane] = m->t - m->t_old;
     s->limit[lane] = s->wrong[lane] = INFINITY;
     s->energy[lane] = energy_weight(run);
     s->moves[lane] = s->taken[lane] = 1;
     s->steps[lane] = (double)run->statistics.steps;
-    s->in_vain[lane] = s->missed[lane] = 0;
+    s->in_vain[lane] = s->missed[lane] = s->own[lane] = 0;
+    lag_wide_taylor_enter(s, lane, run);
     return 1;
+}
+
+void lag_wide_taylor_enter(LagWideTaylor *s, int lane, LagRun *run)
+{
+    const int n_inputs = s->model->n_inputs;
+    s->stop[lane] = lag_min(run->segment_end, run->settings.t_stop);
+    s->is_fresh |= n_inputs + s->model->n_modes > 0;
+    if (s->model->n_modes > 0) { /* what jumps may have set it in motion */
+        lag_wide_scale_load(&s->scale, lane, &run->scale);
+        place(s->y, lane, run->motion.y, s->size);
+        place(s->carry, lane, run->motion.carry, s->size);
+        place(s->series.line + LAG_ABREAST, lane, run->motion.y, 2 * s->n);
+        place_numbers(s, lane, run);
+    }
+    if (n_inputs == 0)
+        return;
+    lag_inputs_slope(&run->inputs, run->u);
+    place(s->slope, lane, run->u, n_inputs);
+    lag_inputs_at(&run->inputs, s->t[lane], run->u);
+    place(s->series.line + first_input(s) * LAG_ABREAST, lane, run->u, n_inputs);
 }
 
 void lag_wide_taylor_show(LagWideTaylor *s, int lane, LagRun *run, int is_whole)
@@ -111,20 +139,24 @@ void lag_wide_taylor_show(LagWideTaylor *s, int lane, LagRun *run, int is_whole)
     m->t = m->t_end = s->t[lane];
     m->t_old = s->t_old[lane];
     take(s->y, lane, m->y, s->size);
-    take(s->carry, lane, m->carry, s->size);
-    take(s->old, lane, m->other, s->size);
+    if (is_whole || s->model->n_roots > 0)
+        take(s->old, lane, m->other, s->size);
     run->statistics.steps = (int64_t)s->steps[lane];
     run->statistics.tolerance_missed = (int32_t)s->missed[lane];
     run->step = s->length[lane];
     s->energy[lane] = energy_weight(run);
     if (!is_whole)
         return;
+    take(s->carry, lane, m->carry, s->size);
     lag_wide_scale_store(&s->scale, lane, &run->scale);
     own->begun = 0;
     for (int i = 0; i < s->size; ++i) {
         const int slot = i < 2 * s->n ? 1 + i : s->model->jet_places[s->n + i - 2 * s->n];
         double *c = own->old_jets + (size_t)slot * LAG_JET_STRIDE;
-        take(jet(s, slot), lane, c, s->order + (i < 2 * s->n));
+        const int made = (int)s->own[lane] + (i < 2 * s->n);
+        take(jet(s, slot), lane, c, made);
+        for (int k = made; k <= s->order; ++k)
+            c[k] = 0;
         c[0] = i < 2 * s->n ? m->other[i] : c[0];
     }
 }
@@ -167,55 +199,152 @@ static void begin_series(LagWideTaylor *s, int lane)
         lag_wide_write(q, lag_wide_read(jet(s, 1 + n + i) + lane));
         lag_wide_write(v, lag_wide_read(jet(s, s->model->jet_places[i]) + lane));
     }
+    for (int i = 0; i < s->model->n_inputs; ++i)
+        lag_wide_write(jet(s, first_input(s) + i) + LAG_ABREAST + lane, lag_wide_of(s->slope, i, lane));
     lag_wide_write(jet(s, 0) + LAG_ABREAST + lane, LAG_WIDE_OF(1));
+}
+
+static void weigh(LagWideTaylor *s, int lane)
+{
+    const LagWide zero = LAG_WIDE_OF(0), one = LAG_WIDE_OF(1), step = lag_wide_read(s->length + lane);
+    const LagWide uncertain = LAG_WIDE_OF(DBL_EPSILON) / step;
+    for (int i = 0; i < s->n; ++i) {
+        LagWide unit[2];
+        lag_wide_scale_units(&s->scale, i, lane, s->y, s->old, step, uncertain, &unit[0], &unit[1]);
+        for (int is_rate = 0; is_rate < 2; ++is_rate)
+            lag_wide_write(s->weight + (size_t)(i + is_rate * s->n) * LAG_ABREAST + lane,
+                           LAG_WIDE_SELECT(unit[is_rate] > zero, one / unit[is_rate], zero));
+    }
+}
+
+/* The coefficients of the orders p and p - 1 in units of error: what they are at lengths of 1. */
+LAG_UNROLLED void last_terms(const LagWideTaylor *s, int lane, int p, LagWide *last, LagWide *before)
+{
+    *last = *before = LAG_WIDE_OF(0);
+    for (int i = 0; i < 2 * s->n; ++i) {
+        const double *c = jet(s, 1 + i) + lane;
+        const LagWide weight = lag_wide_of(s->weight, i, lane);
+        *last = lag_wide_max(LAG_WIDE_ABS(LAG_WIDE_TERM(c, p)) * weight, *last);
+        *before = lag_wide_max(LAG_WIDE_ABS(LAG_WIDE_TERM(c, p - 1)) * weight, *before);
+    }
+    for (int i = 0; i < s->size - 2 * s->n; ++i) {
+        const double *c = power_jet(s, i) + lane;
+        const LagWide weight = lag_wide_read(s->energy + lane);
+        *last = lag_wide_max(LAG_WIDE_ABS(LAG_WIDE_TERM(c, p - 1)) * LAG_WIDE_OF(lag_inverse[p - 1]) * weight, *last);
+        *before = lag_wide_max(LAG_WIDE_ABS(LAG_WIDE_TERM(c, p - 2)) * LAG_WIDE_OF(lag_inverse[p - 2]) * weight, *before);
+    }
 }
 
 /* The lengths at which the last two coefficients are worth a unit of error. */
 LAG_UNROLLED LagWide length_of(const LagWideTaylor *s, int lane)
 {
     const int p = s->order;
-    const LagWide zero = LAG_WIDE_OF(0), one = LAG_WIDE_OF(1), step = lag_wide_read(s->length + lane);
-    LagWide last = zero, before = zero;
-    for (int i = 0; i < s->n; ++i) {
-        LagWide unit[2];
-        lag_wide_scale_units(&s->scale, i, lane, s->y, s->old, step, LAG_WIDE_OF(DBL_EPSILON) / step, &unit[0], &unit[1]);
-        for (int is_rate = 0; is_rate < 2; ++is_rate) {
-            const double *c = jet(s, 1 + i + is_rate * s->n) + lane;
-            const LagWide weight = LAG_WIDE_SELECT(unit[is_rate] > zero, one / unit[is_rate], zero);
-            last = lag_wide_max(LAG_WIDE_ABS(LAG_WIDE_TERM(c, p)) * weight, last);
-            before = lag_wide_max(LAG_WIDE_ABS(LAG_WIDE_TERM(c, p - 1)) * weight, before);
-        }
-    }
-    for (int i = 0; i < s->size - 2 * s->n; ++i) {
-        const double *c = power_jet(s, i) + lane;
-        const LagWide weight = lag_wide_read(s->energy + lane);
-        last = lag_wide_max(LAG_WIDE_ABS(LAG_WIDE_TERM(c, p - 1)) * LAG_WIDE_OF(lag_inverse[p - 1]) * weight, last);
-        before = lag_wide_max(LAG_WIDE_ABS(LAG_WIDE_TERM(c, p - 2)) * LAG_WIDE_OF(lag_inverse[p - 2]) * weight, before);
-    }
+    LagWide last, before;
+    last_terms(s, lane, p, &last, &before);
     return lag_wide_min(rough_power(LAG_WIDE_OF(s->last) / last, lag_inverse[p - 1]),
                         rough_power(LAG_WIDE_OF(s->before_last) / before, lag_inverse[p - 2]));
 }
 
-/* c_0 + c_1 h + ... + c_order h^order, from the coefficient of the order `first` on: in two chains. */
-LAG_UNROLLED LagWide series(const double *c, int first, int order, LagWide h, LagWide square)
+/* Lengths of steps to the ends of segments. */
+LAG_UNROLLED LagWide left_of(const LagWideTaylor *s, int lane) { return lag_wide_read(s->stop + lane) - lag_wide_read(s->t + lane); }
+
+/* Orders that are known before there are any coefficients: 0 where a short step may do with less. Their latest orders tell where to
+ * look first. */
+static void wait_for_order(LagWideTaylor *s, int lane)
 {
-    LagWide even = LAG_WIDE_OF(0), odd = LAG_WIDE_OF(0);
+    lag_wide_write(s->first + lane, lag_wide_read(s->own + lane) - LAG_WIDE_OF(2));
+    const LagWide zero = LAG_WIDE_OF(0), few = LAG_WIDE_OF((double)FEWEST), all = LAG_WIDE_OF((double)s->order);
+    const LagWide near = lag_wide_min(LAG_WIDE_OF(NEAR) * lag_wide_read(s->length + lane), LAG_WIDE_OF(s->longest));
+    const LagWide most = lag_wide_min(near, lag_wide_read(s->limit + lane));
+    const LagWide own = LAG_WIDE_SELECT(left_of(s, lane) <= most, zero, all);
+    lag_wide_write(s->own + lane, LAG_WIDE_SELECT(lag_wide_read(s->moves + lane) > zero, own, few));
+}
+
+/* Whether the order p is enough. */
+static void look_at_order(LagWideTaylor *s, int lane, int p)
+{
+    const LagWide h = left_of(s, lane), own = lag_wide_read(s->own + lane);
+    LagWide last, before, power = h;
+    last_terms(s, lane, p, &last, &before);
+    for (int k = 2; k < p; ++k)
+        power *= h;
+    const LagWide most = lag_wide_max(last * h, before) * power;
+    const LagWide order = LAG_WIDE_OF((double)p), found = LAG_WIDE_SELECT(most <= LAG_WIDE_OF(s->faint), order, own);
+    const LagWide asked = LAG_WIDE_SELECT(lag_wide_read(s->first + lane) <= order, found, own);
+    lag_wide_write(s->own + lane, LAG_WIDE_SELECT(own == LAG_WIDE_OF(0), asked, own));
+}
+
+/* The highest order that is needed; 0 where some lane is not sure. */
+static int highest_of(const LagWideTaylor *s)
+{
+    double highest = 0;
+    for (int lane = 0; lane < LAG_ABREAST; ++lane) {
+        if (s->own[lane] == 0)
+            return 0;
+        highest = lag_max(s->own[lane], highest);
+    }
+    return (int)highest;
+}
+
+/* Where the first lane looks. */
+static int first_order(const LagWideTaylor *s)
+{
+    double first = s->order;
+    for (int lane = 0; lane < LAG_ABREAST; ++lane)
+        first = s->own[lane] == 0 ? lag_min(s->first[lane], first) : first;
+    return first > FEWEST ? (int)first / 2 * 2 : FEWEST;
+}
+
+/* The series, up to the order that the most demanding lane asks for. */
+static void expand(LagWideTaylor *s)
+{
+    int made = 1;
+    for (int lane = 0; lane < LAG_ABREAST; lane += LAG_WIDE) {
+        weigh(s, lane);
+        wait_for_order(s, lane);
+    }
+    s->made_to = highest_of(s);
+    for (int p = first_order(s); s->made_to == 0 && p < s->order; p += 2) {
+        lag_wide_series_go_on(&s->series, made, p);
+        made = p;
+        for (int lane = 0; lane < LAG_ABREAST; lane += LAG_WIDE)
+            look_at_order(s, lane, p);
+        s->made_to = highest_of(s);
+    }
+    for (int lane = 0; lane < LAG_ABREAST && s->made_to == 0; ++lane)
+        s->own[lane] = s->own[lane] == 0 ? s->order : s->own[lane];
+    s->made_to = highest_of(s);
+    if (made < s->made_to)
+        lag_wide_series_go_on(&s->series, made, s->made_to);
+}
+
+/* A coefficient, and 0 where lanes have an order of their own, of which it is none. */
+#define MADE(c, k) (is_own ? LAG_WIDE_SELECT(LAG_WIDE_OF((double)((k) + 1)) <= own, LAG_WIDE_TERM(c, k), zero) : LAG_WIDE_TERM(c, k))
+
+/* c_0 + c_1 h + ... + c_order h^order, in two chains: whatever zeros stand behind. */
+LAG_UNROLLED LagWide series(const double *c, int order, LagWide h, LagWide square, LagWide own, int is_own)
+{
+    const LagWide zero = LAG_WIDE_OF(0);
+    LagWide even = zero, odd = zero;
     int k = order;
-    if ((order - first) % 2 == 0)
-        even = LAG_WIDE_TERM(c, k--);
-    for (; k > first; k -= 2) {
-        odd = odd * square + LAG_WIDE_TERM(c, k);
-        even = even * square + LAG_WIDE_TERM(c, k - 1);
+    if (order % 2 == 0) {
+        even = MADE(c, k);
+        --k;
+    }
+    for (; k > 0; k -= 2) {
+        odd = odd * square + MADE(c, k);
+        even = even * square + MADE(c, k - 1);
     }
     return even + odd * h;
 }
 
 /* The integral of a series from 0 to h, over h. */
-LAG_UNROLLED LagWide mean(const double *c, int order, LagWide h)
+LAG_UNROLLED LagWide mean(const double *c, int order, LagWide h, LagWide own, int is_own)
 {
-    LagWide sum = LAG_WIDE_OF(0);
+    const LagWide zero = LAG_WIDE_OF(0);
+    LagWide sum = zero;
     for (int k = order; k >= 0; --k)
-        sum = sum * h + LAG_WIDE_TERM(c, k) * LAG_WIDE_OF(lag_inverse[k]);
+        sum = sum * h + MADE(c, k) * LAG_WIDE_OF(lag_inverse[k]);
     return sum;
 }
 
@@ -232,17 +361,27 @@ LAG_UNROLLED LagWide end_of(const LagWideTaylor *s, int lane, LagWide t, LagWide
     return LAG_WIDE_SELECT(h >= left, stop, t + LAG_WIDE_SELECT(h + h > left, half, h));
 }
 
-static void go(LagWideTaylor *s, int lane)
+/* Where the steps end. */
+LAG_UNROLLED LagWide next_time(const LagWideTaylor *s, int lane)
 {
-    const int n = s->n, p = s->order;
     const LagWide t = lag_wide_read(s->t + lane), before = lag_wide_max(lag_wide_read(s->length + lane), smallest(t));
+    const LagWide all = LAG_WIDE_OF((double)s->order);
+    if (s->made_to < s->order)
+        return lag_wide_read(s->stop + lane);
     LagWide wish = lag_wide_min(length_of(s, lane), LAG_WIDE_OF(GROW) * before);
     wish = lag_wide_min(lag_wide_min(wish, LAG_WIDE_OF(s->longest)), lag_wide_read(s->limit + lane));
-    const LagWide t_new = end_of(s, lane, t, wish), h = t_new - t, square = h * h;
+    return LAG_WIDE_SELECT(lag_wide_read(s->own + lane) < all, lag_wide_read(s->stop + lane), end_of(s, lane, t, wish));
+}
+
+LAG_UNROLLED void go(LagWideTaylor *s, int lane, int is_own)
+{
+    const int n = s->n, p = s->made_to, u = first_input(s);
+    const LagWide own = lag_wide_read(s->own + lane), t_new = next_time(s, lane), h = t_new - lag_wide_read(s->t + lane);
+    const LagWide square = h * h;
     for (int i = 0; i < s->size; ++i) {
         const size_t place = (size_t)i * LAG_ABREAST + (size_t)lane;
         const double *c = (i < 2 * n ? jet(s, 1 + i) : power_jet(s, i - 2 * n)) + lane;
-        const LagWide way = i < 2 * n ? series(c + LAG_ABREAST, 0, p - 1, h, square) : mean(c, p - 1, h);
+        const LagWide way = i < 2 * n ? series(c + LAG_ABREAST, p - 1, h, square, own, is_own) : mean(c, p - 1, h, own, is_own);
         const LagWide y = lag_wide_read(s->y + place), whole = way * h + lag_wide_read(s->carry + place);
         const LagWide sum = y + whole, taken = sum - y;
         lag_wide_write(s->made + place, sum);
@@ -250,18 +389,21 @@ static void go(LagWideTaylor *s, int lane)
         if (i < 2 * n)
             lag_wide_write(s->series.line + LAG_ABREAST + place, sum);
     }
+    for (int i = 0; i < s->model->n_inputs; ++i)
+        lag_wide_write(s->series.line + (size_t)(u + i) * LAG_ABREAST + (size_t)lane,
+                       lag_wide_read(jet(s, u + i) + lane) + lag_wide_of(s->slope, i, lane) * h);
     lag_wide_write(s->series.line + lane, t_new);
     lag_wide_write(s->next + lane, t_new);
 }
 
 /* How far the accelerations at the end of the step are from the slope of the series there, in units of rates. */
-LAG_UNROLLED LagWide gap(const LagWideTaylor *s, int lane, LagWide h)
+LAG_UNROLLED LagWide gap(const LagWideTaylor *s, int lane, LagWide h, LagWide own, int is_own)
 {
     const LagWide zero = LAG_WIDE_OF(0), square = h * h, before = lag_wide_read(s->length + lane);
     LagWide largest = zero;
     for (int i = 0; i < s->n; ++i) {
         const int place = s->model->jet_places[i];
-        const LagWide slope = series(jet(s, place) + lane, 0, s->order - 1, h, square);
+        const LagWide slope = series(jet(s, place) + lane, s->made_to - 1, h, square, own, is_own);
         const LagWide miss = LAG_WIDE_ABS(lag_wide_of(s->series.line, place, lane) - slope);
         LagWide unit[2];
         lag_wide_scale_units(&s->scale, i, lane, s->y, s->made, before, LAG_WIDE_OF(DBL_EPSILON) / before, &unit[0], &unit[1]);
@@ -290,11 +432,13 @@ static void accept(LagWideTaylor *s, int lane, LagWide good, LagWide h)
     lag_wide_scale_note(&s->scale, lane, s->y);
 }
 
-static void judge(LagWideTaylor *s, int lane)
+LAG_UNROLLED void judge(LagWideTaylor *s, int lane, int is_own)
 {
+    const LagWide own = lag_wide_read(s->own + lane);
+    const LagWide part = is_own ? LAG_WIDE_OF(1) / (own + LAG_WIDE_OF(1)) : LAG_WIDE_OF(1.0 / (s->order + 1));
     const LagWide zero = LAG_WIDE_OF(0), one = LAG_WIDE_OF(1), infinite = LAG_WIDE_OF((double)INFINITY);
     const LagWide t = lag_wide_read(s->t + lane), h = lag_wide_read(s->next + lane) - t, before = lag_wide_read(s->wrong + lane);
-    const LagWide wrong = gap(s, lane, h) * h * LAG_WIDE_OF(1.0 / (s->order + 1));
+    const LagWide wrong = gap(s, lane, h, own, is_own) * h * part;
     const LagWide is_faint = LAG_WIDE_SELECT(wrong * LAG_WIDE_OF(s->scale.tolerance) < LAG_WIDE_OF(NOISE), one, zero);
     const LagWide is_noise = LAG_WIDE_SELECT(wrong > LAG_WIDE_OF(REMAINS) * before, is_faint, zero);
     const LagWide is_near = LAG_WIDE_SELECT(wrong <= LAG_WIDE_OF(WRONG), one, is_noise);
@@ -309,14 +453,37 @@ static void judge(LagWideTaylor *s, int lane)
     accept(s, lane, good, h);
 }
 
-void lag_wide_taylor_step(LagWideTaylor *s)
+/* Whether some lane does with fewer orders than have been made. */
+static int differ(const LagWideTaylor *s)
+{
+    for (int lane = 0; lane < LAG_ABREAST; ++lane)
+        if (s->own[lane] < s->order)
+            return 1;
+    return 0;
+}
+
+static void go_all(LagWideTaylor *s, int is_own)
 {
     for (int lane = 0; lane < LAG_ABREAST; lane += LAG_WIDE)
+        is_own ? go(s, lane, 1) : go(s, lane, 0);
+}
+
+static void judge_all(LagWideTaylor *s, int is_own)
+{
+    for (int lane = 0; lane < LAG_ABREAST; lane += LAG_WIDE)
+        is_own ? judge(s, lane, 1) : judge(s, lane, 0);
+}
+
+void lag_wide_taylor_step(LagWideTaylor *s)
+{
+    if (s->is_fresh)
+        lag_wide_series_begin(&s->series);
+    s->is_fresh = 0;
+    for (int lane = 0; lane < LAG_ABREAST; lane += LAG_WIDE)
         begin_series(s, lane);
-    lag_wide_series_go_on(&s->series, s->order);
-    for (int lane = 0; lane < LAG_ABREAST; lane += LAG_WIDE)
-        go(s, lane);
+    expand(s);
+    const int is_own = differ(s);
+    go_all(s, is_own);
     lag_wide_series_begin(&s->series);
-    for (int lane = 0; lane < LAG_ABREAST; lane += LAG_WIDE)
-        judge(s, lane);
+    judge_all(s, is_own);
 }

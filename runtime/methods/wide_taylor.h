@@ -1,8 +1,10 @@
 /* Taylor steps (taylor.h) of eight motions at once, each at its own time and with steps of its own: what several motions do in turn, one
  * vector of the processor does for all of them. No motion knows of the others, and so none depends on which these are.
  *
- * Steps are those of taylor.c where nothing happens: no events, no constraints, no inputs, nothing that begins from rest. Whether they pass
- * by what stands under a root (roots.h) is asked elsewhere.
+ * Steps are those of taylor.c where nothing happens: no events, no constraints, nothing that begins from rest; inputs are linear in each
+ * segment, and somebody says when the next one begins. Whether steps pass by what stands under a root (roots.h) is asked elsewhere.
+ *
+ * To the end of a segment that is near lead short steps, of as few orders as make the rest of the series rounding, or nearly so.
  */
 #ifndef LAG_WIDE_TAYLOR_H
 #define LAG_WIDE_TAYLOR_H
@@ -14,13 +16,20 @@
 typedef struct {
     const LagModel *model;
     int n, size;  /* size = 2 n + n_power: what a state has */
-    int order;
+    int order;                /* the highest */
     double last, before_last; /* as in LagTaylor */
     double longest;           /* that steps may be */
+    double faint;             /* units that the last coefficients of short steps may be worth */
     LagWideScale scale;
     LagWideSeries series;     /* its line is that of the states made last */
     double *y, *carry, *old;       /* present states, and those before the latest steps; `old` without quadratures is what units ask */
-    double *made, *made_carry, *way; /* of the steps that are tried */
+    double *made, *made_carry; /* of the steps that are tried */
+    double *weight;           /* 2 n: 1 / units */
+    double *slope;            /* of inputs */
+    double own[LAG_ABREAST];  /* the orders of the steps that are tried */
+    double first[LAG_ABREAST]; /* those that are looked at first */
+    int made_to;              /* the highest one of them */
+    int is_fresh;             /* some motion goes on by other inputs than those of the line */
     double t[LAG_ABREAST], t_old[LAG_ABREAST], stop[LAG_ABREAST];
     double length[LAG_ABREAST]; /* of the latest step */
     double limit[LAG_ABREAST];  /* of the next one: after a step that was no good */
@@ -33,13 +42,16 @@ typedef struct {
                                                                            * they were none, for rounding */
 } LagWideTaylor;
 
-/* Whether motions of this model can be stepped so: events, constraints and inputs ask for more. */
+/* Whether motions of this model can be stepped so: events and constraints ask for more. */
 int lag_wide_taylor_serves(const LagModel *model);
 
 void lag_wide_taylor_layout(LagWideTaylor *taylor, const LagRun *like, LagArena *arena);
 
 /* The motion of a run goes on here. Returns 0 where it cannot: the run has not yet made a step by series that set all in motion. */
 int lag_wide_taylor_load(LagWideTaylor *taylor, int lane, LagRun *run);
+
+/* The motion in the lane, which is where that of the run is, has come into the segment that the run is in. */
+void lag_wide_taylor_enter(LagWideTaylor *taylor, int lane, LagRun *run);
 
 /* The lane's state, and that of its latest step, as if the run had made it; `is_whole`: with what dense output asks for. */
 void lag_wide_taylor_show(LagWideTaylor *taylor, int lane, LagRun *run, int is_whole);

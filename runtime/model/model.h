@@ -134,7 +134,7 @@ struct LagModel {
     LagFunction modes;      /* t, p                 -> d */
     LagFunction rhs;        /* t, q, v, u, d, c     -> a, power, lambda */
     LagFunction outputs;    /* t, q, v, a, lambda, u, d, c -> y */
-    LagFunction energies;   /* t, q, v, u, d, c     -> {T, V, H}       H - H(0) + dissipated - work = 0 */
+    LagFunction energies;   /* t, q, v, u, d, c     -> {T, V, H}       H - H(0) + dissipated - work = 0; inputs in them are pieces */
     LagFunction place;      /* t, q, u, d, c        -> dq              one Newton correction of q */
     LagFunction steer;      /* t, q, v, u, d, c     -> dv              the same for v */
     LagFunction linear;     /* p, d                 -> numbers of the linear equations; always a tape */

@@ -225,13 +225,13 @@ void lag_wide_series_begin(LagWideSeries *s)
         run_first(s);
 }
 
-void lag_wide_series_go_on(LagWideSeries *s, int end)
+void lag_wide_series_go_on(LagWideSeries *s, int first, int end)
 {
     if (s->model->wide_taylor) {
-        s->model->wide_taylor(1, end, s->numbers, s->jets, s->line);
+        s->model->wide_taylor(first, end, s->numbers, s->jets, s->line);
         return;
     }
-    for (int k = 1; k < end; ++k) {
+    for (int k = first; k < end; ++k) {
         for (int slot = 0; slot < known(s->model); ++slot)
             memcpy(s->line + (size_t)slot * LAG_ABREAST, s->jets + (size_t)slot * LAG_WIDE_JET + (size_t)k * LAG_ABREAST,
                    LAG_ABREAST * sizeof *s->line);

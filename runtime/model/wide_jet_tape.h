@@ -22,8 +22,8 @@ void lag_wide_series_layout(LagWideSeries *series, const LagModel *model, LagAre
 /* The coefficients of order 0 in the line, from those of what is known (t, q, v, u), which stand there. */
 void lag_wide_series_begin(LagWideSeries *series);
 
-/* The coefficients of the orders from 1 to before `end`, and those of q and v of order `end`, from those of order 0, and of order 1
- * of q, v, t and u. */
-void lag_wide_series_go_on(LagWideSeries *series, int end);
+/* The coefficients of the orders from `first` > 0 to before `end`, and those of q and v of order `end`, from those of lower order, and of
+ * order 1 of q, v, t and u. */
+void lag_wide_series_go_on(LagWideSeries *series, int first, int end);
 
 #endif

@@ -153,11 +153,13 @@ static LagStatus start(LagBatch *batch, LagFollower *f, int64_t i)
     return status == LAG_OK ? lag_run_start(run, batch->state, batch->state + batch->model->n) : status;
 }
 
+static size_t rows_size(const LagBatch *batch, int rows) { return (size_t)rows * (size_t)lag_run_row_width(batch->model); }
+
 LagStatus lag_batch_begin(LagBatch *batch, LagFollower *f, int64_t i)
 {
     const LagOutcome fresh = {0};
     const int n_rows = batch->sweep.n_rows;
-    const size_t kept = (size_t)n_rows * (size_t)lag_run_row_width(batch->model);
+    const size_t kept = rows_size(batch, n_rows);
     const size_t between = n_rows > 0 ? (size_t)(n_rows - 1) * (size_t)batch->model->n_inputs : 0;
     batch->outcomes[i] = fresh;
     batch->outcomes[i].failure.index = -1;
@@ -165,8 +167,6 @@ LagStatus lag_batch_begin(LagBatch *batch, LagFollower *f, int64_t i)
     f->held = batch->held ? batch->held + (size_t)i * between : NULL;
     f->stop = batch->stop;
     f->deadline = batch->sweep.seconds > 0 ? lag_clock() + batch->sweep.seconds : INFINITY;
-    for (size_t k = 0; k < kept; ++k)
-        f->rows[k] = NAN;
     lag_follow_start(f);
     return start(batch, f, i);
 }
@@ -206,6 +206,8 @@ void lag_batch_conclude(LagBatch *batch, LagFollower *f, int64_t i, LagStatus st
     if (status == LAG_OK)
         status = close_account(f);
     const LagStatistics *statistics = lag_run_statistics(f->run);
+    for (size_t k = rows_size(batch, f->next_row); k < rows_size(batch, batch->sweep.n_rows); ++k)
+        f->rows[k] = NAN;
     if (outcome->kind == LAG_RUN_DONE && status != LAG_OK)
         tell_failure(f->run, status, outcome);
     if (outcome->kind != LAG_RUN_PARAMETER) {

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "base/clock.h"
+#include "numbers/extremes.h"
 #include "run/stepping.h"
 #include "state/state.h"
 
@@ -67,7 +68,7 @@ static double next_row(const LagFollower *f)
     return f->next_row < f->sweep->n_rows ? f->sweep->row_times[f->next_row] : INFINITY;
 }
 
-double lag_follow_next(const LagFollower *f) { return fmin(next_at(f), next_row(f)); }
+double lag_follow_next(const LagFollower *f) { return lag_min(next_at(f), next_row(f)); }
 
 LagStatus lag_follow_hold(LagFollower *f)
 {
@@ -78,17 +79,26 @@ LagStatus lag_follow_hold(LagFollower *f)
     return lag_run_hold(f->run, f->held + (size_t)k * (size_t)f->model->n_inputs);
 }
 
+/* f->row at `when`. LAG_PAUSED where the run's time is over. */
+static LagStatus find_row(LagFollower *f, double when)
+{
+    LagStatus status = LAG_PAUSED;
+    if (f->is_led && when == lag_run_time(f->run))
+        return lag_run_row(f->run, f->row);
+    for (int done = 0; status == LAG_PAUSED;) {
+        if (lag_follow_is_over(f))
+            return LAG_PAUSED;
+        status = lag_run_advance(f->run, &when, 1, f->row, &done, PAUSE);
+    }
+    return status;
+}
+
 /* One by one. */
 LagStatus lag_follow_visit(LagFollower *f, double t)
 {
     const size_t width = (size_t)lag_run_row_width(f->model);
     for (double when; (when = lag_follow_next(f)) <= t && when < INFINITY;) {
-        LagStatus status = LAG_PAUSED;
-        for (int done = 0; status == LAG_PAUSED;) {
-            if (lag_follow_is_over(f))
-                return LAG_PAUSED;
-            status = lag_run_advance(f->run, &when, 1, f->row, &done, PAUSE);
-        }
+        LagStatus status = find_row(f, when);
         if (status != LAG_OK)
             return status;
         while (next_at(f) == when)
@@ -132,8 +142,7 @@ static LagStatus look(LagFollower *f, double a)
     return status;
 }
 
-/* The motion, or the quantities alone, start anew at t. */
-static LagStatus enter(LagFollower *f, double t)
+LagStatus lag_follow_enter(LagFollower *f, double t)
 {
     const LagStatus status = lag_window_open(&f->window, t);
     for (int i = 0; i < f->sweep->n_reductions; ++i)
@@ -177,7 +186,7 @@ static void limit_step(const LagFollower *f, double a)
 LagStatus lag_follow_begin(LagFollower *f)
 {
     const LagStatus status = lag_follow_visit(f, f->sweep->t_start);
-    return status == LAG_OK && f->n_pending > 0 ? enter(f, f->sweep->t_start) : status;
+    return status == LAG_OK && f->n_pending > 0 ? lag_follow_enter(f, f->sweep->t_start) : status;
 }
 
 LagStatus lag_follow_step(LagFollower *f)
@@ -188,7 +197,7 @@ LagStatus lag_follow_step(LagFollower *f)
     limit_step(f, a);
     LagStatus status = lag_window_step(&f->window);
     if (status == LAG_OK && lag_run_statistics(run)->events != events)
-        status = enter(f, a); /* things may have jumped there */
+        status = lag_follow_enter(f, a); /* things may have jumped there */
     if (status == LAG_OK)
         status = lag_follow_visit(f, f->window.end_time);
     return status == LAG_OK ? lag_follow_watch(f, lag_follow_glance(f)) : status;

@@ -36,6 +36,7 @@ typedef struct {
     double *row, *rows; /* a row; those that are kept */
     const double *held; /* inputs from each row to the next; NULL: as they are */
     int next_row;
+    int is_led; /* steps are made elsewhere, and nothing that rows tell of them is asked for */
     double deadline;
     const volatile int32_t *stop;
 } LagFollower;
@@ -69,6 +70,9 @@ double lag_follow_next(const LagFollower *follower);
 LagStatus lag_follow_visit(LagFollower *follower, double t);
 int lag_follow_glance(LagFollower *follower);
 LagStatus lag_follow_watch(LagFollower *follower, int open);
+
+/* The motion, or quantities alone, start anew at t. */
+LagStatus lag_follow_enter(LagFollower *follower, double t);
 
 int lag_follow_is_over(const LagFollower *follower);
 

@@ -181,14 +181,11 @@ const double *lag_run_parameters(const LagRun *run) { return run->p; }
 
 LagStatus lag_run_set_inputs(LagRun *run, const double *times, const double *values, int rows)
 {
-    if (run->started)
-        lag_account_open(run);
     const LagStatus status = lag_inputs_set(&run->inputs, times, values, rows);
     if (status != LAG_OK)
         return lag_fail(run, status, -1, 0, 0);
     if (run->started) {
         lag_inputs_enter(&run->inputs, run->motion.t);
-        lag_account_close(run);
         run->segment_over = 1;
         lag_project_forget(run);
     }

@@ -6,10 +6,12 @@
 
 #include "methods/taylor.h"
 #include "methods/wide_taylor.h"
+#include "numbers/extremes.h"
 #include "run/advance.h"
 #include "state/account.h"
 #include "state/ends.h"
 #include "state/state.h"
+#include "steps/segment.h"
 
 /* Steps that a run makes before it goes into a lane, at most: the first one sets everything in motion. Steps that are no good in a row,
  * after which shorter ones do not help. */
@@ -25,6 +27,7 @@ struct LagRunLanes {
     void *block;
     LagWideTaylor taylor;
     int may_turn;  /* others go on where stability rules */
+    int are_shared; /* inputs */
     int opened;    /* lanes whose follower and run are there */
     LagFollower follower[LAG_ABREAST];
     int64_t job[LAG_ABREAST]; /* the run in each lane; -1: none */
@@ -90,6 +93,7 @@ static int open_lane(LagRunLanes *s, const LagSettings *settings)
     if (!lag_follow_new(f, batch->model, run, &batch->sweep, batch->at, batch->n_at))
         return 0;
     f->window.is_plain = is_plain(batch->model, &batch->sweep);
+    f->is_led = 1;
     return 1;
 }
 
@@ -130,10 +134,30 @@ LagRunLanes *lag_lanes_new(LagBatch *batch)
     return s;
 }
 
+/* The lanes' runs have the table of inputs of the batch's own, or one that they hold themselves. */
+static void share_inputs(LagRunLanes *s, int are_shared)
+{
+    const LagInputs *from = &s->batch->alone.run->inputs;
+    for (int lane = 0; lane < s->opened; ++lane) {
+        LagInputs *to = &run_in(s, lane)->inputs;
+        if (s->are_shared || are_shared) {
+            if (!s->are_shared)
+                lag_inputs_free(to);
+            to->times = are_shared ? from->times : NULL;
+            to->values = are_shared ? from->values : NULL;
+            to->rows = are_shared ? from->rows : 0;
+            to->capacity = 0;
+            ++to->version;
+        }
+    }
+    s->are_shared = are_shared;
+}
+
 void lag_lanes_free(LagRunLanes *s)
 {
     if (!s)
         return;
+    share_inputs(s, 0);
     for (int lane = 0; lane < s->opened; ++lane) {
         lag_run_free(run_in(s, lane));
         lag_follow_free(&s->follower[lane]);
@@ -181,7 +205,23 @@ static int end_run(LagRunLanes *s, int lane, LagStatus status)
 static void set_due(LagRunLanes *s, int lane)
 {
     const LagFollower *f = &s->follower[lane];
-    s->due[lane] = f->n_pending > 0 || s->batch->model->n_roots > 0 ? -INFINITY : fmin(lag_follow_next(f), s->batch->sweep.t_stop);
+    s->due[lane] = f->n_pending > 0 || s->batch->model->n_roots > 0 ? -INFINITY : lag_min(lag_follow_next(f), s->taylor.stop[lane]);
+}
+
+/* Other inputs are in force from the present time of the lane on, or other modes. */
+static LagStatus enter_segment(LagRunLanes *s, int lane)
+{
+    LagFollower *f = &s->follower[lane];
+    LagRun *run = f->run;
+    LagStatus status = LAG_OK;
+    if (run->model->n_modes > 0)
+        status = lag_segment_next(run);
+    else
+        lag_segment_enter(run);
+    if (status != LAG_OK)
+        return status;
+    lag_wide_taylor_enter(&s->taylor, lane, run);
+    return f->n_pending > 0 ? lag_follow_enter(f, run->motion.t) : LAG_OK;
 }
 
 /* The first steps of a run, until a lane can take it, or it is over: then there is nothing in the lane. */
@@ -198,12 +238,16 @@ static int begin_run(LagRunLanes *s, int lane, int64_t i)
     s->job[lane] = i;
     status = status == LAG_OK ? lag_follow_begin(f) : status;
     for (int k = 0; k < MOST_FIRST && status == LAG_OK; ++k) {
-        status = f->n_pending > 0 ? lag_follow_step(f) : lag_advance_step(run);
+        const int is_watched = f->n_pending > 0;
+        status = is_watched ? lag_follow_step(f) : lag_advance_step(run);
         if (status == LAG_OK && lag_run_time(run) >= s->batch->sweep.t_stop)
             return end_run(s, lane, status);
+        if (status == LAG_OK && !is_watched)
+            status = lag_follow_visit(f, lag_run_time(run));
         if (status != LAG_OK || !lag_wide_taylor_load(&s->taylor, lane, run))
             continue;
-        status = f->n_pending > 0 ? LAG_OK : lag_follow_visit(f, lag_run_time(run));
+        if (run->segment_over || lag_run_time(run) >= s->taylor.stop[lane])
+            status = enter_segment(s, lane);
         s->glance[lane] = run->statistics.steps + GLANCE;
         s->look[lane] = FIRST_LOOK;
         set_due(s, lane);
@@ -261,7 +305,8 @@ static int attend(LagRunLanes *s, int lane)
     LagFollower *f = &s->follower[lane];
     const double t = s->taylor.t[lane];
     const int glances = s->taylor.steps[lane] >= (double)s->glance[lane], is_over = t >= s->batch->sweep.t_stop;
-    const int is_shown = glances || is_over || t >= lag_follow_next(f);
+    const int has_event = !is_over && t >= s->taylor.stop[lane];
+    const int is_shown = glances || is_over || t > lag_follow_next(f) || (has_event && s->batch->model->n_modes > 0);
     LagStatus status = LAG_OK;
     lag_wide_taylor_show(&s->taylor, lane, f->run, is_shown);
     if (lag_roots_suspect(f->run))
@@ -277,6 +322,8 @@ static int attend(LagRunLanes *s, int lane)
     if (status == LAG_OK && f->n_pending > 0)
         status = watch(s, lane, is_shown);
     if (status != LAG_OK || is_over)
+        return end_run(s, lane, status);
+    if (has_event && (status = enter_segment(s, lane)) != LAG_OK)
         return end_run(s, lane, status);
     set_due(s, lane);
     return 1;
@@ -330,6 +377,7 @@ int64_t lag_lanes_advance(LagRunLanes *s, int64_t runs)
     int64_t first = 0;
     s->next = 0;
     s->runs = runs;
+    share_inputs(s, !s->batch->held);
     s->done = calloc((size_t)runs + 1, sizeof *s->done);
     if (!s->done)
         return 0;

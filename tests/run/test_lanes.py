@@ -131,6 +131,38 @@ def test_compiled_series_have_the_digits_of_interpreted_ones(name: str) -> None:
     assert np.isfinite(results[0]).all() and results[0].tobytes() == results[1].tobytes()
 
 
+PUSHED = """model Pushed
+  input Force F; input Real G;
+  Block    cart(m = 1, base = world, along = {1, 0});
+  Revolute hinge(a = turn(cart.center, 90[deg]), phi(start = 0.1));
+  Bar      pole(m = 0.1, L = 1, a = hinge.b);
+  energy potential (5 + G)*1[N/m]*cart.s^2/2;
+  AppliedForce push(at = cart.center, force = {F, 0});
+end Pushed;
+"""
+
+
+def test_inputs_are_linear_in_pieces() -> None:
+    """Corners, jumps and what changes energies; measures look inside steps. Against runs made alone at a smaller tolerance."""
+    times = [0.0, 0.3, 0.3, 0.9, 2.0]
+    table = np.array(times), {"F": [0.0, 2.0, -1.0, 1.0, 1.0], "G": [0.0, 0.0, 1.0, 1.0, 3.0]}
+    outputs = "final(hinge.phi), max(cart.s), time_of_max(cart.s), mean(hinge.phi), at(0.7, der(hinge.phi)), rms(der(cart.s))"
+    model, measures = lag.loads(PUSHED), read_measures(outputs)
+    model = model.reporting(quantities(measures))
+    found = {}
+    for tolerance in (1e-8, 1e-12):
+        request = Request(stop=2.0, tolerance=tolerance, initial={"hinge.phi": np.linspace(0.1, 0.9, 13)}, inputs=table)
+        suited, job = model.prepared_for(measures, request, Design())
+        job = replace(job, sweep=replace(job.sweep, in_lanes=tolerance == 1e-8))
+        values = job.variations.values(0, job.runs)
+        found[tolerance], outcomes, lanes = advanced(suited, job, values)
+        assert (outcomes["kind"] == 0).all() and (outcomes["energy"] < 1e-7).all()
+        assert lanes.runs == (job.runs if tolerance == 1e-8 else 0)
+        if lanes.runs:
+            assert advanced(suited, job, values[4:7])[0].tobytes() == found[tolerance][4:7].tobytes()
+    assert found[1e-8] == pytest.approx(found[1e-12], abs=2e-7)
+
+
 DRIVER = """
 #include "run/batch.h"
 #include <math.h>

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
 _DOUBLES = c.POINTER(c.c_double)
 _INTS = c.POINTER(c.c_int)
+ABREAST = 8  # runs that go on together: LAG_ABREAST of wide.h
 
 
 class Kind(IntEnum):

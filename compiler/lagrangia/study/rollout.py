@@ -72,7 +72,7 @@ def roll_out(model: Asked, q0: "ArrayLike | None", v0: "ArrayLike | None", p: "M
     request = Request(float(at[0]), float(at[-1]), tolerance, at=at.tolist(), solver=solver)
     first = columns(scene)[1].name if scene.n else "time"
     suited, job = model.prepared_for(read_measures([f"final({first})"]), request, Design(table or None, keeps=True, held=u))
-    keeper, ledger = InMemory(job.scene, job.runs, len(at)), Ledger(job)
+    keeper, ledger = InMemory(job.scene, job.runs, len(at), are_all_new=True), Ledger(job)
     sweep = run_job(job, suited, ledger, jobs=jobs, keeper=keeper)
     if sweep.interrupted:
         raise Interrupted.with_result(sweep, f"after {ledger.entered} of {job.runs} runs")

@@ -16,7 +16,7 @@ from typing import Any
 from lagrangia.base.diagnostics import Error, RunError, fail
 from lagrangia.base.folders import data_folder
 from lagrangia.native.prebuilt import digest
-from lagrangia.run.batch import OUTCOME, Batch, Reduction, Sweep
+from lagrangia.run.batch import ABREAST, OUTCOME, Batch, Reduction, Sweep
 from lagrangia.run.engines import Engine, load_engine
 from lagrangia.run.runtime import Settings, Solver
 from lagrangia.run.scene import from_json, to_json
@@ -154,7 +154,8 @@ class _Tasks:
     def __init__(self, job: Job, client: Any, ledger: Ledger, keeper: Keeper | None) -> None:
         self.job, self.client, self.ledger, self.keeper = job, client, ledger, keeper
         self.text = client.submit(str, pack(job), pure=False)
-        self.pace = Pace(_PIECE)
+        self.together = ABREAST if job.sweep.in_lanes else 1
+        self.pace = Pace(_PIECE, self.together)
         self.pieces = Pieces(ledger.missing(), self._threads())
         self.flying: dict[Any, tuple[int, int]] = {}
 
@@ -165,7 +166,7 @@ class _Tasks:
     def submit(self) -> bool:
         """Keeps the cluster busy. False when nothing is left to wait for."""
         while len(self.flying) < _AHEAD * self._threads():
-            piece = self.pieces.take(self.pace.count)
+            piece = self.pieces.take(self.pace.count, self.together)
             if piece is None:
                 break
             values = self.job.variations.values(*piece).astype("<f8")

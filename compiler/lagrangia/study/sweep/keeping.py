@@ -30,8 +30,8 @@ class Keeper(Protocol):
 class InMemory:
     """`rows` are all of them, (runs, times, columns), which runs write themselves where they are computed here."""
 
-    def __init__(self, scene: Scene, runs: int, times: int) -> None:
-        """Raises LagError L0712 for what would not fit."""
+    def __init__(self, scene: Scene, runs: int, times: int, are_all_new: bool = False) -> None:
+        """`are_all_new`: every run comes here, or nobody asks for rows. Raises LagError L0712 for what would not fit."""
         import numpy as np
 
         self.width = len(columns(scene))
@@ -39,7 +39,7 @@ class InMemory:
         if 8 * runs * times * whole > _MOST:
             fail("L0712", f"{runs} trajectories of {times} rows take {8e-9 * runs * times * whole:.3g} GB of memory", None,
                  "a longer interval, or fewer runs; lag sweep --keep writes them to files")
-        self.all = np.full((runs, times, whole), np.nan)
+        self.all = np.empty((runs, times, whole)) if are_all_new else np.full((runs, times, whole), np.nan)
         self.rows = self.all[:, :, : self.width]
 
     def keep(self, first: int, rows: "np.ndarray") -> None:

@@ -25,13 +25,14 @@ class Pieces:
         """Runs that are still to be handed out."""
         return self._left
 
-    def take(self, most: int) -> tuple[int, int] | None:
-        """At most so many; shorter towards the end, so that all workers end together."""
+    def take(self, most: int, together: int = 1) -> tuple[int, int] | None:
+        """At most so many, a multiple of those that go on together; fewer towards the end, so that all workers end together."""
         with self._lock:
             if not self._missing:
                 return None
             first, last = self._missing.pop()
             count = max(1, min(most, last - first, -(-self._left // (2 * self._workers))))
+            count -= count % together if count > together else 0
             if first + count < last:
                 self._missing.append((first + count, last))
             self._left -= count
@@ -41,8 +42,8 @@ class Pieces:
 class Pace:
     """How many runs take so many seconds, learnt from those before."""
 
-    def __init__(self, seconds: float) -> None:
-        self.seconds, self.count = seconds, 1
+    def __init__(self, seconds: float, first: int = 1) -> None:
+        self.seconds, self.count = seconds, first
 
     def learn(self, runs: int, seconds: float) -> None:
         """How many runs to take next, from what so many took."""

@@ -8,7 +8,7 @@ import time
 from typing import TYPE_CHECKING
 
 from lagrangia.base.interruptions import held_back
-from lagrangia.run.batch import Batch, Lanes
+from lagrangia.run.batch import ABREAST, Batch, Lanes
 from lagrangia.run.engines import Engine
 from lagrangia.study.sweep.journal import Ledger
 from lagrangia.study.sweep.keeping import InMemory, Keeper
@@ -37,8 +37,9 @@ class _Worker(threading.Thread):
     def run(self) -> None:
         try:
             with Batch(self.engine.runtime, self.engine.model, self.job.sweep) as batch:
-                pace = Pace(_PIECE)
-                while not self.stop.value and (piece := self.pieces.take(pace.count)) is not None:
+                together = ABREAST if self.job.sweep.in_lanes else 1
+                pace = Pace(_PIECE, together)
+                while not self.stop.value and (piece := self.pieces.take(pace.count, together)) is not None:
                     begin = time.perf_counter()
                     held, rows = (x if x is None else x[slice(*piece)] for x in (self.job.held, self.rows))
                     self.answers.put((piece[0], *batch.advance(self.job.variations.values(*piece), self.stop, held, rows)))
