@@ -42,10 +42,13 @@ def joint(random: np.random.Generator, parent: int | None, kind: str, at: int, a
         axis = random.normal(size=3)
         axis = (axis / np.linalg.norm(axis)).tolist()
     places = (at, at + 1, at + 2) if kind == "rotation" else (at,)
-    rates = random.uniform(-2, 2, len(places)).tolist()
     R = general_attitude(random) if R is None else R
-    return SpatialJoint(parent, kind, R, random.uniform(-1, 1, 3).tolist(), places, axis, float(random.uniform(-1, 1)), rates,
-                        (0.0,) * len(places), attitude=general_attitude(random), body=general_body(random))
+    amount, rates = float(random.uniform(-1, 1)), random.uniform(-2, 2, len(places)).tolist()
+    ahead = [amount * x for x in axis]
+    slopes = (axis,) if kind == "shift" else (1.0,)
+    motion = ([rates[0] * x for x in axis], (0.0,) * 3) if kind == "shift" else (rates, (0.0,) * len(places))
+    return SpatialJoint(parent, kind, R, random.uniform(-1, 1, 3).tolist(), places, slopes, axis, amount, ahead,
+                        general_attitude(random), motion, general_body(random))
 
 
 def solve(joints: Sequence[SpatialJoint], size: int, r: Sequence[Any], gravity: Sequence[Any]) -> tuple[SpatialTree, list[Any]]:
@@ -109,7 +112,8 @@ def puma(case: dict[str, Any], q: Sequence[Any], v: Sequence[Any]) -> list[Spati
         about_center = RigidInertia(m[k], (0.0, 0.0, 0.0), J).placed(SAME, numbers(data["r"][k]))
         R, origin = (about_x(alpha[k - 1]), (a[k - 1], 0.0, d[k - 1])) if k else (SAME, (0.0, 0.0, 0.0))
         body = about_center.placed(about_x(alpha[k]), (a[k], 0.0, d[k]))
-        joints.append(SpatialJoint(k - 1 if k else None, "turn", R, origin, (k,), Z, q[k], (v[k],), body=body))
+        joints.append(SpatialJoint(k - 1 if k else None, "turn", R, origin, (k,), amount=q[k], motion=((v[k],), (0.0,)),
+                                   body=body))
     return joints
 
 
@@ -153,7 +157,7 @@ class Written:
         moved = {"amount": self.symbol(joint.amount, True)} if joint.kind != "rotation" else {
             "attitude": [[self.symbol(x, True) for x in row] for row in joint.attitude]}
         return replace(joint, R=[vector(row) for row in joint.R], origin=vector(joint.origin), axis=vector(joint.axis), body=body,
-                       rates=[self.symbol(x, True) for x in joint.rates], **moved)
+                       motion=([self.symbol(x, True) for x in joint.motion[0]], joint.motion[1]), **moved)
 
     def values_of(self, expressions: Sequence[Any]) -> np.ndarray:
         function = ca.Function("f", [ca.vertcat(*self.values)], [ca.vertcat(*expressions)])

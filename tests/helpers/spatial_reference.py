@@ -27,21 +27,23 @@ def accelerations(joints: Sequence[SpatialJoint], size: int, r: np.ndarray, grav
             np.eye(3), np.zeros(3), *np.zeros((4, 3)), *np.zeros((2, 3, size)))
         ahead = R @ np.asarray(joint.origin, float)
         R = R @ np.asarray(joint.R, float)
-        n, u = R @ np.asarray(joint.axis, float), joint.rates[0]
+        n, rate = R @ np.asarray(joint.axis, float), np.asarray(joint.motion[0], float)
         Jv, Jw = Jv.copy(), Jw.copy()
         if joint.kind == "shift":
-            ahead = ahead + n * joint.amount
+            ahead = ahead + R @ np.asarray(joint.ahead, float)
         Jv += np.cross(Jw.T, ahead).T
         a = a + np.cross(alpha, ahead) + np.cross(w, np.cross(w, ahead))
         if joint.kind == "shift":
-            a, Jv[:, joint.coordinates[0]] = a + 2 * np.cross(w, n * u), Jv[:, joint.coordinates[0]] + n
+            a = a + 2 * np.cross(w, R @ rate)
+            for index, slope in zip(joint.coordinates, joint.slopes, strict=True):
+                Jv[:, index] += R @ np.asarray(slope, float)
         elif joint.kind == "turn":
             R = R @ turned(joint.axis, joint.amount)
-            alpha, w = alpha + np.cross(w, n * u), w + n * u
+            alpha, w = alpha + np.cross(w, n * rate[0]), w + n * rate[0]
             Jw[:, joint.coordinates[0]] += n
         else:
             R = R @ np.asarray(joint.attitude, float)
-            spin = R @ np.asarray(joint.rates, float)
+            spin = R @ rate
             alpha, w = alpha + np.cross(w, spin), w + spin
             Jw[:, list(joint.coordinates)] += R
         states.append((R, place + ahead, w, v, alpha, a, Jv, Jw))

@@ -9,6 +9,7 @@ Source: Denavit and Hartenberg (1955); Craig, Introduction to Robotics (1989), f
 
 import math
 from collections.abc import Sequence
+from typing import Any
 
 import casadi as ca
 
@@ -28,7 +29,6 @@ from lagrangia.frames.spatial_inertia import (
     added,
     composed,
     product,
-    scaled,
     transposed,
 )
 
@@ -39,21 +39,22 @@ _EXACT = 4e-16  # what differs less from 0, 1 or -1 is that number: cos(pi/2) is
 class SpatialJoint:
     """A joint in space: in the parent's frame at the end of a constant pose, the frame behind it turned or shifted.
 
-    kind "turn": by `amount` about `axis`; "shift": by `amount` along it; "rotation": to the axes that are the columns of
-    `attitude`, with the angular velocity `rates` in them.
+    kind "turn": about `axis` by `amount`, with the rate and the second derivative that `motion` tells; "shift": by the vector
+    `ahead`, likewise; "rotation": to the axes that are the columns of `attitude`, with the angular velocity and its rate in them.
+    Second derivatives are those at dv/dt = 0.
     """
 
     parent: int | None  # its place among the joints, which stand parents first; None: the world
     kind: str
     R: Matrix  # of the constant pose: its axes are columns along the parent's
     origin: Sequence[Scalar]
-    coordinates: tuple[int, ...]  # one, or three of a rotation; none where time moves it
+    coordinates: tuple[int, ...]  # at most one of a turn, three of a rotation; none where time moves it
+    slopes: Sequence[Any] = (1.0,)  # by its coordinates, of the amount, or of the shift (3,)
     axis: Sequence[Scalar] = (0.0, 0.0, 1.0)  # of length 1, in the axes of the constant pose
     amount: Scalar = 0.0
-    rates: Sequence[Scalar] = (0.0,)
-    seconds: Sequence[Scalar] = (0.0,)  # of the amount, but for what second derivatives of coordinates add
-    factor: Scalar = 1.0  # of the amount, by its coordinate
+    ahead: Sequence[Scalar] = STILL
     attitude: Matrix = SAME
+    motion: tuple[Sequence[Scalar], Sequence[Scalar]] = (STILL, STILL)  # (1,) of a turn
     body: RigidInertia | None = None  # in the frame behind it
 
 
@@ -106,19 +107,17 @@ class _Layout:
         joint = self.joints[k]
         seat = self.seats[joint.parent] if joint.parent is not None else Seat(None)
         if joint.kind == "shift":
-            moves, own, along = self._slide(joint, seat)
-            directions = [[*scaled(joint.factor, along), *STILL]]
+            moves, own, directions = self._slide(joint, seat)
             spin = spin_rate = STILL
         elif joint.kind == "rotation":
             moves, own = self._turn_freely(joint, seat)
-            directions = [[*STILL, *row] for row in SAME]
-            spin, spin_rate = joint.rates, joint.seconds
+            directions, (spin, spin_rate) = [[*STILL, *row] for row in SAME], joint.motion
         else:
             moves, own, sign = self._follow(joint, seat) if self.follows[k] else self._tilt(k, joint, seat)
-            directions = [[*STILL, 0.0, 0.0, times(sign, joint.factor)]]
-            spin, spin_rate = ([0.0, 0.0, times(sign, x[0])] for x in (joint.rates, joint.seconds))
+            directions = [[*STILL, 0.0, 0.0, times(sign, slope)] for slope in joint.slopes]
+            spin, spin_rate = ([0.0, 0.0, times(sign, x[0])] for x in joint.motion)
         body = own.placed(joint.body) if joint.body is not None and not joint.body.is_nothing else None
-        pairs = tuple(zip(joint.coordinates, directions, strict=False))  # none where time moves it
+        pairs = tuple(zip(joint.coordinates, directions, strict=False))  # of no coordinate where time moves it
         self.links.append(Link(joint.parent, moves, pairs, spin, spin_rate, body))
         self.seats.append(own)
 
@@ -132,14 +131,13 @@ class _Layout:
             return all(abs(x - along * y) <= _EXACT for x, y in zip(own, before, strict=True))
         return all(_is_same(x, y) for x, y in zip(own, before, strict=True))
 
-    def _slide(self, joint: SpatialJoint, seat: Seat) -> tuple[tuple[Move, ...], Seat, Vector]:
-        """In the axes of the parent's link; the last is its direction there."""
+    def _slide(self, joint: SpatialJoint, seat: Seat) -> tuple[tuple[Move, ...], Seat, list[Vector]]:
+        """In the axes of the parent's link; the last are its directions."""
         G = _product(seat.G, joint.R)
-        along = product(G, joint.axis)
-        place = added(added(seat.origin, product(seat.G, joint.origin)), scaled(joint.amount, along))
-        along = seat.turn.to_parent(along)
-        shift = Shift(seat.turn.to_parent(place), *(scaled(x[0], along) for x in (joint.rates, joint.seconds)))
-        return (shift,), Seat(len(self.links), G, STILL, seat.angle), along
+        place = added(added(seat.origin, product(seat.G, joint.origin)), product(G, joint.ahead))
+        own = Seat(len(self.links), G, STILL, seat.angle)
+        shift = Shift(seat.turn.to_parent(place), *map(own.to_link, joint.motion))
+        return (shift,), own, [[*own.to_link(slope), *STILL] for slope in joint.slopes]
 
     def _turn_freely(self, joint: SpatialJoint, seat: Seat) -> tuple[tuple[Move, ...], Seat]:
         """In the axes of the frame behind it."""
