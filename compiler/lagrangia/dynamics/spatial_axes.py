@@ -1,9 +1,9 @@
 """Joints in space as they are written -> links in axes of their own, in which few operations are left.
 
-A hinge's link has z along the hinge, and its origin on it, nearest to the parent's. From the parent's z to its own a turn about
-z and one about x lead; the first adds to the angle of the parent's hinge, once. Hinges that follow each other about parallel axes
-share axes that turn with none of them, as bodies of the plane do: then their bodies are turned, not all that they carry. A slider
-keeps the axes of its parent. What follows from parameters alone is worked out once, before a run.
+A hinge's link has z along the hinge, and its origin on it, mostly nearest to the parent's. From the parent's z to its own a turn
+about z and one about x lead; the first adds to the angle of the parent's hinge, once. Hinges that follow each other about
+parallel axes share axes that turn with none of them, as bodies of the plane do: then their bodies are turned, not all that they
+carry. A slider keeps the axes of its parent. What follows from parameters alone is worked out once, before a run.
 Source: Denavit and Hartenberg (1955); Craig, Introduction to Robotics (1989), for the frame at the near end of a link.
 """
 
@@ -28,10 +28,12 @@ from lagrangia.frames.spatial_inertia import (
     Vector,
     added,
     composed,
+    cross,
     product,
     transposed,
 )
 
+_MOST_SLID = 8  # links in a row
 _EXACT = 4e-16  # what differs less from 0, 1 or -1 is that number: cos(pi/2) is 6e-17
 
 
@@ -66,6 +68,7 @@ class Seat:
     G: Matrix = SAME
     origin: Sequence[Scalar] = STILL  # before the turn about z
     angle: Scalar = 0.0
+    slid: int = 0  # links since one had its origin where its hinge is written
 
     @property
     def turn(self) -> Turn:
@@ -147,12 +150,12 @@ class _Layout:
 
     def _follow(self, joint: SpatialJoint, seat: Seat) -> tuple[tuple[Move, ...], Seat, Scalar]:
         """A hinge parallel to the one before it, in the same axes; the last is 1, or -1 where it turns the other way."""
-        x, y, z = added(seat.origin, product(seat.G, joint.origin))
+        place, origin, slid = _slid(added(seat.origin, product(seat.G, joint.origin)), seat)
         G = _product(seat.G, joint.R)
         along = product(G, joint.axis)[2]
         sign = along if isinstance(along, float) else 1.0
-        moves = (Shift(seat.turn.to_parent([x, y, 0.0])),)
-        return moves, Seat(len(self.links), G, (0.0, 0.0, z), plus(seat.angle, times(sign, joint.amount))), sign
+        moves = (Shift(seat.turn.to_parent(place)),)
+        return moves, Seat(len(self.links), G, origin, plus(seat.angle, times(sign, joint.amount)), slid), sign
 
     def _tilt(self, k: int, joint: SpatialJoint, seat: Seat) -> tuple[tuple[Move, ...], Seat, Scalar]:
         """Any other hinge: tilted to have z along it, and turned with it where none that follows is parallel."""
@@ -164,13 +167,14 @@ class _Layout:
         place, W = added(seat.origin, product(seat.G, joint.origin)), _product(seat.G, joint.R)
         for turn in turned:
             place, W = turn.to_child(place), _along_child(turn, W)
-        x, y, z = place
-        moves = [move for move in (_turn(2, seat.angle, lead), tilt) if not _is_nothing(move)] + [Shift((x, y, 0.0))]
+        place, origin, slid = _slid(place, seat)
+        moves: list[Move] = [move for move in (_turn(2, seat.angle, lead), tilt) if not _is_nothing(move)]
+        moves.append(Shift(place))
         if any(self.follows[child] for child in self.children[k]):
-            return tuple(moves), Seat(k, W, (0.0, 0.0, z), joint.amount), 1.0
+            return tuple(moves), Seat(k, _about(joint.axis, W), origin, joint.amount, slid), 1.0
         onward = self._lead_on(k, W)
         moves.append(_turn(2, joint.amount, onward))
-        return tuple(moves), Seat(k, _along_child(_turn(2, 0.0, onward), W), (0.0, 0.0, z)), 1.0
+        return tuple(moves), Seat(k, _about(joint.axis, _along_child(_turn(2, 0.0, onward), W)), origin, slid=slid), 1.0
 
     def _lead_on(self, k: int, W: Matrix) -> Scalar:
         """What to add to the angle of a hinge so that the next one is tilted about x or y alone."""
@@ -182,17 +186,50 @@ class _Layout:
         return 0.0
 
 
+def _slid(place: Sequence[Scalar], seat: Seat) -> tuple[Vector, Vector, int]:
+    """Where a link's origin is, on its hinge and nearest to the parent's, where the hinge is written from there, and how many
+    links in a row have slid so: about origins that are far away inertias have fewer digits."""
+    x, y, z = place
+    if is_zero(z):
+        return [x, y, 0.0], [0.0] * 3, 0
+    if seat.slid < _MOST_SLID:
+        return [x, y, 0.0], [0.0, 0.0, z], seat.slid + 1
+    return [x, y, z], [0.0] * 3, 0
+
+
 def _way_to(axis: Sequence[Scalar]) -> tuple[Scalar, Turn]:
     """The angle about z, and the turn about x or y after it, that lead from z to an axis."""
     x, y, z = _snapped(axis)
     if is_zero(x):
-        return 0.0, Turn(0, z, minus(0.0, y))
+        return 0.0, _tilted(0, z, minus(0.0, y))
     if is_zero(y):
-        return 0.0, Turn(1, z, x)
-    aside = plus(times(x, x), times(y, y))
+        return 0.0, _tilted(1, z, x)
     if isinstance(x, float) and isinstance(y, float):
-        return math.atan2(x, -y), Turn(0, z, math.sqrt(aside))
-    return as_expression(ca.atan2(x, -y)), Turn(0, z, as_expression(ca.sqrt(aside)))
+        return math.atan2(x, -y), _tilted(0, z, math.hypot(x, y))
+    return as_expression(ca.atan2(x, -y)), _tilted(0, z, as_expression(ca.sqrt(plus(times(x, x), times(y, y)))))
+
+
+def _tilted(axis: int, c: Scalar, s: Scalar) -> Turn:
+    """By an angle whose cosine and sine are in this ratio: what rounding makes longer would grow from link to link."""
+    if all(isinstance(x, float) and x in (0.0, 1.0, -1.0) for x in (c, s)):
+        return Turn(axis, c, s)
+    size = _root(plus(times(c, c), times(s, s)))
+    return Turn(axis, *(0.0 if is_zero(x) else x / size for x in (c, s)))
+
+
+def _about(axis: Sequence[Scalar], G: Matrix) -> Matrix:
+    """G, which takes the axis to z, orthogonal to the last digit however many links lie before it."""
+    if all(isinstance(x, float) for row in G for x in row):
+        return G
+    along = dot(G[0], axis)
+    first = [minus(x, times(along, n)) for x, n in zip(G[0], axis, strict=True)]
+    size = _root(dot(first, first))
+    first = [0.0 if is_zero(x) else x / size for x in first]
+    return [first, cross(axis, first), [*axis]]
+
+
+def _root(x: Scalar) -> Scalar:
+    return math.sqrt(x) if isinstance(x, float) else as_expression(ca.sqrt(x))
 
 
 def _turn(axis: int, amount: Scalar, more: Scalar = 0.0) -> Turn:
