@@ -26,12 +26,14 @@ typedef enum {
     LAG_INPUT_JUMPS,      /* the input of this index moves places, and jumps by so much */
     LAG_TURNED_OFF,       /* at a singular position rates became others, as of another way of moving that meets there */
     LAG_BAD_INTERVAL,     /* between the instants of the sampler of this index */
-    LAG_BAD_DELAY         /* the delay of this index is not positive, or was to change while something is on its way */
+    LAG_BAD_DELAY,        /* the delay of this index is not positive, or was to change while something is on its way */
+    LAG_ASSERTED,         /* the guard of this index does not hold */
+    LAG_ENDED             /* the same: it ends the run, as it was meant to */
 } LagStatus;
 
 typedef struct {
     int32_t status; /* LagStatus */
-    int32_t index;  /* coordinate, acceleration, initial equation, input, sampler or delay; -1: none */
+    int32_t index;  /* coordinate, acceleration, initial equation, input, sampler, delay or guard; -1: none */
     int32_t rate;   /* 1: the rate of the coordinate, 0: its position */
     double time;
     double value; /* residual of the initial equation, or what the status says */

@@ -121,24 +121,33 @@ int lag_jacobian(LagRun *run, double t, const double *y, LagImplicitMatrix *matr
         && lag_all_finite(matrix->part[2], matrix->entries);
 }
 
-void lag_outputs(LagRun *run, double t, const double *y, double *outputs)
+/* A function of the state and of what follows from it. */
+static void report(LagRun *run, const LagFunction *function, int needs_acceleration, double t, const double *y, double *results)
 {
-    const LagModel *model = run->model;
-    const double *q = y, *v = y + model->n;
+    const double *q = y, *v = y + run->model->n;
     const double *in[] = {&t, q, v, run->acceleration, run->multipliers, run->u, run->d, run->c};
     const int is_live = run->switches.is_live;
-    if (model->n_outputs == 0)
-        return;
     lag_inputs_at(&run->inputs, t, run->u);
     if (is_live)
         lag_switches_settle(run, t, y);
-    if (model->outputs_need_acceleration || run->sliding.count > 0) {
+    if (needs_acceleration || run->sliding.count > 0) {
         sliding(run, whole, t, q, v, run->acceleration, run->power);
         ++run->motion.evaluations;
     }
-    lag_call(&model->outputs, in, &outputs, run->work);
+    lag_call(function, in, &results, run->work);
     if (is_live)
         lag_switches_set_free(run, t, y);
+}
+
+void lag_outputs(LagRun *run, double t, const double *y, double *outputs)
+{
+    if (run->model->n_outputs > 0)
+        report(run, &run->model->outputs, run->model->outputs_need_acceleration, t, y, outputs);
+}
+
+void lag_guards_at(LagRun *run, double t, const double *y, double *found)
+{
+    report(run, &run->model->guards, run->model->guards_need_acceleration, t, y, found);
 }
 
 void lag_outputs_beside(LagRun *run, double t, const double *beside, const double *y, double *outputs)

@@ -22,7 +22,10 @@ int lag_kick(LagRun *run, double t, double *y);
 /* Those asked for, of the state y. */
 void lag_outputs(LagRun *run, double t, const double *y, double *outputs);
 
-/* The same, with the accelerations and multipliers of the state `beside`. */
+/* Guards and what they compare, of the state y: `found` (n_guards + n_seen). */
+void lag_guards_at(LagRun *run, double t, const double *y, double *found);
+
+/* Outputs, with the accelerations and multipliers of the state `beside`. */
 void lag_outputs_beside(LagRun *run, double t, const double *beside, const double *y, double *outputs);
 
 #endif

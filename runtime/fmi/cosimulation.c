@@ -95,9 +95,13 @@ static LagAnswer advance(LagInstance *s, double target)
 {
     int done = 0;
     const LagStatus status = lag_run_advance(s->run, &target, 1, s->row, &done, 0);
-    if (status != LAG_OK)
+    lag_instance_warn(s);
+    if (status == LAG_ENDED)
+        lag_instance_end(s);
+    else if (status != LAG_OK)
         return lag_instance_failed(s, status);
-    lag_cosimulation_take(s);
+    if (done > 0)
+        lag_cosimulation_take(s);
     return LAG_ANSWER_OK;
 }
 
@@ -120,6 +124,8 @@ static LagAnswer advance_to_event(LagInstance *s, double target, LagStepResult *
     run->row_spacing = target - run->motion.t;
     while (run->motion.t < target && !(is_event && s->may_return_early)) {
         const LagStatus status = lag_advance_step(run);
+        if (status == LAG_ENDED)
+            return advance(s, target);
         if (status != LAG_OK)
             return lag_instance_failed(s, status);
         result->is_event |= is_event;
@@ -138,7 +144,10 @@ static LagAnswer advance_watched(LagInstance *s, double target, LagStepResult *r
     while (s->vital.t < target && s->vital.t < wanted) {
         int done = 0;
         const LagStatus status = lag_run_advance_steps(s->run, 1, s->row, &done, 0);
-        if (status != LAG_OK)
+        lag_instance_warn(s);
+        if (status == LAG_ENDED)
+            lag_instance_end(s);
+        else if (status != LAG_OK)
             return lag_instance_failed(s, status);
         if (done == 0)
             break;

@@ -257,6 +257,16 @@ static int has_switched_at(LagInstance *s)
     return !lag_sliding_lasts(s->run);
 }
 
+/* Where the importer has come to: between completed steps nobody looks. */
+static LagAnswer meet_guards(LagInstance *s)
+{
+    const LagStatus status = lag_guards_meet(s->run, s->vital.t, lag_instance_projected(s, s->vital.t, s->x));
+    lag_instance_warn(s);
+    if (status == LAG_ENDED)
+        lag_instance_end(s);
+    return status == LAG_OK || status == LAG_ENDED ? LAG_ANSWER_OK : lag_instance_failed(s, status);
+}
+
 LagAnswer lag_instance_completed_step(LagInstance *s, int *needs_event)
 {
     const LagAnswer answer = lag_instance_settle(s);
@@ -267,7 +277,7 @@ LagAnswer lag_instance_completed_step(LagInstance *s, int *needs_event)
     if (!has_switched)
         lag_cones_note(s->run, s->vital.t, lag_instance_projected(s, s->vital.t, s->x));
     *needs_event = answer == LAG_ANSWER_OK && (has_switched || s->vital.t >= s->run->segment_end || is_astray(s));
-    return answer;
+    return answer == LAG_ANSWER_OK && s->model->n_guards > 0 ? meet_guards(s) : answer;
 }
 
 static double next_event(LagInstance *s)
@@ -347,6 +357,10 @@ LagAnswer lag_instance_update_discrete(LagInstance *s, LagEventInfo *info)
     if (s->kind == LAG_MODEL_EXCHANGE) {
         info->values_changed = begin_segment(s);
         lag_exchange_note(s);
+        if (s->model->n_guards > 0)
+            answer = meet_guards(s);
+        if (answer != LAG_ANSWER_OK)
+            return answer;
     } else if (s->run->segment_over && s->run->motion.t == s->vital.t) {
         const LagStatus status = lag_segment_next(s->run);
         if (status != LAG_OK)

@@ -278,7 +278,7 @@ fmi2Status fmi2NewDiscreteStates(fmi2Component c, fmi2EventInfo *eventInfo)
         return no_place(c);
     const LagAnswer answer = lag_instance_update_discrete(core(c), &info);
     eventInfo->newDiscreteStatesNeeded = fmi2False;
-    eventInfo->terminateSimulation = fmi2False;
+    eventInfo->terminateSimulation = core(c)->vital.is_over;
     eventInfo->nominalsOfContinuousStatesChanged = fmi2False;
     eventInfo->valuesOfContinuousStatesChanged = info.values_changed;
     eventInfo->nextEventTimeDefined = info.has_next;
@@ -302,8 +302,9 @@ fmi2Status fmi2CompletedIntegratorStep(fmi2Component c, fmi2Boolean noSetFMUStat
         return fmi2Error;
     if (!enterEventMode || !terminateSimulation)
         return no_place(c);
-    *terminateSimulation = fmi2False;
-    return status(lag_instance_completed_step(core(c), enterEventMode));
+    const LagAnswer answer = lag_instance_completed_step(core(c), enterEventMode);
+    *terminateSimulation = core(c)->vital.is_over;
+    return status(answer);
 }
 
 fmi2Status fmi2SetTime(fmi2Component c, fmi2Real time)
@@ -395,7 +396,7 @@ fmi2Status fmi2DoStep(fmi2Component c, fmi2Real currentCommunicationPoint, fmi2R
         return fmi2Error;
     const LagAnswer answer = lag_instance_step(core(c), currentCommunicationPoint, communicationStepSize, &result);
     ((Component *)c)->last_step = result.time;
-    return status(answer);
+    return answer == LAG_ANSWER_OK && core(c)->vital.is_over ? fmi2Discard : status(answer);
 }
 
 fmi2Status fmi2CancelStep(fmi2Component c)
@@ -440,7 +441,7 @@ fmi2Status fmi2GetBooleanStatus(fmi2Component c, const fmi2StatusKind s, fmi2Boo
         return no_status(c, "fmi2GetBooleanStatus");
     if (!cosimulates(c, LAG_CALL_STATUS, "fmi2GetBooleanStatus"))
         return fmi2Error;
-    *value = fmi2False;
+    *value = core(c)->vital.is_over;
     return fmi2OK;
 }
 

@@ -321,7 +321,8 @@ fmi3Status fmi3UpdateDiscreteStates(fmi3Instance instance, fmi3Boolean *discrete
         || !nextEventTimeDefined || !nextEventTime)
         return no_place(instance);
     const LagAnswer answer = lag_instance_update_discrete(core(instance), &info);
-    *discreteStatesNeedUpdate = *terminateSimulation = *nominalsOfContinuousStatesChanged = fmi3False;
+    *terminateSimulation = core(instance)->vital.is_over != 0;
+    *discreteStatesNeedUpdate = *nominalsOfContinuousStatesChanged = fmi3False;
     *valuesOfContinuousStatesChanged = info.values_changed != 0;
     *nextEventTimeDefined = info.has_next != 0;
     *nextEventTime = info.next;
@@ -365,7 +366,7 @@ fmi3Status fmi3CompletedIntegratorStep(fmi3Instance instance, fmi3Boolean noSetF
         return no_place(instance);
     const LagAnswer answer = lag_instance_completed_step(core(instance), &needs_event);
     *enterEventMode = needs_event != 0;
-    *terminateSimulation = fmi3False;
+    *terminateSimulation = core(instance)->vital.is_over != 0;
     return status(answer);
 }
 
@@ -468,7 +469,7 @@ fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 currentCommunicationPoi
         return no_place(instance);
     const LagAnswer answer = lag_instance_step(core(instance), currentCommunicationPoint, communicationStepSize, &result);
     *eventHandlingNeeded = result.is_event != 0;
-    *terminateSimulation = fmi3False;
+    *terminateSimulation = core(instance)->vital.is_over != 0;
     *earlyReturn = result.is_early != 0;
     *lastSuccessfulTime = result.time;
     return status(answer);

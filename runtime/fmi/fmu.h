@@ -42,6 +42,7 @@ typedef struct {
     const double *reals, *integers, *booleans;
     const char *const *strings;
     const char *const *names;             /* by value reference */
+    const char *const *guards;            /* n_guards: what is said where they break */
     const double *state_start;            /* 2 n: as declared */
     const int *state_settable;            /* 2 n */
     const double *nominal;                /* 2 n */

@@ -53,6 +53,7 @@ typedef struct {
     int has_slopes;         /* inputs are interpolated */
     int slope_is_current, outputs_are_current, energies_are_current;
     int has_stop;
+    int is_over;            /* a guard has ended the simulation, as it was meant to */
     double t, start, stop, tolerance;
     double start_energy, supports_energy; /* H, and T + V - H, at the start */
     double dissipated, work, last_time;   /* Model Exchange: the energy account up to the last completed step */
@@ -143,6 +144,9 @@ LagAnswer lag_instance_outputs(LagInstance *instance);
 LagAnswer lag_instance_energies(LagInstance *instance);
 /* Explains why the run did not go on. */
 LagAnswer lag_instance_failed(LagInstance *instance, LagStatus status);
+/* Warnings of guards that are news; and that one of them has ended the simulation. */
+void lag_instance_warn(LagInstance *instance);
+void lag_instance_end(LagInstance *instance);
 
 /* Model Exchange (exchange.c). */
 typedef struct {

@@ -4,6 +4,8 @@
 
 #include "fmi/instance.h"
 
+#include "run/guards.h"
+
 enum {
     ANY_MODE = LAG_MODE_INSTANTIATED | LAG_MODE_CONFIGURATION | LAG_MODE_INITIALIZATION | LAG_MODE_EVENT | LAG_MODE_CONTINUOUS
         | LAG_MODE_STEP | LAG_MODE_INTERMEDIATE | LAG_MODE_TERMINATED | LAG_MODE_ERROR,
@@ -62,7 +64,7 @@ LagAnswer lag_instance_log(const LagInstance *instance, LagAnswer answer, const 
     va_start(arguments, format);
     vsnprintf(message, sizeof message, format, arguments);
     va_end(arguments);
-    if (instance->logger && (instance->is_logging || answer >= LAG_ANSWER_ERROR))
+    if (instance->logger && (instance->is_logging || answer >= LAG_ANSWER_ERROR || answer == LAG_ANSWER_WARNING))
         instance->logger(instance, answer, category, message);
     return answer;
 }
@@ -83,10 +85,28 @@ static const char *name_of(const LagInstance *s, LagStatus status, int index, in
     const LagModel *m = s->model;
     if (status == LAG_BAD_INTERVAL || status == LAG_BAD_DELAY)
         return "";
+    if (status == LAG_ASSERTED)
+        return s->fmu->guards[index];
     if (status == LAG_INPUT_JUMPS)
         return s->fmu->names[1 + 4 * m->n + m->n_outputs + LAG_ENERGIES + index];
     const int place = index + (rate ? m->n : 0);
     return index >= 0 && place < 2 * m->n ? s->fmu->names[1 + place] : "";
+}
+
+void lag_instance_warn(LagInstance *s)
+{
+    double t = 0;
+    for (int i; (i = lag_run_warning(s->run, &t)) > 0;)
+        lag_instance_log(s, LAG_ANSWER_WARNING, "logStatusWarning", "at t = %.9g s: an assertion does not hold (%.600s)", t,
+                         s->fmu->guards[i - 1]);
+}
+
+void lag_instance_end(LagInstance *s)
+{
+    const LagFailure *end = lag_run_failure(s->run);
+    s->vital.is_over = 1;
+    lag_instance_log(s, LAG_ANSWER_WARNING, "logStatusWarning", "at t = %.9g s the simulation ends: %.600s", end->time,
+                     s->fmu->guards[end->index]);
 }
 
 LagAnswer lag_instance_failed(LagInstance *s, LagStatus status)
@@ -110,10 +130,11 @@ LagAnswer lag_instance_failed(LagInstance *s, LagStatus status)
     case LAG_TURNED_OFF: text = "at a singular position the motion went over to another way of moving"; break;
     case LAG_BAD_INTERVAL: text = "the interval between the instants of a sampled value is not positive"; break;
     case LAG_BAD_DELAY: text = "a delay is not positive, or was to change during the run"; break;
+    case LAG_ASSERTED: text = "an assertion does not hold"; break;
     case LAG_OUT_OF_MEMORY: text = "no memory is left"; break;
     default: break;
     }
     s->vital.mode = LAG_MODE_ERROR;
-    return lag_instance_log(s, LAG_ANSWER_ERROR, LAG_ERROR_CATEGORY, "at t = %.9g s: %s%s%.200s%s", failure->time, text,
+    return lag_instance_log(s, LAG_ANSWER_ERROR, LAG_ERROR_CATEGORY, "at t = %.9g s: %s%s%.600s%s", failure->time, text,
                             *about ? " (" : "", about, *about ? ")" : "");
 }

@@ -60,6 +60,9 @@ enum { LAG_KIND_ANGLE };
 /* What a reset leaves may rest there: positions that do not approach any more, or a rate at the end of a one-way range. */
 enum { LAG_KICK, LAG_CONTACT, LAG_ONE_WAY, LAG_SIGNAL = 4 }; /* LAG_SIGNAL beside these: of a first-order state, without energy */
 
+/* A guard that breaks (g < 0) ends the run with a failure, warns, or ends it as it was meant to; with this bit, parameters decide it. */
+enum { LAG_GUARD_ERROR, LAG_GUARD_WARNING, LAG_GUARD_END, LAG_GUARD_OF_PARAMETERS = 4 };
+
 typedef struct LagModel LagModel;
 
 /* Of u: inputs and delayed values. */
@@ -87,6 +90,9 @@ struct LagModel {
     int n_held;     /* values that are held between instants: modes */
     int n_delays;   /* delayed values */
     int n_attitudes; /* of three coordinates each, whose rates are angular velocities: attitudes.c */
+    int n_guards;   /* conditions that have to hold during a run, or end it: guards.h */
+    int n_seen;     /* what they compare, for people */
+    int guards_need_acceleration;
     int breaks_rise; /* no delayed value is made of others at once: what breaks is smoother a lag later */
     const int *coordinate_kind; /* n + n_lost: group of like coordinates */
     const int *fixed;           /* 2 (n + n_lost): LAG_START_..., of positions then rates */
@@ -101,6 +107,7 @@ struct LagModel {
     const int *held;            /* n_held: the mode of each */
     const int *stated;          /* n_delays: whether it is said what was before the start */
     const int *attitudes;       /* 2 n_attitudes: the first coordinate of each, and the first of four modes: its reference */
+    const int *guard_kinds;     /* n_guards: LAG_GUARD_... of each */
     const LagTable *tables;
     int outputs_need_acceleration; /* a or lambda */
     int switches_need_acceleration;
@@ -161,6 +168,7 @@ struct LagModel {
     LagFunction lags;       /* p                -> by how much each delayed value is late */
     LagFunction delayed;    /* t, q, v, u, d, c -> what is read late   n_delays each */
     LagFunction before;     /* t, p             -> what that was before the start; where nothing is said, 0 */
+    LagFunction guards;     /* as outputs       -> g of the guards, and what they compare   n_guards + n_seen */
 
     int n_jets;            /* 0: there are no series */
     int jet_pitch;         /* distance between the coefficients of a jet: 1, or n_jets and more where they lie order by order */

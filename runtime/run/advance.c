@@ -49,6 +49,7 @@ static LagStatus row_at(LagRun *run, double t, double *row)
     lag_outputs(run, t, y, outputs);
     lag_unsure_row(run, t, y, outputs);
     lag_account_note(run, t, y, account);
+    run->guards.row = t;
     return LAG_OK;
 }
 
@@ -58,10 +59,16 @@ static void set_deadline(LagRun *run, double seconds) { run->deadline = seconds 
 
 LagStatus lag_advance_step(LagRun *run)
 {
+    if (run->guards.broken)
+        return lag_guards_tell(run);
     const LagStatus status = lag_step(run);
     const int turned = run->branch.turned;
     const int is_lost = status == LAG_OK && turned >= 0 && lag_unsure_is_singular(run, SINGULAR);
-    return is_lost ? lag_fail(run, LAG_TURNED_OFF, turned, 1, 0) : status;
+    if (is_lost)
+        return lag_fail(run, LAG_TURNED_OFF, turned, 1, 0);
+    if (status == LAG_OK)
+        lag_guards_watch(run);
+    return status;
 }
 
 /* Steps until t is not after the present time. */
@@ -75,7 +82,7 @@ static LagStatus reach(LagRun *run, double t)
     run->wanted = t;
     while (status == LAG_OK && run->motion.t < t)
         status = time_is_over(run) ? LAG_PAUSED : lag_advance_step(run);
-    return status;
+    return status == LAG_OK && t > lag_guards_limit(run) ? lag_guards_tell(run) : status;
 }
 
 /* Times a rounding error after t_stop mean t_stop. */
@@ -92,6 +99,12 @@ LagStatus lag_advance_to(LagRun *run, double t, double *row)
     return status == LAG_OK ? row_at(run, time, row) : status;
 }
 
+/* The row at which the run ends as it was meant to, if it was not told already. */
+static int is_last_row(LagRun *run, double *row)
+{
+    return !(run->guards.row >= run->guards.end) && row_at(run, run->guards.end, row) == LAG_OK;
+}
+
 LagStatus lag_run_advance(LagRun *run, const double *times, int rows, double *results, int *done, double seconds)
 {
     const size_t width = (size_t)lag_run_row_width(run->model);
@@ -101,12 +114,13 @@ LagStatus lag_run_advance(LagRun *run, const double *times, int rows, double *re
         return lag_fail(run, LAG_NOT_STARTED, -1, 0, 0);
     run->row_spacing = rows > 0 ? (times[rows - 1] - run->motion.t) / rows : 0;
     for (int i = 0; i < rows; ++i) {
-        const LagStatus status = lag_advance_to(run, times[i], results + (size_t)i * width);
+        double *row = results + (size_t)i * width;
+        const LagStatus status = lag_advance_to(run, times[i], row);
+        *done = i + (status == LAG_OK || (status == LAG_ENDED && is_last_row(run, row)));
         if (status != LAG_OK)
-            return status;
-        *done = i + 1;
+            return status == LAG_ENDED ? lag_guards_tell(run) : status;
     }
-    return LAG_OK;
+    return rows > 0 && run->guards.broken && times[rows - 1] >= run->guards.end ? lag_guards_tell(run) : LAG_OK;
 }
 
 LagStatus lag_run_advance_steps(LagRun *run, int rows, double *results, int *done, double seconds)
@@ -119,12 +133,12 @@ LagStatus lag_run_advance_steps(LagRun *run, int rows, double *results, int *don
     while (*done < rows && run->motion.t < run->settings.t_stop) {
         LagStatus status = time_is_over(run) ? LAG_PAUSED : lag_advance_step(run);
         if (status == LAG_OK)
-            status = row_at(run, run->motion.t, results + (size_t)*done * width);
+            status = row_at(run, lag_guards_limit(run), results + (size_t)*done * width);
         if (status != LAG_OK)
             return status;
         ++*done;
     }
-    return LAG_OK;
+    return *done < rows ? lag_guards_tell(run) : LAG_OK;
 }
 
 LagStatus lag_run_cut(LagRun *run, double t)
@@ -140,6 +154,7 @@ LagStatus lag_run_cut(LagRun *run, double t)
     motion->t_old = t;
     run->segment_over = 1;
     lag_switches_forget(run);
+    lag_guards_forget(run, t);
     return LAG_OK;
 }
 

@@ -208,6 +208,8 @@ void lag_batch_conclude(LagBatch *batch, LagFollower *f, int64_t i, LagStatus st
     const LagStatistics *statistics = lag_run_statistics(f->run);
     for (size_t k = rows_size(batch, f->next_row); k < rows_size(batch, batch->sweep.n_rows); ++k)
         f->rows[k] = NAN;
+    double when = 0;
+    outcome->warned = lag_run_warning(f->run, &when);
     if (outcome->kind == LAG_RUN_DONE && status != LAG_OK)
         tell_failure(f->run, status, outcome);
     if (outcome->kind != LAG_RUN_PARAMETER) {

@@ -94,6 +94,8 @@ LagStatus lag_run_start(LagRun *run, const double *q_given, const double *v_give
     if (!settings_valid(&run->settings) || !lag_methods_permit(run->model, run->methods.solver))
         return lag_fail(run, LAG_BAD_SETTINGS, -1, 0, 0);
     guess(run, q_given, v_given);
+    if (lag_guards_reset(run) != LAG_OK)
+        return run->failure.status;
     if (run->model->n_initial > 0 && !lag_parts.assemble)
         return lag_fail(run, LAG_BAD_SETTINGS, -1, 0, 0);
     const int worst = run->model->n_initial > 0 ? lag_parts.assemble(&run->assembly, run->p, run->fixed, run->start, run->work) : -1;
@@ -117,7 +119,9 @@ LagStatus lag_run_start(LagRun *run, const double *q_given, const double *v_give
     run->start_energy = energies[2];
     run->given_energy = 0;
     lag_stiffness_reset(run);
-    const LagStatus status = lag_segment_evaluate(run);
+    LagStatus status = lag_segment_evaluate(run);
+    if (status == LAG_OK)
+        status = lag_guards_meet(run, run->motion.t, run->motion.y);
     run->statistics.passed = lag_contacts_find_passed(run);
     run->started = status == LAG_OK;
     return status;

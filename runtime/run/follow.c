@@ -207,10 +207,11 @@ LagStatus lag_follow_end(LagFollower *f)
 {
     if (!f->held)
         lag_run_set_stop(f->run, f->sweep->t_stop);
-    return lag_follow_visit(f, INFINITY);
+    const LagStatus status = lag_follow_visit(f, INFINITY);
+    return status == LAG_OK ? lag_guards_tell(f->run) : status;
 }
 
-LagStatus lag_follow_run(LagFollower *f)
+static LagStatus follow(LagFollower *f)
 {
     LagStatus status = lag_follow_begin(f);
     for (int64_t steps = 1; status == LAG_OK && f->n_pending > 0 && lag_run_time(f->run) < f->sweep->t_stop; ++steps) {
@@ -221,10 +222,31 @@ LagStatus lag_follow_run(LagFollower *f)
     return status == LAG_OK ? lag_follow_end(f) : status;
 }
 
+/* A guard has ended the run, as it was meant to: what is asked for at its end is there. */
+static LagStatus end_early(LagFollower *f)
+{
+    int done = 0;
+    f->end = lag_run_failure(f->run)->time;
+    const LagStatus status = lag_run_advance(f->run, &f->end, 1, f->row, &done, 0);
+    for (; f->next_at < f->n_at && done > 0; ++f->next_at) {
+        const int i = f->at[f->next_at];
+        if (f->sweep->reductions[i].or_equal)
+            lag_reduce_row(&f->sweep->reductions[i], &f->reduced[i], f->row);
+    }
+    return status == LAG_ENDED ? LAG_OK : status;
+}
+
+LagStatus lag_follow_run(LagFollower *f)
+{
+    const LagStatus status = follow(f);
+    return status == LAG_ENDED ? end_early(f) : status;
+}
+
 void lag_follow_start(LagFollower *f)
 {
     f->next_at = f->next_row = 0;
     f->row[0] = NAN;
+    f->end = f->sweep->t_stop;
     f->n_pending = f->sweep->n_reductions - f->n_at;
     for (int i = 0; i < f->sweep->n_reductions; ++i) {
         f->taken[i] = lag_reduce_first(&f->sweep->reductions[i]);
@@ -234,7 +256,7 @@ void lag_follow_start(LagFollower *f)
 
 static double duration(const LagFollower *f, const LagReduction *what)
 {
-    return fmin(f->sweep->t_stop, what->to) - fmax(f->sweep->t_start, what->from);
+    return fmin(f->end, what->to) - fmax(f->sweep->t_start, what->from);
 }
 
 int lag_follow_again(LagFollower *f)

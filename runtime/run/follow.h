@@ -37,6 +37,7 @@ typedef struct {
     const double *held; /* inputs from each row to the next; NULL: as they are */
     int next_row;
     int is_led; /* steps are made elsewhere, and nothing that rows tell of them is asked for */
+    double end; /* of the run: t_stop, or where a guard ends it */
     double deadline;
     const volatile int32_t *stop;
 } LagFollower;

@@ -26,7 +26,7 @@ const LagSize lag_sizes[] = {
     SIZE_OF(LagSweep),
     SIZE_OF(LagOutcome),
     SIZE_OF(LagCycle),
-    COUNT_OF("LagStatus", LAG_BAD_DELAY),
+    COUNT_OF("LagStatus", LAG_ENDED),
     COUNT_OF("LAG_SOLVER", LAG_SOLVERS - 1),
     COUNT_OF("LagOp", LAG_OP_COUNT - 1),
     COUNT_OF("LagJetOp", LAG_JET_COUNT - 1),

@@ -52,7 +52,7 @@ typedef struct {
     double size;
     double centre;    /* taken off the quantity */
     double from, to;  /* the times it is taken over, from < to */
-    int32_t or_equal; /* the condition holds at the level, too */
+    int32_t or_equal; /* the condition holds at the level, too; of LAG_REDUCE_AT: at the end of a run that ends before */
     int32_t keeps_cycles; /* of rainflow: range, mean and count of each */
 } LagReduction;
 

@@ -20,7 +20,8 @@ static size_t work_size(const LagModel *model)
                                       &model->place, &model->steer, &model->jacobian, &model->tangent, &model->velocity,
                                       &model->force, &model->regular, &model->residual, &model->nearest,
                                       &model->kick, &model->switches, &model->resets, &model->roots,
-                                      &model->held_first, &model->samples, &model->lags, &model->delayed, &model->before};
+                                      &model->held_first, &model->samples, &model->lags, &model->delayed, &model->before,
+                                      &model->guards};
     size_t largest = 0;
     for (size_t i = 0; i < sizeof functions / sizeof *functions; ++i)
         largest = functions[i]->n_work > largest ? functions[i]->n_work : largest;
@@ -64,6 +65,7 @@ static void layout(LagRun *run, LagArena *arena)
     lag_methods_layout(&run->methods, &run->settings, model, &run->motion, arena);
     lag_roots_layout(&run->roots, model, run->motion.size, arena);
     lag_unsure_layout(&run->unsure, model, arena);
+    lag_guards_layout(&run->guards, model, run->motion.size, arena);
     lag_branch_layout(&run->branch, model, arena);
     lag_orbit_layout(&run->orbit, model, &run->settings, arena);
 }
@@ -174,7 +176,7 @@ LagStatus lag_run_set_parameters(LagRun *run, const double *given, const double 
         run->segment_over = 1;
         lag_project_forget(run);
     }
-    return LAG_OK;
+    return run->started ? lag_guards_of_parameters(run) : LAG_OK;
 }
 
 const double *lag_run_parameters(const LagRun *run) { return run->p; }

@@ -119,7 +119,7 @@ LagRunLanes *lag_lanes_new(LagBatch *batch)
     const LagModel *model = batch->model;
     LagSettings settings = batch->alone.run->settings;
     const int is_wanted = batch->sweep.in_lanes && is_asked(&settings) && takes_one_run(&batch->sweep);
-    if (!is_wanted || !lag_wide_taylor_serves(model) || !fits(model, &settings))
+    if (!is_wanted || model->n_guards > 0 || !lag_wide_taylor_serves(model) || !fits(model, &settings))
         return NULL;
     LagRunLanes *s = calloc(1, sizeof *s);
     if (!s)

@@ -58,7 +58,7 @@ LagStatus lag_window_step(LagWindow *window)
 {
     int done = 0;
     const LagStatus status = lag_run_advance_steps(window->run, 1, window->end, &done, 0);
-    window->end_time = lag_run_time(window->run);
+    window->end_time = done > 0 ? window->end[0] : lag_run_time(window->run);
     return status;
 }
 

@@ -10,6 +10,7 @@
 #include "steps/orbit.h"
 #include "state/project.h"
 #include "steps/roots.h"
+#include "run/guards.h"
 #include "run/unsure.h"
 #include "state/settings.h"
 #include "events/sliding.h"
@@ -65,6 +66,7 @@ struct LagRun {
     LagOrbit orbit;
     LagRoots roots;
     LagUnsure unsure;
+    LagGuards guards;
     LagBranch branch;
 
     int started;

@@ -15,7 +15,7 @@ import lagrangia as lag
 from lagrangia.base.folders import data_folder
 from lagrangia.command import summary
 from lagrangia.constraints import assembly, initial, metric, newton
-from lagrangia.dynamics import impacts
+from lagrangia.dynamics import guarding, impacts
 from lagrangia.native.build import build
 from lagrangia.run import batch, runtime, simulate
 from lagrangia.run.library import start_runtime
@@ -91,6 +91,8 @@ def test_small_numbers_are_those_of_c() -> None:
     assert numbers([f"LAG_START_{name}" for name in starts]) == list(starts.values())
     assert (summary._GUESS, summary._FIXED, summary._FREE) == (initial.GUESS, initial.FIXED, initial.FREE)
     assert numbers(["LAG_KICK", "LAG_CONTACT", "LAG_ONE_WAY"]) == [impacts.KICK, impacts.CONTACT, impacts.ONE_WAY]
+    kinds = ["ERROR", "WARNING", "END", "OF_PARAMETERS"]
+    assert numbers([f"LAG_GUARD_{name}" for name in kinds]) == [*guarding.KINDS.values(), guarding.OF_PARAMETERS]
     assert numbers([f"LAG_METRIC_{way.name}" for way in metric.Way]) == [way.value for way in metric.Way]
 
 
@@ -101,8 +103,8 @@ def test_small_numbers_are_those_of_c() -> None:
     ("file", "change", "said"),
     [
         ("state/settings.h", ("double max_step;", "double max_step, more;"), "LagSettings has 64 bytes in it, and 56 here"),
-        ("base/status.h", ("    LAG_PAUSED,", "    LAG_PAUSED, LAG_MORE,"), "LagStatus has 23 numbers in it, and 22 here"),
-        ("run/batch.h", ("    int32_t padding;", "    int32_t padding, more[2];"), "LagOutcome has 64 bytes in it, and 56 here"),
+        ("base/status.h", ("    LAG_PAUSED,", "    LAG_PAUSED, LAG_MORE,"), "LagStatus has 25 numbers in it, and 24 here"),
+        ("run/batch.h", ("    int32_t warned; ", "    int32_t warned, more[2]; "), "LagOutcome has 64 bytes in it, and 56 here"),
     ],
 )
 def test_a_library_of_another_version_is_refused(tmp_path: Path, file: str, change: tuple[str, str], said: str) -> None:

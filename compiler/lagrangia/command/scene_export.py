@@ -92,6 +92,9 @@ def export_warnings(model: "Model", target: str) -> list[Diagnostic]:
     events = [Diagnostic("warning", "L0741", f"the event '{when.condition.span.text}' is left out of the export to {target}, "
                          "whose equations hold between events", when.span, "", ("an FMU has the events: --to fmu",))
               for when in c.flat.whens if target == "sympy"]
+    events += [Diagnostic("warning", "L0741", f"'{guard.condition.span.text}', which ends a run or has to hold, is left out of "
+                          f"the export to {target}", guard.span, "", ("lag simulate and an FMU ask for it: --to fmu",))
+               for guard in c.flat.guards if target in ("python", "casadi", "modelica", "sympy")]
     if target not in ("python", "casadi", "modelica", "sympy") or not bends(c.run) or not c.motion.q.numel():
         return events
     spans = {load.statement.component: load.statement.span for load in c.energies.loads}

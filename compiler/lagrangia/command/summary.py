@@ -54,6 +54,8 @@ def summarise(options: Namespace, model: Model, progress: Progress, target: str,
         say(f"  energy account closes to {statistics.energy_residual:.1e} J{relative}")
         for text in shortcomings(progress):
             say(f"  {text}")
+    if progress.ended:
+        say(f"  {progress.ended}")
     _tell_unlooked(scene, say)
     apart = "" if experiment.at is not None else f", one every {experiment.interval:g} s"
     say(f"  {progress.rows} rows in {target}{apart}" + (f", picture in {options.plot}" if options.plot else ""))

@@ -159,6 +159,8 @@ def _summarise(sweep: Sweep, target: str, now: int, has_stats: bool) -> None:
     say(f"  {sweep.experiment}")
     for what, count in sweep.common_failures() if failed else []:
         say(f"  {count} failed: {what}")
+    for what in sweep.warnings():
+        say(f"  {what}")
     for measure in sweep.job.measures[:_MOST_SHOWN]:
         say(f"  {measure.text}: {_spread(sweep, measure)}")
         for line in told_of_chance(sweep, measure):

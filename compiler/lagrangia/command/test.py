@@ -26,15 +26,15 @@ def test_command(options: Namespace) -> int:
         for model in _models(file, is_named=str(file) in options.files):
             begin = time.perf_counter()
             try:
-                said = _tried(options, file, model, tolerance)
+                said, warned = _tried(options, file, model, tolerance)
             except RunError as error:
-                said = str(error)
+                said, warned = str(error), []
             except LagError as error:
                 wrong += 1
-                said = render_all(error.diagnostics, sys.stdout.isatty())
+                said, warned = render_all(error.diagnostics, sys.stdout.isatty()), []
             passed, failed = passed + (not said), failed + bool(said)
             took = f"{time.perf_counter() - begin:.2f} s"
-            print(f"FAILED {model} ({file}, {took})\n{said}" if said else f"passed {model} ({file}, {took})")
+            print(f"{'FAILED' if said else 'passed'} {model} ({file}, {took})", *warned, *([said] if said else []), sep="\n")
     if not passed + failed:
         fail("L0001", "there is nothing to test", None, f"the names of models that test begin with {_PREFIX}")
     print(f"{passed} passed, {failed} failed")
@@ -58,8 +58,8 @@ def _models(file: Path, is_named: bool) -> Iterator[str]:
     yield from [name for name in models if name.startswith(_PREFIX)] or models[-1 if is_named else len(models) :]
 
 
-def _tried(options: Namespace, file: Path, name: str, tolerance: float) -> str:
-    """What is wrong with a run; "" for nothing. Raises LagError, RunError."""
+def _tried(options: Namespace, file: Path, name: str, tolerance: float) -> tuple[str, list[str]]:
+    """What is wrong with a run, "" for nothing, and what assertions warn of. Raises LagError, RunError."""
     model = Model(file, name)
     tell_warnings(options, model)
     table = file.with_name(f"{name}.csv")
@@ -67,9 +67,16 @@ def _tried(options: Namespace, file: Path, name: str, tolerance: float) -> str:
         run = model.simulate()
         if options.update:
             run.to_csv(table)
-        return ""
+        return "", _warned(run)
     times, columns = read_table(table)
-    return "\n".join(_differences(model.simulate(at=times), columns, tolerance, table))
+    run = model.simulate(at=times)
+    if len(run.time) != len(times):
+        return f"   the run {run.ended}; {table.name} goes on to t = {times[-1]:g} s", _warned(run)
+    return "\n".join(_differences(run, columns, tolerance, table)), _warned(run)
+
+
+def _warned(run: Trajectory) -> list[str]:
+    return [f"   {text}" for text in run.progress.warned]
 
 
 def _differences(run: Trajectory, columns: dict[str, list[float]], tolerance: float, table: Path) -> Iterator[str]:

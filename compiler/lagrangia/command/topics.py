@@ -4,6 +4,7 @@ from collections.abc import Callable, Mapping
 
 from lagrangia.base.diagnostics import fail, suggest
 from lagrangia.base.folders import data_folder
+from lagrangia.command.assertions_topic import ASSERTIONS
 from lagrangia.command.curves_topic import curves_topic
 from lagrangia.command.drawing_topic import drawing_topic
 from lagrangia.command.editor_topic import EDITOR
@@ -54,7 +55,8 @@ equation for i in 1:n-1 loop connect(link[i].b, link[i+1].a); end for;
 A literal may carry a unit: 30[deg], 1.5[kN/m]. A bare number takes the unit of its place. Dimensions are checked.
 Gravity is {0, -9.81} unless the scene declares World world(gravity = {0, 0}). A body that is joined to nothing floats with
 coordinates of its own, named after its frame: bar.center.x, bar.center.y, bar.center.phi. Ground is always written: a = world.
-See also: lag help reference (all constructs, packages, records, matrices), library, functions, events, signals, tables, units.
+See also: lag help reference (all constructs, packages, records, matrices), library, functions, events, assertions, signals,
+tables, units.
 """
 
 _EVENTS = """\
@@ -463,6 +465,7 @@ TOPICS: Mapping[str, tuple[str, Callable[[], str]]] = {
     "library": ("the components and what they state", library_topic),
     "drives": ("drive trains: shafts, gears, clutches, what slides along a line", lambda: DRIVES),
     "functions": ("mathematical functions, sources in time, your own functions", lambda: _FUNCTIONS),
+    "assertions": ("what has to hold, and where a run ends", lambda: ASSERTIONS),
     "events": ("events that reset rates: impacts, contacts, kicks", lambda: _EVENTS),
     "drawing": ("how components look: the drawing section", drawing_topic),
     "curves": ("pictures of runs: curves, phase portraits, spectra, sections", curves_topic),

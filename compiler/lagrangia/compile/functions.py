@@ -14,11 +14,13 @@ from lagrangia.algebra.scalars import symbols_in
 from lagrangia.algebra.with_casadi import Mode
 from lagrangia.base.records import dataclass
 from lagrangia.compile.hoisting import Hoisted, hoist
+from lagrangia.compile.mode_places import find_lookups, find_pieces, find_samplers
 from lagrangia.constraints.initial import InitialConditions, initial_function, start_function
 from lagrangia.constraints.parameters import all_parameters, at_start, parameters_of, scalars
 from lagrangia.constraints.rows import Constraints
 from lagrangia.dynamics.constrained_motion import ConstrainedMotion, RegularMotion
 from lagrangia.dynamics.delaying import Delaying, find_delaying
+from lagrangia.dynamics.guarding import NOT_GUARDED, Guarding, find_guarding
 from lagrangia.dynamics.hamilton import Hamilton
 from lagrangia.dynamics.impulses import find_kick
 from lagrangia.dynamics.jacobians import Jacobian, build_jacobian
@@ -56,6 +58,7 @@ class Functions:
     form: Taken | None  # of a linear scene: whether `auto` takes the solver `linear`
     settled: int  # how many of the hoisted values are: see hoisting.py
     thresholds: tuple[float, ...] = ()  # with which rates are compared where forces jump
+    guarding: Guarding = NOT_GUARDED
 
 
 def build_functions(
@@ -65,7 +68,10 @@ def build_functions(
     """`outputs` are the names to report besides coordinates and rates; see language/observables.py. `is_implicit`: implicit steps
     are asked for, whose matrix else waits where it is large. Raises LagError L0701."""
     names, y = _outputs(kinematics, outputs)
-    y, motion = with_reactions(y, kinematics, motion, constraints), without_negative_inertia(kinematics, motion)
+    guarding = find_guarding(kinematics)
+    told = with_reactions(ca.vertcat(y, guarding.values), kinematics, motion, constraints)
+    y, guarded = ca.vertsplit(told, [0, y.numel(), told.numel()])
+    motion = without_negative_inertia(kinematics, motion)
     held, modes = motion.constrained, kinematics.algebra.modes
     symbols, multipliers = (held.symbols, held.multipliers) if held else (ca.SX(0, 1), ca.SX(0, 1))
     power, energy = _power(motion, motion.source_power), ca.vertcat(motion.T, motion.V, motion.H)
@@ -75,6 +81,7 @@ def build_functions(
     switches = find_switches(motion, delaying.values)
     found, hoisted = _hoisted({
         "rhs": switches.hold([motion.acceleration, power, multipliers]), "outputs": switches.hold([y]), "energies": [energy],
+        "guards": switches.hold([guarded]),
         **_constrained(motion, energy, switches), "flow": flow, "jacobian": switches.hold(jacobian.values), "kick": [kick.rates],
         "delayed": switches.hold([ca.densify(delaying.values)]), **_watched(motion, switches)}, motion.p)
     t, q, v, a, u, c = motion.t, motion.q, motion.v, motion.a, motion.u, hoisted.c
@@ -91,13 +98,17 @@ def build_functions(
     table |= _mode_functions(motion, modes) | _kick_function(state, found["kick"], kick.before)
     table |= _start_functions(kinematics, motion, initial) | _sampling_functions(kinematics, motion, sampling)
     table |= _delay_functions(motion, delaying, [*state[:4], full[-2], c], found["delayed"])
+    if guarding.kinds:
+        table["guards"] = ca.Function("guards", full, found["guards"], all_labels, ["g"])
     needs = bool(y.numel()) and ca.depends_on(y, ca.vertcat(a, symbols))
     patterns, refused, pays = _add_linear(table, kinematics, motion)
-    patterns |= {"reset_places": _reset_places(kinematics, motion), **_patterns(jacobian, switches, modes)} | delaying.patterns
+    patterns |= {"reset_places": _reset_places(kinematics, motion), **_patterns(jacobian, switches, modes)}
+    patterns |= delaying.patterns | guarding.patterns
     refused |= _refusals(jacobian, bool(len(patterns.get("cones", ()))), bool(delaying.stated))
     return Functions(table, names, tuple(kind for _, kind in _events(modes)), power.numel(), needs, patterns, refused,
-                     {**jacobian.sizes, "n_lengths": switches.lengths, "breaks_rise": int(delaying.rises)}, pays, hoisted.settled,
-                     find_thresholds(motion, switches))
+                     {**jacobian.sizes, "n_lengths": switches.lengths, "breaks_rise": int(delaying.rises),
+                      **guarding.sizes(guarded, ca.vertcat(a, symbols))},
+                     pays, hoisted.settled, find_thresholds(motion, switches), guarding)
 
 
 def _refusals(jacobian: Jacobian, has_cones: bool, is_late: bool) -> dict[str, str]:
@@ -449,36 +460,6 @@ def _delay_functions(motion: Motion, delaying: Delaying, state: list[ca.SX], val
     if any(delaying.stated):
         table["before"] = ca.Function("before", [motion.t, motion.p], [ca.densify(delaying.before)], ["t", "p"], ["x"])
     return table
-
-
-def find_samplers(modes: list[Mode]) -> dict[str, tuple[int, ...]]:
-    """LagModel.samplers: of each the event of its instants; LagModel.held: the modes that they change. Nothing where there are
-    none."""
-    places: dict[int, int] = {}
-    event = 0
-    for mode in {id(mode.arguments): mode for mode in modes}.values():
-        if mode.of_sampler is not None:
-            places[mode.of_sampler] = event
-        event += len(mode.arguments)
-    held = tuple(k for k, mode in enumerate(modes) if mode.of_sampler is not None)
-    return {"samplers": tuple(places[k] for k in sorted(places)), "held": held} if held else {}
-
-
-def find_pieces(modes: list[Mode]) -> tuple[int, ...]:
-    """LagModel.pieces: of each input that is a polynomial of time its place among them, those of its rates, its first mode."""
-    firsts = [(mode, k) for k, mode in enumerate(modes) if mode.of_input is not None and mode.column == 0]
-    return tuple(x for mode, k in firsts for x in (*(mode.of_input or ()), k))
-
-
-def find_lookups(modes: list[Mode]) -> tuple[int, ...]:
-    """LagModel.lookups: of each table in time its event and its first mode."""
-    shared = {id(mode.arguments): mode for mode in modes}
-    starts, event = {}, 0
-    for key, mode in shared.items():
-        starts[key] = event
-        event += len(mode.arguments)
-    firsts = {id(mode.arguments): k for k, mode in reversed([*enumerate(modes)]) if mode.use}
-    return tuple(x for key in shared if key in firsts for x in (starts[key], firsts[key]))
 
 
 def _mode_functions(motion: Motion, modes: list[Mode]) -> dict[str, ca.Function]:

@@ -17,6 +17,7 @@ from lagrangia.constraints.parameters import scalars
 from lagrangia.constraints.rows import Constraints
 from lagrangia.dynamics.constrained_motion import ConstrainedMotion
 from lagrangia.dynamics.double_roots import touching_notes
+from lagrangia.dynamics.guarding import OF_PARAMETERS, tell_guards
 from lagrangia.dynamics.hamilton import is_separable
 from lagrangia.dynamics.idle_lines import find_idle_lines
 from lagrangia.dynamics.idle_statements import find_idle_statements
@@ -73,7 +74,8 @@ def build_scene(
         event_kind=functions.event_kinds, initial_places=_initial_places(initial), lost=_lost_starts(model, initial),
         notes=_notes(motion, tapes)
         | {"form": functions.form.why if functions.form else "", "thresholds": [*functions.thresholds]}
-        | _freedom(kinematics, motion, constraints, is_still) | _told(kinematics, initial),
+        | _freedom(kinematics, motion, constraints, is_still) | _told(kinematics, initial)
+        | ({"guards": tell_guards(model, functions.guarding)} if model.guards else {}),
         refused={**functions.refused, **({"conservative": no_momenta} if no_momenta else {})},
     ))
 
@@ -93,6 +95,8 @@ def _is_of_one_freedom(motion: Motion) -> bool:
 def divide(scene: Scene, kinematics: Kinematics, motion: Motion, initial: InitialConditions) -> Scene:
     """The scene with its islands, each as a scene of its own, where there are some."""
     reason, groups = _whole(motion, kinematics.graph.model)
+    if any(kind < OF_PARAMETERS for kind in scene.patterns.get("guard_kinds", ())):
+        reason = "not supported yet: islands of scenes with assertions of the motion, or terminate"
     if reason:
         return replace(scene, refused={**scene.refused, "islands": reason})
     motions = [island_motion(kinematics, motion, groups, k) for k in range(len(groups))]

@@ -3,11 +3,12 @@
 import math
 from collections.abc import Sequence
 
-from lagrangia.fmu.tables import constants, sizes_of, vectors
+from lagrangia.fmu.tables import constants, guards_of, sizes_of, vectors
 from lagrangia.fmu.variables import FmuModel
 from lagrangia.native.c_code import INCLUDES, write_c, write_functions
 from lagrangia.native.tapes import Tape
 
+_LISTS = ("state_settable", "parameter_settable", "names", "strings", "guards")
 # Scenes with more operations than this stay tapes, as data: a C compiler takes some 0.2 ms an operation, for each platform.
 _LARGEST_COMPILED = 3_000
 
@@ -34,12 +35,13 @@ def table_source(model: FmuModel, token: str) -> str:
              "LAG_API extern const LagModel lag_model;", "", *functions]
     lines += [f"static const double {name}[] = {{{', '.join(map(_number, values)) or '0'}}};" for name, values in numbers.items()]
     lines += [_flags("state_settable", model.state_settable), _flags("parameter_settable", model.settable)]
-    lines += [_texts("names", [v.name for v in model.variables]), _texts("strings", [str(x) for x in given["string"]]), ""]
+    lines += [_texts("names", [v.name for v in model.variables]), _texts("strings", [str(x) for x in given["string"]])]
+    lines += [_texts("guards", guards_of(model)), ""]
     lines += ["const LagFmu lag_fmu = {", "    .model = &lag_model,", f"    .token = {_quoted(token)},",
               f"    .start = {_number(scene.start)},", f"    .tolerance = {_number(scene.tolerance)},",
               f"    .stabilisation = {_number(model.stabilisation)},"]
     lines += [f"    .n_{group}s = {len(values)}," for group, values in given.items()]
-    lines += [f"    .{name} = {name}," for name in (*numbers, "state_settable", "parameter_settable", "names", "strings")]
+    lines += [f"    .{name} = {name}," for name in (*numbers, *_LISTS)]
     lines += [f"    .{name} = {value}," for name, value in initializers.items()]
     return "\n".join([*lines, "};", ""])
 

@@ -20,6 +20,11 @@ def constants(model: FmuModel) -> Mapping[str, Sequence[float | bool | str | Non
     return {group: [variable.start for variable in model.of(group)] for group in _GROUPS}
 
 
+def guards_of(model: FmuModel) -> list[str]:
+    """What is said where assertions do not hold, and at the ends of runs."""
+    return [str(guard["text"]) for guard in model.scene.notes.get("guards", ())]
+
+
 def vectors(model: FmuModel) -> Mapping[str, Sequence[float]]:
     """Those of doubles."""
     given, limits = constants(model), model.of("parameter")

@@ -236,7 +236,7 @@ class _Building:
         model = self.model
         roots: list[Flat] = [e.value for e in model.energies] + [x for w in model.works for x in (w.force, w.position)]
         roots += [x for e in (*model.initial_equations, *model.constraints) for x in (e.left, e.right)]
-        roots += [x for when in (*model.whens, *model.samplers, *model.delays) for x in when.expressions()]
+        roots += model.looks()
         roots += [v.binding for v in model.variables.values() if v.is_output and v.binding is not None]
         return self._read_frames(roots)
 

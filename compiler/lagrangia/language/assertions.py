@@ -1,38 +1,73 @@
-"""assert(condition, text, level): of what is known when the scene is compiled (Modelica 3.6, section 8.3.7)."""
+"""assert(condition, text, level) and terminate(text) (Modelica 3.6, section 8.3.7 and 8.3.8).
 
-from collections.abc import Sequence
+What is known when the scene is compiled is checked at once; of all else a run takes care, as guards.
+"""
 
-from lagrangia.base.diagnostics import Report, Span, fail
+from collections.abc import Mapping, Sequence
+
+from lagrangia.base.diagnostics import LagError, Report, Span, fail
+from lagrangia.language.events import level_of
+from lagrangia.language.flat import Guard
 from lagrangia.language.folding import fold
 from lagrangia.language.instances import Scope
 from lagrangia.language.names import Names
-from lagrangia.language.tree import Call, Expression, Reference, String
+from lagrangia.language.tree import Call, Expression, Flat, Reference, String
 
 _WRITE = 'write: assert(n > 2, "three or more links");'
-_LEVELS = ("AssertionLevel.error", "AssertionLevel.warning")
+_ENDS = 'write: when x > 1 then terminate("it is there"); end when;'
+_LEVELS: Mapping[str, str] = {"AssertionLevel.error": "error", "AssertionLevel.warning": "warning"}
 
 
-def check_assertion(call: Call[Expression], scope: Scope, place: Span, names: Names, report: Report) -> None:
-    """An error, or a warning L0238, where it does not hold. Raises LagError L0215, L0302, L0901 where the motion decides."""
+def guard_of(call: Call[Expression], scope: Scope, place: Span, names: Names, report: Report) -> list[Guard]:
+    """The guard of an assertion that parameters or the motion decide; of another one, an error or a warning L0238 where it does
+    not hold. Raises LagError L0215, L0225, L0302."""
     condition, text, level = _parts(call, place)
-    said = names.flatten(text, scope)
-    if not isinstance(said, String):
-        fail("L0302", "what an assertion says is a text", text.span, _WRITE)
+    said = _text(text, scope, names, "what an assertion says is a text", _WRITE)
     is_warning = False
     if level is not None:
         if not isinstance(level, Reference) or str(level) not in _LEVELS:
             fail("L0215", f"the level of an assertion is {' or '.join(_LEVELS)}", level.span)
-        is_warning = str(level) == _LEVELS[1]
-    holds = fold(names.flatten(condition, scope))
+        is_warning = _LEVELS[str(level)] == "warning"
+    flat = names.flatten(condition, scope)
+    holds = fold(flat)
     if holds is None:
-        fail("L0901", "not supported yet: an assertion that parameters or the motion decide", condition.span,
-             "of Integer, Boolean and constant values it is checked; a parameter has limits: Mass m(min = 0)")
+        return [Guard(flat, _required(flat), said, "warning" if is_warning else "error", scope.instance.path, place)]
     if not isinstance(holds, bool):
         fail("L0302", "a condition is true or false", condition.span, _WRITE)
     if not holds and is_warning:
-        report.warning("L0238", said.value, place, "the assertion does not hold")
+        report.warning("L0238", said, place, "the assertion does not hold")
     elif not holds:
-        report.error("L0238", said.value, place, "the assertion does not hold")
+        report.error("L0238", said, place, "the assertion does not hold")
+    return []
+
+
+def ending_of(call: Call[Expression], scope: Scope, place: Span, names: Names) -> str:
+    """What terminate(text) says. Raises LagError L0215, L0302."""
+    if len(call.arguments) != 1 or call.named:
+        fail("L0215", f"terminate takes a text, not {len(call.arguments) + len(call.named)} arguments", place, _ENDS)
+    return _text(call.arguments[0], scope, names, "what is said at the end is a text", _ENDS)
+
+
+def refuse_ending(place: Span) -> None:
+    """Of a terminate that stands in no `when`. Raises LagError L0222."""
+    fail("L0222", "terminate stands in a when", place, _ENDS)
+
+
+def _text(node: Expression, scope: Scope, names: Names, what: str, hint: str) -> str:
+    said = names.flatten(node, scope)
+    if not isinstance(said, String):
+        fail("L0302", what, node.span, hint)
+    return said.value
+
+
+def _required(condition: Flat) -> Flat:
+    """0 or more where a condition holds. Raises LagError L0225."""
+    try:
+        return level_of(condition)
+    except LagError as error:
+        span = error.diagnostics[0].span or condition.span
+        fail("L0225", "an assertion of what moves, or of parameters, compares: this is no comparison", span,
+             "compare with <, <=, > or >=, as abs(x) <= 1; conditions go together with and, or, not")
 
 
 def _parts(call: Call[Expression], place: Span) -> tuple[Expression, Expression, Expression | None]:

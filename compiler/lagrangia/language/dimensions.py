@@ -78,6 +78,8 @@ def check_dimensions(model: FlatModel) -> FlatModel:
         checker.guard(checker.check_equation, Equation(rate, state.rate, state.span), place=state.span)
     for when in model.whens:
         checker.guard(checker.check_when, when)
+    for guard in model.guards:
+        checker.guard(checker._require_condition, guard.condition, None)
     for sampler in model.samplers:
         checker.guard(checker.check_sampler, sampler)
     for delay in model.delays:

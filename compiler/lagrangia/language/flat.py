@@ -134,6 +134,23 @@ class When:
 
 
 @dataclass(frozen=True)
+class Guard:
+    """What has to hold in a run, which warns (`kind` "warning") or fails ("error") where it breaks; or ("end") ends well.
+    `level` is 0 or more as long as it goes on."""
+
+    condition: Flat
+    level: Flat
+    text: str
+    kind: Literal["error", "warning", "end"]
+    component: str
+    span: Span
+
+    def expressions(self) -> tuple[Flat, ...]:
+        """All that it reads."""
+        return (self.condition,)
+
+
+@dataclass(frozen=True)
 class Held:
     """The value that a variable has from an instant on."""
 
@@ -223,6 +240,7 @@ class FlatModel:
     planes: Mapping[Lookup, ReadPlane] = field(default_factory=dict)  # those in two variables
     samplers: tuple[Sampler, ...] = ()
     delays: tuple[Delay, ...] = ()
+    guards: tuple[Guard, ...] = ()
     at_rest: Span | None = None  # where it says that it starts in equilibrium
     moving_inputs: Mapping[str, bool] = field(default_factory=dict)  # in places or energies; whether their rates matter
     allowed: tuple[str, ...] = ()  # codes of warnings that the model says are meant: annotation(allow = "L0224")
@@ -235,6 +253,10 @@ class FlatModel:
     def news(self, items: Iterable[T]) -> Iterator[T]:
         """Of parts of the model, those that are no repeats of others."""
         return (x for x in items if id(x) not in self.repeats)
+
+    def looks(self) -> tuple[Flat, ...]:
+        """All that events, samplers, delays and guards read."""
+        return tuple(x for look in (*self.whens, *self.samplers, *self.delays, *self.guards) for x in look.expressions())
 
 
 def places_of(node: Flat) -> tuple[Flat, ...]:

@@ -5,16 +5,17 @@ from dataclasses import replace
 from functools import partial
 from typing import Any
 
-from lagrangia.base.diagnostics import Diagnostic, LagError, Report, Span, TooMuchError, fail, nearest, suggest
+from lagrangia.base.diagnostics import Diagnostic, LagError, Report, Span, TooMuchError, fail, nearest
 from lagrangia.language.algorithms import FlatFunction, flatten_function
 from lagrangia.language.alike_elements import Alike
-from lagrangia.language.assertions import check_assertion
+from lagrangia.language.assertions import ending_of, guard_of, refuse_ending
 from lagrangia.language.classes import ClassTable
 from lagrangia.language.connections import Bindings, Connection, bound_to, connected, require_bindings
 from lagrangia.language.delays import check_delays, declare_delays, variable_of, with_delays
+from lagrangia.language.drawing_words import figure_of
 from lagrangia.language.elsewhen import warn_of_both
+from lagrangia.language.events import level_of
 from lagrangia.language.experiments import allowed_of, experiment_of
-from lagrangia.language.figures import WORDS
 from lagrangia.language.flat import (
     Energy,
     Equation,
@@ -22,6 +23,7 @@ from lagrangia.language.flat import (
     FlatModel,
     Frame,
     FrameEquation,
+    Guard,
     Held,
     Kind,
     Reset,
@@ -72,6 +74,7 @@ from lagrangia.language.tree import (
     Number,
     Ref,
     String,
+    Unary,
     WhenBlock,
     WorkTerm,
 )
@@ -80,7 +83,6 @@ from lagrangia.language.without_effect import find_without_effect
 
 _AT_EVENTS = ("write: reinit(der(x), value);",
               "values that are held between instants: when sample(0, 0.01) then u = ...; end when;")
-_STOPS = "a run ends at StopTime; a stop of a part is reinit(der(x), 0) of what moves"
 
 
 def flatten(table: ClassTable, definition: ClassDefinition, structural: Mapping[str, Any] | None = None) -> FlatModel:
@@ -114,6 +116,8 @@ class _Flattening:
         self.whens: list[When] = []
         self.figures: list[Figure] = []
         self.resets: list[Reset] = []  # of the `when` that is being read
+        self.endings: list[tuple[str, Span]] = []  # likewise: what is said where it ends the run
+        self.guards: list[Guard] = []
         self.at_rest: Span | None = None  # initial equation equilibrium();
         self.samplers: list[Sampler] = []
         self.held: list[Held] = []  # likewise
@@ -141,7 +145,7 @@ class _Flattening:
             tuple(self.energies), tuple(self.works), tuple(self.initial), tuple(self.whens), self.functions,
             self.structural,
             experiment_of(self.table, definition, self.names, Scope(root)), definition.name_span, (), tuple(self.figures),
-            self.states, self.names.lookups, samplers=tuple(self.samplers), at_rest=self.at_rest,
+            self.states, self.names.lookups, samplers=tuple(self.samplers), guards=tuple(self.guards), at_rest=self.at_rest,
             allowed=allowed_of(self.table, definition), components=self.components, repeats=self.repeats,
         )
         model = with_delays(model, delays)
@@ -324,7 +328,7 @@ class _Flattening:
             case CallEquation(call, _) if kind == "when":
                 self._add_reset(call, scope, place)
             case CallEquation(call, _) if kind == "drawing":
-                self._add_figure(call, scope, place)
+                self.figures.append(figure_of(call, scope, place, self.names))
             case CallEquation(Call("equilibrium", arguments, named, _), _) if kind == "initial" and not arguments and not named:
                 self.at_rest = self.at_rest or place
             case CallEquation(call, _):
@@ -373,10 +377,10 @@ class _Flattening:
             if call.function == "reinit":
                 fail("L0222", "reinit stands in a when", span, "write: when x < 0 then reinit(der(x), value); end when;")
             if call.function == "assert":
-                check_assertion(call, scope, span, self.names, self.report)
+                self.guards += guard_of(call, scope, span, self.names, self.report)
                 return
             if call.function == "terminate":
-                fail("L0901", "not supported yet: terminate", span, _STOPS)
+                refuse_ending(span)
             if (last := call.function.rpartition(".")[2]) in FOREIGN_CALLS:
                 fail("L0901", f"not of this language: {call.function}(...)", span, FOREIGN_CALLS[last])
             if call.function == "equilibrium":
@@ -404,15 +408,6 @@ class _Flattening:
         self.frames_joined.add(key)
         self.frame_equations.append(FrameEquation(a, b, span))
 
-    def _add_figure(self, call: Expression, scope: Scope, place: Span) -> None:
-        if not isinstance(call, Call) or call.function not in WORDS:
-            name = call.function if isinstance(call, Call) else call.span.text
-            fail("L0229", f"'{name}' is nothing that can be drawn", call.span,
-                 suggest(name, WORDS) or f"one of {', '.join(WORDS)}")
-        arguments = tuple(self.names.flatten(argument, scope) for argument in call.arguments)
-        options = {name: self.names.flatten(value, scope) for name, value in call.named}
-        self.figures.append(Figure(call.function, arguments, options, scope.instance.path, place))
-
     def _add_when(self, block: WhenBlock, scope: Scope, place: Span) -> None:
         if block.otherwise is not None:
             if isinstance(block.condition, Call) and block.condition.function == "sample":
@@ -424,12 +419,16 @@ class _Flattening:
             self._add_sampler(block, block.condition, scope, place)
             return
         condition = self.names.flatten(block.condition, scope)
-        self.resets = []
+        self.resets, self.endings = [], []
         for part in block.body:
             self._clause("when", part, scope)
-        if not self.resets and not self.report.errors:
+        if not (self.resets or self.endings) and not self.report.errors:
             fail("L0222", "nothing happens here", block.span, "write: reinit(der(x), value);")
-        self.whens.append(When(condition, tuple(self.resets), scope.instance.path, place))
+        if self.resets:
+            self.whens.append(When(condition, tuple(self.resets), scope.instance.path, place))
+        for text, span in self.endings:
+            level = Unary("-", level_of(condition), condition.span)
+            self.guards.append(Guard(condition, level, text, "end", scope.instance.path, span))
 
     def _add_sampler(self, block: WhenBlock, call: Call[Expression], scope: Scope, place: Span) -> None:
         if len(call.arguments) != 2 or call.named:
@@ -452,7 +451,11 @@ class _Flattening:
     def _add_reset(self, call: Expression, scope: Scope, span: Span) -> None:
         if not isinstance(call, Call) or call.function != "reinit":
             if isinstance(call, Call) and call.function == "terminate":
-                fail("L0901", "not supported yet: terminate", span, _STOPS)
+                self.endings.append((ending_of(call, scope, span, self.names), span))
+                return
+            if isinstance(call, Call) and call.function == "assert":
+                fail("L0222", "what has to hold is said among the equations, and then holds all the time", span,
+                     'write: equation assert(x < 1, "too far");')
             fail("L0222", "what happens at an event is said by reinit", span, "write: reinit(der(x), value);")
         if len(call.arguments) != 2 or call.named:
             fail("L0215", f"reinit takes a rate and its value, not {len(call.arguments)} arguments", span,

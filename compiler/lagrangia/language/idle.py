@@ -62,9 +62,7 @@ def expressions_of(model: FlatModel) -> Iterator[Flat]:
     yield from (energy.value for energy in model.energies)
     for work in model.works:
         yield from (work.force, work.position)
-    yield from (x for when in model.whens for x in when.expressions())
-    yield from (x for sampler in model.samplers for x in sampler.expressions())
-    yield from (x for delay in model.delays for x in delay.expressions())
+    yield from model.looks()
     for figure in model.figures:
         yield from figure.expressions()
     for frame in model.frames.values():

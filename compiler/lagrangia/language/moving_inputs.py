@@ -49,7 +49,7 @@ def _places(model: FlatModel) -> Iterator[Flat]:
     everything: list[Flat] = [x for v in model.variables.values() for x in (v.binding,) if x is not None]
     everything += [energy.value for energy in model.energies] + [x for work in model.works for x in (work.force, work.position)]
     everything += [x for equation in model.initial_equations for x in (equation.left, equation.right)]
-    everything += [x for when in (*model.whens, *model.samplers, *model.delays) for x in when.expressions()]
+    everything += model.looks()
     everything += [state.rate for state in model.states.values()]
     for node in nodes(*everything):
         if isinstance(node, Call) and node.function == "der" and not _is_state(model, node.arguments[0]):

@@ -71,7 +71,7 @@ class _Finder:
         shown = [model.variables[path] for path in declared if path in model.variables]
         sides: list[Flat] = [x for e in (*model.constraints, *model.initial_equations) for x in (e.left, e.right)]
         sides += [e.value for e in model.energies] + [x for w in model.works for x in (w.force, w.position)]
-        sides += [x for when in (*model.whens, *model.samplers, *model.delays) for x in when.expressions()]
+        sides += model.looks()
         sides += [x for figure in model.figures for x in figure.expressions()]
         sides += [x for frame in model.frames.values() for x in frame.starts.values()]
         sides += [x for v in shown if v.kind == "variable" and (x := v.binding) is not None]

@@ -77,7 +77,7 @@ class Reduction:
     absolute: bool = False
     value: float = 0.0
     rate: int = -1
-    or_equal: bool = False  # of a level that is crossed: the condition holds at the level too
+    or_equal: bool = False  # the condition holds at the level, too; of AT: at the end of a run that ends before
     start: float = -math.inf  # s
     end: float = math.inf
     size: float = 1.0  # by which ranges of cycles are divided
@@ -142,7 +142,7 @@ class _Sweep(c.Structure):
 
 # LagOutcome as a NumPy type: one record a run, in memory, on disk and between machines.
 OUTCOME = [
-    ("kind", "<i4"), ("padding", "<i4"), ("status", "<i4"), ("index", "<i4"), ("rate", "<i4"), ("padding2", "<i4"),
+    ("kind", "<i4"), ("warned", "<i4"), ("status", "<i4"), ("index", "<i4"), ("rate", "<i4"), ("padding2", "<i4"),
     ("time", "<f8"), ("value", "<f8"), ("steps", "<i8"), ("energy", "<f8"),
 ]  # fmt: skip
 MIRRORS: Mapping[str, Mirrored] = {

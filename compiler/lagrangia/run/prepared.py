@@ -75,7 +75,7 @@ class PreparedRun:
         self._seconds = time.perf_counter() - begin
         if self._engine.upgrade is not None:
             self._engine.look(self._seconds, 0.0)
-        return np.frombuffer(values).reshape(len(self._times), -1)
+        return np.frombuffer(values).reshape(-1, self._run.width)
 
     @property
     def statistics(self) -> Statistics:
@@ -105,6 +105,8 @@ class PreparedRun:
             status = self._library.lag_run_advance(self._handle, times + 8 * reached, count - reached,
                                                    place + 8 * width * reached, done, _PAUSE)
             reached += done[0]
+            if status == Status.ENDED:
+                return values[: reached * width]
             if status not in (_OK, _PAUSED):
                 raise RunError(explain(self.scene, self._run.failure, self._run.parameters))
         return values

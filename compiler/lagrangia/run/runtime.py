@@ -7,7 +7,7 @@ before starts at once; numpy arrays are welcome wherever a buffer of doubles is.
 import ctypes as c
 import math
 from array import array
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import field
 from enum import IntEnum
 from pathlib import Path
@@ -47,9 +47,12 @@ class Status(IntEnum):
     TURNED_OFF = 19
     BAD_INTERVAL = 20
     BAD_DELAY = 21
+    ASSERTED = 22
+    ENDED = 23
 
 
 _STATUS = tuple(Status)
+GUARDED = (Status.ASSERTED, Status.ENDED)
 _ZERO = array("d", (0.0,))
 _OF_CHOICE = {"rule", "chosen", "facts"}
 
@@ -137,6 +140,7 @@ class Failure:
     rate: bool
     time: float
     value: float
+    seen: tuple[float, ...] = ()  # what the conditions of guards compare there, where one of them ends the run
 
 
 @dataclass(slots=True)
@@ -232,6 +236,8 @@ _SIGNATURES: Mapping[str, tuple[Any, tuple[Any, ...]]] = {
     "lag_run_time": (c.c_double, (_RUN,)),
     "lag_run_statistics": (c.POINTER(_Statistics), (_RUN,)),
     "lag_run_failure": (c.POINTER(_Failure), (_RUN,)),
+    "lag_run_warning": (c.c_int, (_RUN, Doubles)),
+    "lag_run_seen": (Doubles, (_RUN,)),
 }
 
 
@@ -444,4 +450,12 @@ class Run:
     def failure(self) -> Failure:
         """What went wrong, where and when; its status says whether anything did."""
         struct = self._library.lag_run_failure(self._run).contents
-        return Failure(Status(struct.status), struct.index, bool(struct.rate), struct.time, struct.value)
+        status = Status(struct.status)
+        seen = tuple(self._library.lag_run_seen(self._run)[: self._model.struct.n_seen]) if status in GUARDED else ()
+        return Failure(status, struct.index, bool(struct.rate), struct.time, struct.value, seen)
+
+    def warnings(self) -> Iterator[tuple[int, float]]:
+        """Guards that warn and have broken since this was asked, by their places, and when they did so first, s."""
+        time = (c.c_double * 1)()
+        while broken := self._library.lag_run_warning(self._run, time):
+            yield broken - 1, time[0]

@@ -14,8 +14,9 @@ from lagrangia.base.records import dataclass
 from lagrangia.run.engines import Engine
 from lagrangia.run.event_log import log_events
 from lagrangia.run.formulas import zero_masses
+from lagrangia.run.guards import of_guard, warnings_of
 from lagrangia.run.request import Experiment, Values, check_parameters
-from lagrangia.run.runtime import Failure, Run, Settings, Statistics, Status
+from lagrangia.run.runtime import GUARDED, Failure, Run, Settings, Statistics, Status
 from lagrangia.run.scene import Scene
 from lagrangia.run.solvers import number_of
 
@@ -44,6 +45,8 @@ class Progress:
     interrupted: bool = False
     engine: str = ""  # native, tape, or an integrator of CasADi
     events: Sequence[float] = ()  # times of the first ones, s
+    ended: str = ""  # what terminate(...) has said, and when
+    warned: list[str] = field(default_factory=list)  # assertions that warn and do not hold, and since when
 
 
 # -------------------------------------------------------------------- the run
@@ -135,6 +138,7 @@ def _rows(parts: _Parts, progress: Progress, watch: Callable[[Progress], None] |
                     progress.seconds, progress.statistics, progress.time = time.perf_counter() - begin, run.statistics, run.time
                     if log is not None:
                         progress.events = log.times()
+                    progress.warned += warnings_of(parts.scene, run)
                 looks.look()
                 done += rows.count
                 new = min(rows.count, max(0, known + rows.count - told))
@@ -146,6 +150,9 @@ def _rows(parts: _Parts, progress: Progress, watch: Callable[[Progress], None] |
                     watch(progress)
                 if rows.status is Status.WANTS_JACOBIAN and parts.complete is not None:
                     return True
+                if rows.status is Status.ENDED:
+                    progress.ended, progress.time = explain(parts.scene, run.failure), run.failure.time
+                    return False
                 if rows.status not in (Status.OK, Status.PAUSED):
                     raise RunError(explain(parts.scene, run.failure, run.parameters))
     return False
@@ -215,6 +222,8 @@ def explain(scene: Scene, failure: Failure, parameters: Sequence[float] = ()) ->
                 "tolerance or solver, or a start beside it")
     if failure.status in (Status.TABLE_ENDED, Status.INPUT_JUMPS, Status.BAD_INTERVAL, Status.BAD_DELAY):
         return _of_given(scene, failure)
+    if failure.status in GUARDED:
+        return of_guard(scene, failure)
     if failure.status is Status.TOO_MANY_STEPS:
         return (f"the limit of steps is reached at t = {failure.time:.6g}{where}; raise --max-steps, or loosen the tolerance")
     return f"the run stopped at t = {failure.time:.6g}: {failure.status.name.lower().replace('_', ' ')}"
@@ -250,7 +259,7 @@ def _of_events(scene: Scene, failure: Failure) -> str:
 
 
 def shortcomings(progress: Progress) -> list[str]:
-    """What kept a run from its tolerance, in words; empty when nothing did.
+    """What kept a run from its tolerance, in words, behind what assertions warn of; empty when nothing did.
 
     Beside what the run time counted: an energy account that closes MUCH worse than the tolerance shows that errors have added up,
     in runs of many steps (in a few, the rounding of the first state can be all that moves). Where powers are integrated, whose
@@ -260,7 +269,7 @@ def shortcomings(progress: Progress) -> list[str]:
     statistics, tolerance = progress.statistics, progress.experiment.tolerance
     if statistics is None:
         return []
-    found: list[str] = []
+    found = [*progress.warned]
     if statistics.tolerance_raised:
         found.append("the tolerance was raised to 1e-14, the smallest that double precision can keep")
     if statistics.tolerance_missed:

@@ -63,6 +63,9 @@ def casadi_refusal(compilation: Compilation) -> tuple[str, str] | None:
     if compilation.flat.samplers:
         return ("not supported yet: values that are held between instants, with CasADi's integrators",
                 "the run time takes them: a C compiler (pip install ziglang)")
+    if compilation.flat.guards:
+        return ("not supported yet: assertions of the motion and terminate, with CasADi's integrators",
+                "the run time takes them: a C compiler (pip install ziglang)")
     if compilation.flat.delays:
         return ("not supported yet: delays, with CasADi's integrators",
                 "the run time takes them: a C compiler (pip install ziglang)")

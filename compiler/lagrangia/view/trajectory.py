@@ -138,8 +138,13 @@ class Trajectory:
                               coords={"time": ("time", self.time, told["time"])}, attrs={"model": self.scene.name})
 
     @property
+    def ended(self) -> str:
+        """When terminate(...) has ended the run, and what it says; empty for a run that went on to its stop time."""
+        return self.progress.ended
+
+    @property
     def warnings(self) -> list[str]:
-        """What kept the run from its tolerance, in words, and why it cannot be right; empty when nothing did."""
+        """What assertions warn of, what kept the run from its tolerance, and why it cannot be right; empty when nothing did."""
         return [*shortcomings(self.progress), *filter(None, [loss(self.progress)])]
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:

@@ -173,7 +173,7 @@ def _reduction(scene: Scene, measure: Measure, experiment: Experiment) -> Reduct
         when = {"final": experiment.stop, "initial": experiment.start}.get(kind)
         if when is None:
             when = _time(measure, measure.value, experiment)
-        return Reduction(Kind.AT, column, measure.absolute, when)
+        return Reduction(Kind.AT, column, measure.absolute, when, or_equal=kind == "final")
     start = _time(measure, measure.start, experiment) if measure.start else -math.inf
     end = _time(measure, measure.end, experiment) if measure.end else math.inf
     if max(start, experiment.start) >= min(end, experiment.stop):

@@ -13,6 +13,7 @@ from lagrangia.base.html_table import headed, html_notes, html_table
 from lagrangia.base.records import dataclass
 from lagrangia.base.result_files import Target, cells, quoted, require_parquet
 from lagrangia.run.batch import Ending
+from lagrangia.run.guards import guard_in_general
 from lagrangia.run.runtime import Failure, Status
 from lagrangia.run.scene import Scene
 from lagrangia.run.simulate import explain
@@ -95,6 +96,12 @@ class Sweep:
         kinds = self.ledger.outcomes[~self.ok][["kind", "status", "index", "rate"]]
         told = Counter(kinds.tolist())
         return [(_in_general(self.job.scene, *key), count) for key, count in told.most_common(most)]
+
+    def warnings(self) -> list[str]:
+        """What assertions warned of, and in how many runs."""
+        warned = Counter(self.ledger.outcomes["warned"].tolist())
+        return [f"{count} of {self.runs} runs: {guard_in_general(self.job.scene, guard - 1)}"
+                for guard, count in sorted(warned.items()) if guard > 0]
 
     def _rows(self) -> Iterator[list[tuple[Any, ...]]]:
         """Cells, None where there is nothing, in portions."""
@@ -267,6 +274,8 @@ def _in_general(scene: Scene, kind: int, status: int, index: int, rate: int) -> 
             Status.INPUT_JUMPS: "an input that moves places jumps",
             Status.TURNED_OFF: "two ways of moving meet",
             Status.BAD_INTERVAL: "an interval between instants is not positive", Status.BAD_DELAY: "a delay is not positive"}
+    if status == Status.ASSERTED:
+        return guard_in_general(scene, index)
     column = (scene.rates if rate else scene.coordinates)[index].name if 0 <= index < scene.n else ""
     where = f" ({column})" if column and status != Status.INITIAL_FAILED else ""
     return what.get(Status(status), Status(status).name.lower().replace("_", " ")) + where

@@ -1,0 +1,98 @@
+"""Assertions and ends of runs -> numbers that are 0 or more as long as a run goes on, and what their conditions compare."""
+
+from collections.abc import Iterator, Mapping
+
+import casadi as ca
+
+from lagrangia.algebra.duals import Scalar
+from lagrangia.algebra.scalars import as_expression, symbols_in
+from lagrangia.base.diagnostics import fail
+from lagrangia.base.records import dataclass
+from lagrangia.constraints.parameters import scalars
+from lagrangia.frames.kinematics import Kinematics
+from lagrangia.language.flat import FlatModel, Guard
+from lagrangia.language.mentions import children
+from lagrangia.language.tree import Call, Flat, FrameRef, Ref
+
+KINDS: Mapping[str, int] = {"error": 0, "warning": 1, "end": 2}  # LAG_GUARD_ERROR, ...
+OF_PARAMETERS = 4  # LAG_GUARD_OF_PARAMETERS: above it are those that the motion does not decide
+_MOST_SHOWN = 8  # quantities of one condition
+
+
+@dataclass(frozen=True)
+class Guarding:
+    """`values` (guards + shown,): each guard's number, then what people are told beside them; `shown` has of each guard the names
+    of these."""
+
+    values: ca.SX
+    shown: tuple[tuple[str, ...], ...]
+    kinds: tuple[int, ...]
+
+    @property
+    def patterns(self) -> dict[str, tuple[int, ...]]:
+        """Lists of places of LagModel."""
+        return {"guard_kinds": self.kinds} if self.kinds else {}
+
+    def sizes(self, values: ca.SX, accelerations: ca.SX) -> dict[str, int]:
+        """Those of LagModel; `values`: with reactions worked out; `accelerations`: symbols that a state does not tell of."""
+        if not self.kinds:
+            return {}
+        needs = ca.depends_on(values, accelerations)
+        return {"n_guards": len(self.kinds), "n_seen": sum(map(len, self.shown)), "guards_need_acceleration": int(needs)}
+
+
+NOT_GUARDED = Guarding(ca.SX(0, 1), (), ())
+
+
+def find_guarding(kinematics: Kinematics) -> Guarding:
+    """Raises LagError L0225 for what is never decided anew: what is neither a parameter nor moves."""
+    model, tau = kinematics.graph.model, kinematics.symbols.tau
+    values, seen, shown, kinds = [], [], [], []
+    for guard in model.guards:
+        g = ca.substitute(as_expression(kinematics.evaluator.value(guard.level)), tau, ca.SX(1))
+        told = dict(_shown(kinematics, guard))
+        is_constant = not ca.depends_on(g, _following(kinematics)) and kinematics.algebra.changing.isdisjoint(symbols_in(g))
+        if guard.kind == "end" and is_constant:
+            fail("L0225", "this is true or false for good, and no event", guard.condition.span.within(guard.span),
+                 "compare what moves, as x > 1")
+        values.append(g)
+        shown.append(tuple(told))
+        seen += [ca.substitute(as_expression(x), tau, ca.SX(1)) for x in told.values()]
+        kinds.append(KINDS[guard.kind] + (OF_PARAMETERS if is_constant else 0))
+    return Guarding(ca.densify(ca.vertcat(ca.SX(0, 1), *values, *seen)), tuple(shown), tuple(kinds))
+
+
+def _following(kinematics: Kinematics) -> ca.SX:
+    """Symbols of what follows from the state: accelerations, and the forces of joints and contacts that were asked for."""
+    forces = [*kinematics.forces.values(), *(f for wrench in kinematics.reactions.values() for f in wrench)]
+    return ca.vertcat(ca.SX(0, 1), *kinematics.symbols.accelerations.values(), *forces)
+
+
+def _shown(kinematics: Kinematics, guard: Guard) -> Iterator[tuple[str, Scalar]]:
+    """The quantities that a condition names, with their elements."""
+    count = 0
+    for node in _named(guard.condition):
+        inner = node.arguments[0] if isinstance(node, Call) else node
+        name = f"der({inner})" if isinstance(node, Call) else str(node)
+        for found in scalars(name, kinematics.evaluator.value(node)):
+            count += 1
+            if count > _MOST_SHOWN:
+                return
+            yield found
+
+
+def _named(node: Flat) -> Iterator[Flat]:
+    if isinstance(node, Ref | FrameRef) or (isinstance(node, Call) and node.function == "der"
+                                            and isinstance(node.arguments[0], Ref | FrameRef)):
+        if not isinstance(node, FrameRef) or node.attribute:
+            yield node
+        return
+    for inner in children(node):
+        yield from _named(inner)
+
+
+def tell_guards(model: FlatModel, guarding: Guarding) -> list[dict[str, object]]:
+    """For people: as text, as the scene outlives the source it points at."""
+    return [{"text": guard.text, "place": str(guard.span), "condition": guard.condition.span.text, "kind": guard.kind,
+             "component": guard.component, "seen": list(names)}
+            for guard, names in zip(model.guards, guarding.shown, strict=True)]

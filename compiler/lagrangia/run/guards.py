@@ -1,0 +1,40 @@
+"""Assertions and ends of a run, in words."""
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from lagrangia.run.runtime import Failure, Run, Status
+from lagrangia.run.scene import Scene
+
+
+def of_guard(scene: Scene, failure: Failure) -> str:
+    """What has ended a run, when, where it is written, and what its condition compares there."""
+    guard = _guards(scene)[failure.index]
+    told = f"{guard['text']} ({guard['condition']}, {_place(guard)}"
+    if failure.status is Status.ENDED:
+        return f"ended at t = {failure.time:.9g}: {told})"
+    first = sum(len(before["seen"]) for before in _guards(scene)[: failure.index])
+    values = [f"{name} = {value:.9g}" for name, value in zip(guard["seen"], failure.seen[first:], strict=False)]
+    return f"an assertion does not hold at t = {failure.time:.9g}: {told}{': ' if values else ''}{', '.join(values)})"
+
+
+def warnings_of(scene: Scene, run: Run) -> Iterator[str]:
+    """Those that are news."""
+    for index, time in run.warnings() if "guards" in scene.notes else ():
+        guard = _guards(scene)[index]
+        yield f"an assertion does not hold, first at t = {time:.9g}: {guard['text']} ({guard['condition']}, {_place(guard)})"
+
+
+def guard_in_general(scene: Scene, index: int) -> str:
+    """What does not hold, and where it is written."""
+    guard = _guards(scene)[index]
+    return f"an assertion does not hold: {guard['text']} ({guard['condition']}, {_place(guard)})"
+
+
+def _guards(scene: Scene) -> list[Mapping[str, Any]]:
+    found: list[Mapping[str, Any]] = scene.notes["guards"]
+    return found
+
+
+def _place(guard: Mapping[str, Any]) -> str:
+    return f"{guard['component']}, {guard['place']}" if guard["component"] else str(guard["place"])

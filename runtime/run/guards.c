@@ -1,0 +1,357 @@
+/* A step is looked at in parts, each at five places. A part is halved where positions do not follow there from the rates at these places
+ * (exact solvers go over many periods in one step), and where a parabola through three values of a guard does not tell of the others, or
+ * may dip below 0 between them.
+ */
+#include "run/guards.h"
+
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+#include "events/accelerations.h"
+#include "events/conditions.h"
+#include "model/function.h"
+#include "model/schedule.h"
+#include "numbers/extremes.h"
+#include "state/attitudes.h"
+#include "state/holds.h"
+#include "state/inside.h"
+#include "state/state.h"
+
+enum { PLACES = 5, MOST_ITERATIONS = 100, PATIENCE = 5, ROUNDINGS = 256 };
+static const double LEAST = 1.0 / (1 << 24), NARROWEST = 1.0 / 1024; /* of a step; of what the motion asks for */
+static const double ROUGH = 0.05, SMOOTH = 0.01;
+static const double SHARE = 1; /* of a tolerance, by which states may be off: what is no farther beyond is not so for sure */
+
+typedef struct {
+    double low, high; /* shares of the step */
+} Part;
+
+void lag_guards_layout(LagGuards *s, const LagModel *model, int size, LagArena *arena)
+{
+    const size_t count = (size_t)model->n_guards, state = count > 0 ? (size_t)size : 0;
+    s->found = lag_take(arena, count + (size_t)model->n_seen);
+    s->other = lag_take(arena, count + (size_t)model->n_seen);
+    s->places = lag_take(arena, PLACES * count);
+    s->states = lag_take(arena, count > 0 ? PLACES * 2 * (size_t)model->n : 0);
+    s->told = lag_take(arena, count);
+    s->is_armed = lag_take_ints(arena, count);
+    s->is_news = lag_take_ints(arena, count);
+    s->state = lag_take(arena, state);
+    s->beside = lag_take(arena, state);
+}
+
+static int kind_of(const LagModel *model, int i) { return model->guard_kinds[i] & (LAG_GUARD_OF_PARAMETERS - 1); }
+static int is_of_parameters(const LagModel *model, int i) { return (model->guard_kinds[i] & LAG_GUARD_OF_PARAMETERS) != 0; }
+static int ends(const LagModel *model, int i) { return kind_of(model, i) != LAG_GUARD_WARNING; }
+
+/* What has no value does not hold; and does not come true. */
+static int is_beyond(const LagModel *model, int i, double g) { return kind_of(model, i) == LAG_GUARD_END ? g < 0 : !(g >= 0); }
+
+static int may_break(const LagRun *run, int i)
+{
+    const LagGuards *s = &run->guards;
+    return kind_of(run->model, i) == LAG_GUARD_END ? s->is_armed[i] : ends(run->model, i) || isnan(s->told[i]);
+}
+
+static void look_inside(LagRun *run, double t)
+{
+    LagGuards *s = &run->guards;
+    lag_state_inside(run, t, s->state);
+    lag_holds_inside(run, t, s->state);
+    lag_guards_at(run, t, s->state, s->found);
+}
+
+/* By how much guard i may be off at the state that was looked at. */
+static double unsure(LagRun *run, double t, int i)
+{
+    LagGuards *s = &run->guards;
+    const double share = fmax(SHARE, ROUNDINGS * DBL_EPSILON / run->scale.tolerance), g = s->found[i];
+    double most = 0;
+    if (is_of_parameters(run->model, i))
+        return 0;
+    for (int pattern = 0; pattern < LAG_PATTERNS; ++pattern) {
+        lag_conditions_disturb(run, s->state, share, pattern, s->beside);
+        lag_guards_at(run, t, s->beside, s->other);
+        most = lag_max(fabs(s->other[i] - g), most);
+    }
+    return most;
+}
+
+static int is_surely_beyond(LagRun *run, double t, int i)
+{
+    const double g = run->guards.found[i];
+    return is_beyond(run->model, i, g) && (isnan(g) || -g > unsure(run, t, i));
+}
+
+static void warn(LagGuards *s, int i, double t)
+{
+    s->told[i] = t;
+    s->is_news[i] = 1;
+}
+
+LagStatus lag_guards_tell(LagRun *run)
+{
+    const int i = run->guards.broken - 1;
+    if (i < 0)
+        return LAG_OK;
+    lag_fail(run, kind_of(run->model, i) == LAG_GUARD_END ? LAG_ENDED : LAG_ASSERTED, i, 0, 0);
+    run->failure.time = run->guards.end;
+    return (LagStatus)run->failure.status;
+}
+
+static LagStatus end_at(LagRun *run, int i, double t)
+{
+    run->guards.broken = 1 + i;
+    run->guards.end = t;
+    return lag_guards_tell(run);
+}
+
+LagStatus lag_guards_of_parameters(LagRun *run)
+{
+    LagGuards *s = &run->guards;
+    const LagModel *model = run->model;
+    const double t = run->motion.t, *y = run->motion.y;
+    const double *in[] = {&t, y, y + model->n, run->acceleration, run->multipliers, run->u, run->d, run->c};
+    if (model->n_guards == 0)
+        return LAG_OK;
+    lag_call(&model->guards, in, &s->found, run->work);
+    for (int i = 0; i < model->n_guards; ++i) {
+        if (!is_of_parameters(model, i) || !may_break(run, i) || !is_beyond(model, i, s->found[i]))
+            continue;
+        if (ends(model, i))
+            return end_at(run, i, t);
+        warn(s, i, t);
+    }
+    return LAG_OK;
+}
+
+LagStatus lag_guards_reset(LagRun *run)
+{
+    LagGuards *s = &run->guards;
+    s->broken = 0;
+    s->end = INFINITY;
+    s->row = NAN;
+    for (int i = 0; i < run->model->n_guards; ++i) {
+        s->told[i] = NAN;
+        s->is_armed[i] = s->is_news[i] = 0;
+    }
+    return lag_guards_of_parameters(run);
+}
+
+static void arm(LagGuards *s, int i, double g) { s->is_armed[i] |= g >= 0; }
+
+LagStatus lag_guards_meet(LagRun *run, double t, const double *y)
+{
+    LagGuards *s = &run->guards;
+    const LagModel *model = run->model;
+    if (model->n_guards == 0 || s->broken)
+        return lag_guards_tell(run);
+    memcpy(s->state, y, 2 * (size_t)model->n * sizeof *y);
+    lag_guards_at(run, t, s->state, s->found);
+    for (int i = 0; i < model->n_guards; ++i) {
+        if (may_break(run, i) && is_surely_beyond(run, t, i)) {
+            if (ends(model, i))
+                return end_at(run, i, t);
+            warn(s, i, t);
+        }
+        arm(s, i, s->found[i]);
+    }
+    return LAG_OK;
+}
+
+/* ---------------------------------------------------------------- within a step */
+
+static double time_at(const LagRun *run, double share)
+{
+    const LagMotion *m = &run->motion;
+    return share < 1 ? m->t_old + share * (m->t - m->t_old) : m->t;
+}
+
+static double share_of(Part part, int place) { return part.low + (part.high - part.low) * place / (PLACES - 1); }
+
+static double *place(const LagRun *run, int k) { return run->guards.places + (size_t)k * (size_t)run->model->n_guards; }
+
+static double *state(const LagRun *run, int k) { return run->guards.states + (size_t)k * 2 * (size_t)run->model->n; }
+
+static void sample(LagRun *run, Part part, int k)
+{
+    look_inside(run, time_at(run, share_of(part, k)));
+    memcpy(place(run, k), run->guards.found, (size_t)run->model->n_guards * sizeof(double));
+    memcpy(state(run, k), run->guards.state, 2 * (size_t)run->model->n * sizeof(double));
+    lag_attitudes_turn_slope(&run->motion, state(run, k), state(run, k) + run->model->n);
+}
+
+/* The next part begins where this one ends. */
+static void go_on(LagRun *run)
+{
+    memcpy(place(run, 0), place(run, PLACES - 1), (size_t)run->model->n_guards * sizeof(double));
+    memcpy(state(run, 0), state(run, PLACES - 1), 2 * (size_t)run->model->n * sizeof(double));
+}
+
+/* Whether positions follow from rates, by Boole's rule. */
+static int is_motion_told(const LagRun *run, Part part)
+{
+    static const double WEIGHTS[PLACES] = {7.0 / 90, 32.0 / 90, 12.0 / 90, 32.0 / 90, 7.0 / 90};
+    const int n = run->model->n;
+    const double h = (part.high - part.low) * (run->motion.t - run->motion.t_old);
+    const double *first = state(run, 0), *last = state(run, PLACES - 1);
+    for (int i = 0; i < n; ++i) {
+        double sum = 0, size = 0;
+        for (int k = 0; k < PLACES; ++k) {
+            const double rate = h * WEIGHTS[k] * state(run, k)[n + i];
+            sum += rate;
+            size += fabs(rate);
+        }
+        if (!(fabs(last[i] - first[i] - sum) <= SMOOTH * size + lag_scale_unit(&run->scale, i, first, last)))
+            return 0;
+    }
+    return 1;
+}
+
+/* Whether the parabola through three neighbours, which tells what is between them to `rough`, dips below 0 there, and none of them
+ * does. */
+static int dips(double a, double b, double c, double rough)
+{
+    const double slope = c - a, bend = a - 2 * b + c;
+    return a >= 0 && b >= 0 && c >= 0 && fabs(slope) <= 2 * bend && b - slope * slope / (8 * bend) < rough;
+}
+
+/* Whether five places of a part tell of guard i between them. */
+static int is_told(LagRun *run, Part part, int i)
+{
+    double g[PLACES], least = INFINITY, most = -INFINITY;
+    for (int k = 0; k < PLACES; ++k) {
+        g[k] = place(run, k)[i];
+        least = fmin(g[k], least);
+        most = fmax(g[k], most);
+    }
+    if (!may_break(run, i) || least > most - least)
+        return 1;
+    const double left = (3 * g[0] + 6 * g[2] - g[4]) / 8 - g[1], right = (-g[0] + 6 * g[2] + 3 * g[4]) / 8 - g[3];
+    const double rough = ROUGH * (most - least);
+    const int is_smooth = fmax(fabs(left), fabs(right)) <= rough;
+    if (is_smooth && !dips(g[0], g[1], g[2], rough) && !dips(g[1], g[2], g[3], rough) && !dips(g[2], g[3], g[4], rough))
+        return 1;
+    return most - least <= unsure(run, time_at(run, part.high), i); /* rounding */
+}
+
+static int are_told(LagRun *run, Part part)
+{
+    for (int i = 0; i < run->model->n_guards; ++i)
+        if (!is_told(run, part, i))
+            return 0;
+    return 1;
+}
+
+/* The place between two from which on guard i is beyond: by the regula falsi (Illinois), and halving where that is slow. */
+static double find_root(LagRun *run, int i, double low, double high, double a, double b)
+{
+    const LagMotion *m = &run->motion;
+    const double enough = fmax(4 * DBL_EPSILON, lag_time_resolution(m->t) / (m->t - m->t_old));
+    int side = 0; /* that moved last: the value at the other one counts half when it stays again */
+    for (int k = 1; k <= MOST_ITERATIONS && high - low > enough; ++k) {
+        const double half = low + (high - low) / 2, guess = high - (high - low) * (b / (b - a));
+        const double x = k % PATIENCE != 0 && guess > low && guess < high ? guess : half;
+        look_inside(run, time_at(run, x));
+        const double here = run->guards.found[i];
+        const int now = is_beyond(run->model, i, here) ? 1 : -1;
+        *(now > 0 ? &high : &low) = x;
+        *(now > 0 ? &b : &a) = here;
+        if (now == side)
+            *(now > 0 ? &a : &b) *= 0.5;
+        side = now;
+    }
+    return high;
+}
+
+/* When guard i breaks in a part; INFINITY: it does not. */
+static double when_broken(LagRun *run, Part part, int i)
+{
+    for (int k = 0; k < PLACES; ++k) {
+        const double g = place(run, k)[i], x = share_of(part, k);
+        if (is_beyond(run->model, i, g) && may_break(run, i)) {
+            look_inside(run, time_at(run, x));
+            if (is_surely_beyond(run, time_at(run, x), i)) {
+                const double before = k > 0 ? place(run, k - 1)[i] : g, low = share_of(part, k - 1);
+                const int is_between = k > 0 && !is_beyond(run->model, i, before);
+                return time_at(run, is_between ? find_root(run, i, low, x, before, g) : k > 0 ? low : x);
+            }
+        }
+        arm(&run->guards, i, g);
+    }
+    return INFINITY;
+}
+
+/* What breaks first in a part ends the run, and warnings come until then. */
+static void judge(LagRun *run, Part part)
+{
+    LagGuards *s = &run->guards;
+    for (int i = 0; i < run->model->n_guards; ++i) {
+        const double when = ends(run->model, i) ? when_broken(run, part, i) : INFINITY;
+        if (when < s->end) {
+            s->broken = 1 + i;
+            s->end = when;
+        }
+    }
+    for (int i = 0; i < run->model->n_guards; ++i) {
+        const double when = ends(run->model, i) ? INFINITY : when_broken(run, part, i);
+        if (when < INFINITY && when <= s->end)
+            warn(s, i, when);
+    }
+}
+
+void lag_guards_watch(LagRun *run)
+{
+    LagGuards *s = &run->guards;
+    double width = 1, fine = 1;
+    if (run->model->n_guards == 0)
+        return;
+    s->end = INFINITY;
+    sample(run, (Part){0, 1}, 0);
+    for (double low = 0; low < 1 && !s->broken;) {
+        const Part part = {low, low + width < 1 ? low + width : 1};
+        for (int k = 1; k < PLACES; ++k)
+            sample(run, part, k);
+        const int is_motion = width <= LEAST || is_motion_told(run, part);
+        if (!is_motion || (width > NARROWEST * fine && !are_told(run, part))) {
+            width /= 2;
+            fine = is_motion ? fine : width;
+            continue;
+        }
+        judge(run, part);
+        go_on(run);
+        low = part.high;
+        width *= 2;
+    }
+    if (s->broken)
+        look_inside(run, s->end);
+}
+
+double lag_guards_limit(const LagRun *run) { return run->guards.broken ? run->guards.end : run->motion.t; }
+
+void lag_guards_forget(LagRun *run, double t)
+{
+    LagGuards *s = &run->guards;
+    if (s->broken && s->end > t)
+        s->broken = 0;
+    for (int i = 0; i < run->model->n_guards; ++i)
+        if (s->told[i] > t) {
+            s->told[i] = NAN;
+            s->is_news[i] = 0;
+        }
+}
+
+int lag_run_warning(LagRun *run, double *t)
+{
+    LagGuards *s = &run->guards;
+    for (int i = 0; i < run->model->n_guards; ++i)
+        if (s->is_news[i]) {
+            s->is_news[i] = 0;
+            *t = s->told[i];
+            return 1 + i;
+        }
+    return 0;
+}
+
+const double *lag_run_seen(const LagRun *run) { return run->guards.found + run->model->n_guards; }

@@ -1,0 +1,83 @@
+"""Assertions and terminate in FMUs: where they end a simulation, and what is said."""
+
+from math import sqrt
+from pathlib import Path
+
+import pytest
+
+pytest.importorskip("fmpy")
+
+from fmpy.fmi1 import FMICallException
+
+from helpers.fmus import KINDS, VERSIONS, Instance, simulated
+
+SCENE = """
+model Guarded
+  parameter Length h = 1;
+  Prismatic a(a = world, along = {0, 1}, s(start = h)); PointMass m(m = 1, center = a.b);
+  output Length y = a.s;
+equation
+  assert(h < 3, "too high");
+  assert(a.v > -4, "quick", AssertionLevel.warning);
+  assert(h > 0.5 or a.s > 0.1, "deep");
+  when a.s < 0 then terminate("down"); end when;
+  annotation(experiment(StopTime = 2));
+end Guarded;
+"""
+FALL = sqrt(2 / 9.81)
+
+
+@pytest.fixture(scope="module")
+def guarded(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("guards") / "guarded.lag"
+    path.write_text(SCENE)
+    return path
+
+
+@pytest.mark.parametrize("version", VERSIONS)
+def test_a_step_ends_where_the_run_is_terminated(guarded: Path, version: str) -> None:
+    one = Instance(guarded, version, "CoSimulation").start(tolerance=1e-10)
+    one.step(0, 0.3)
+    if version == "2":
+        with pytest.raises(FMICallException) as told:
+            one.step(0.3, 0.3)
+        assert told.value.status == 2  # fmi2Discard
+        assert one.fmu.getBooleanStatus(3)  # fmi2Terminated
+        assert one.fmu.getRealStatus(2) == pytest.approx(FALL, abs=1e-9)  # fmi2LastSuccessfulTime
+    else:
+        _event, terminates, _early, reached = one.step(0.3, 0.3)
+        assert terminates and reached == pytest.approx(FALL, abs=1e-9)
+    assert one.get("y") == pytest.approx([0], abs=1e-9)
+    one.free()
+
+
+@pytest.mark.parametrize("version", VERSIONS)
+@pytest.mark.parametrize("kind", KINDS)
+def test_importers_are_told_to_end(guarded: Path, version: str, kind: str, capfd: pytest.CaptureFixture[str]) -> None:
+    rows = simulated(guarded, version, kind, ["y"], output_interval=0.01)
+    assert FALL - 0.02 < rows["time"][-1] < FALL + 0.01 and abs(rows["y"][-1]) < 0.1
+    told = capfd.readouterr().out
+    assert "the simulation ends: down" in told and "(quick)" in told
+
+
+@pytest.mark.parametrize("version", VERSIONS)
+@pytest.mark.parametrize("kind", KINDS)
+def test_assertions_are_errors(guarded: Path, version: str, kind: str, capfd: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(FMICallException):
+        simulated(guarded, version, kind, ["y"], start_values={"h": 4})
+    assert "too high" in capfd.readouterr().out
+    with pytest.raises(FMICallException):
+        simulated(guarded, version, kind, ["y"], start_values={"h": 0.4})
+    assert "deep" in capfd.readouterr().out
+
+
+def test_a_state_that_is_restored_goes_on(guarded: Path) -> None:
+    one = Instance(guarded, "3", "CoSimulation").start(tolerance=1e-10)
+    one.step(0, 0.3)
+    state = one.fmu.getFMUState()
+    assert one.step(0.3, 0.3)[1]
+    one.fmu.setFMUState(state)
+    assert not one.step(0.3, 0.1)[1]
+    assert one.get("y") == pytest.approx([1 - 9.81 * 0.4**2 / 2], abs=1e-9)
+    one.fmu.freeFMUState(state)
+    one.free()
