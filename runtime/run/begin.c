@@ -82,15 +82,20 @@ static LagStatus take_first(LagRun *run)
     return status;
 }
 
-LagStatus lag_run_start(LagRun *run, const double *q_given, const double *v_given)
+static void choose(LagRun *run)
 {
-    run->started = 0;
-    clear(run);
     run->decided = run->methods.first;
     if (run->decided.to == LAG_SOLVER_TRANSITION && !lag_transition_serves(run))
         run->decided = run->methods.behind;
     run->facts = run->decided.facts;
     lag_stepper_choose(run, run->decided.to);
+}
+
+LagStatus lag_run_start(LagRun *run, const double *q_given, const double *v_given)
+{
+    run->started = 0;
+    clear(run);
+    choose(run);
     if (!settings_valid(&run->settings) || !lag_methods_permit(run->model, run->methods.solver))
         return lag_fail(run, LAG_BAD_SETTINGS, -1, 0, 0);
     guess(run, q_given, v_given);

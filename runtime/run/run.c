@@ -28,7 +28,7 @@ static size_t work_size(const LagModel *model)
     return largest;
 }
 
-static void layout(LagRun *run, LagArena *arena)
+static void layout_vectors(LagRun *run, LagArena *arena)
 {
     const LagModel *model = run->model;
     const size_t n = (size_t)model->n, events = (size_t)model->n_events, starts = 2 * (size_t)lag_start_size(model);
@@ -52,6 +52,12 @@ static void layout(LagRun *run, LagArena *arena)
     run->careful_state = lag_take(arena, 2 * n);
     run->fixed = (int *)lag_take(arena, starts);
     run->work = lag_take(arena, work_size(model));
+}
+
+static void layout(LagRun *run, LagArena *arena)
+{
+    const LagModel *model = run->model;
+    layout_vectors(run, arena);
     if (lag_parts.assembly_layout)
         lag_parts.assembly_layout(&run->assembly, arena);
     lag_projection_layout(&run->projection, model, arena);

@@ -5,6 +5,7 @@ For the run time, in the order that runtime/model/model.h states, with everythin
 """
 
 from collections.abc import Collection, Mapping
+from dataclasses import replace
 from itertools import islice
 
 import casadi as ca
@@ -67,10 +68,7 @@ def build_functions(
 ) -> Functions:
     """`outputs` are the names to report besides coordinates and rates; see language/observables.py. `is_implicit`: implicit steps
     are asked for, whose matrix else waits where it is large. Raises LagError L0701."""
-    names, y = _outputs(kinematics, outputs)
-    guarding = find_guarding(kinematics)
-    told = with_reactions(ca.vertcat(y, guarding.values), kinematics, motion, constraints)
-    y, guarded = ca.vertsplit(told, [0, y.numel(), told.numel()])
+    names, y, guarding = _observed(kinematics, motion, constraints, outputs)
     motion = without_negative_inertia(kinematics, motion)
     held, modes = motion.constrained, kinematics.algebra.modes
     symbols, multipliers = (held.symbols, held.multipliers) if held else (ca.SX(0, 1), ca.SX(0, 1))
@@ -80,35 +78,46 @@ def build_functions(
     sampling, delaying, kick = find_sampling(kinematics), find_delaying(kinematics), find_kick(kinematics, motion)
     switches = find_switches(motion, delaying.values)
     found, hoisted = _hoisted({
-        "rhs": switches.hold([motion.acceleration, power, multipliers]), "outputs": switches.hold([y]), "energies": [energy],
-        "guards": switches.hold([guarded]),
+        "rhs": switches.hold([motion.acceleration, power, multipliers]), "energies": [energy],
+        "outputs": switches.hold([y, guarding.values]),
         **_constrained(motion, energy, switches), "flow": flow, "jacobian": switches.hold(jacobian.values), "kick": [kick.rates],
         "delayed": switches.hold([ca.densify(delaying.values)]), **_watched(motion, switches)}, motion.p)
-    t, q, v, a, u, c = motion.t, motion.q, motion.v, motion.a, motion.u, hoisted.c
-    d = kinematics.algebra.mode_symbols
+    t, q, v, a, u, c, d = motion.t, motion.q, motion.v, motion.a, motion.u, hoisted.c, kinematics.algebra.mode_symbols
     state, labels = [t, q, v, u, d, c], ["t", "q", "v", "u", "d", "c"]
     full = [t, q, v, a, symbols, u, ca.vertcat(d, switches.symbols, motion.impacts.impulses, switches.rest_symbols), c]
-    all_labels = [*labels[:3], "a", "lambda", *labels[3:]]
     table = _functions_of_steps(motion, jacobian, switches, found, d, c) | {
         **_functions_of_parameters(kinematics, motion, hoisted.values), "start": start_function(kinematics, initial),
-        "outputs": ca.Function("outputs", full, found["outputs"], all_labels, ["y"]),
+        **_observing_functions(full, *found["outputs"]),
         "energies": ca.Function("energies", state, found["energies"], labels, ["energies"]),
     }
     table |= _functions_of_constraints(motion, found, d, c) | _flow_functions(motion, hamilton, found["flow"], c)
     table |= _mode_functions(motion, modes) | _kick_function(state, found["kick"], kick.before)
     table |= _start_functions(kinematics, motion, initial) | _sampling_functions(kinematics, motion, sampling)
     table |= _delay_functions(motion, delaying, [*state[:4], full[-2], c], found["delayed"])
-    if guarding.kinds:
-        table["guards"] = ca.Function("guards", full, found["guards"], all_labels, ["g"])
     needs = bool(y.numel()) and ca.depends_on(y, ca.vertcat(a, symbols))
     patterns, refused, pays = _add_linear(table, kinematics, motion)
-    patterns |= {"reset_places": _reset_places(kinematics, motion), **_patterns(jacobian, switches, modes)}
-    patterns |= delaying.patterns | guarding.patterns
+    patterns |= {"reset_places": _reset_places(kinematics, motion), **_patterns(jacobian, switches, modes),
+                 **delaying.patterns, **guarding.patterns}
     refused |= _refusals(jacobian, bool(len(patterns.get("cones", ()))), bool(delaying.stated))
     return Functions(table, names, tuple(kind for _, kind in _events(modes)), power.numel(), needs, patterns, refused,
-                     {**jacobian.sizes, "n_lengths": switches.lengths, "breaks_rise": int(delaying.rises),
-                      **guarding.sizes(guarded, ca.vertcat(a, symbols))},
-                     pays, hoisted.settled, find_thresholds(motion, switches), guarding)
+                     {**jacobian.sizes, **guarding.sizes(ca.vertcat(a, symbols)), "n_lengths": switches.lengths,
+                      "breaks_rise": int(delaying.rises)}, pays, hoisted.settled, find_thresholds(motion, switches), guarding)
+
+
+def _observed(kinematics: Kinematics, motion: Motion, constraints: Constraints, outputs: tuple[str, ...]
+              ) -> tuple[tuple[str, ...], ca.SX, Guarding]:
+    """Names and values of outputs, and guards, with the reactions they ask for."""
+    names, y = _outputs(kinematics, outputs)
+    guarding = find_guarding(kinematics)
+    told = with_reactions(ca.vertcat(y, guarding.values), kinematics, motion, constraints)
+    y, guarded = ca.vertsplit(told, [0, y.numel(), told.numel()])
+    return names, y, replace(guarding, values=guarded)
+
+
+def _observing_functions(full: list[ca.SX], y: ca.SX, guarded: ca.SX) -> dict[str, ca.Function]:
+    labels = ["t", "q", "v", "a", "lambda", "u", "d", "c"]
+    table = {"outputs": ca.Function("outputs", full, [y], labels, ["y"])}
+    return table | ({"guards": ca.Function("guards", full, [guarded], labels, ["g"])} if guarded.numel() else {})
 
 
 def _refusals(jacobian: Jacobian, has_cones: bool, is_late: bool) -> dict[str, str]:

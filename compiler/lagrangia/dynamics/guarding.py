@@ -33,11 +33,11 @@ class Guarding:
         """Lists of places of LagModel."""
         return {"guard_kinds": self.kinds} if self.kinds else {}
 
-    def sizes(self, values: ca.SX, accelerations: ca.SX) -> dict[str, int]:
-        """Those of LagModel; `values`: with reactions worked out; `accelerations`: symbols that a state does not tell of."""
+    def sizes(self, accelerations: ca.SX) -> dict[str, int]:
+        """Those of LagModel; `accelerations`: symbols that a state does not tell of."""
         if not self.kinds:
             return {}
-        needs = ca.depends_on(values, accelerations)
+        needs = ca.depends_on(self.values, accelerations)
         return {"n_guards": len(self.kinds), "n_seen": sum(map(len, self.shown)), "guards_need_acceleration": int(needs)}
 
 
