@@ -70,7 +70,7 @@ static double pirk_limit(const LagFacts *f) { return f->constraints > 0 ? PIRK_C
 static int is_smooth(const LagFacts *f)
 {
     const int is_rough = f->has_conditions || f->has_corners || f->may_hide;
-    return f->has_jacobian && !is_rough && !f->is_swing && !f->has_attitudes && f->tolerance <= pirk_limit(f);
+    return f->has_jacobian && !is_rough && !f->is_swing && f->tolerance <= pirk_limit(f);
 }
 
 static double adams_limit(const LagFacts *f) { return ADAMS_STEP + ADAMS_COORDINATE * f->coordinates; }

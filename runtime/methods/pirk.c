@@ -16,6 +16,7 @@
 #include "events/accelerations.h"
 #include "state/evaluate.h"
 #include "numbers/extremes.h"
+#include "methods/pirk_attitudes.h"
 #include "methods/pirk_tableau.h"
 #include "numbers/rough_power.h"
 #include "steps/step.h"
@@ -26,7 +27,7 @@
 static const double CONVERGED = 0.03, NOISE = 0.3, ROUNDING = 1e-14, TOLD = 1;
 static const double SLOW = 0.9, LEAST = 0.01, MOST = 0.8, UNKNOWN = 0.5; /* factors by which sweeps come nearer */
 static const double BEST = 0.4; /* the one at which steps of given length take least: longer ones take more sweeps than they save */
-enum { MOST_SWEEPS = 20, EARLY = 2, PATIENT = 4 };
+enum { MOST_SWEEPS = 20, EARLY = 2, PATIENT = 4, TURNS = 2 };
 static const double HOPELESS = 3; /* error, as it looks early, of a step that is given up then */
 static const double FLAT = 0.3; /* share of the first coefficients that the last ones have of rounding */
 static const double JUMPED = 10, UNLIKE = 0.5; /* of last coefficients: what rounding is not, and what smooth series have of those before */
@@ -42,18 +43,19 @@ static void layout(void *self, const LagMotion *m, LagArena *arena)
     const LagFunction *rhs = lag_usual_rhs(model);
     const size_t n = (size_t)m->n, all = (size_t)(m->size - m->n);
     arena->used = (arena->used + LAG_CACHE_LINE - 1) / LAG_CACHE_LINE * LAG_CACHE_LINE;
-    s->a = take_wide(arena, all);
-    s->tried = take_wide(arena, all);
-    s->known = take_wide(arena, all);
+    const size_t rows = all + (size_t)lag_pirk_ways(m);
+    s->a = take_wide(arena, rows);
+    s->tried = take_wide(arena, rows);
+    s->known = take_wide(arena, rows);
     s->q = take_wide(arena, n);
     s->v = take_wide(arena, n);
     s->u = take_wide(arena, (size_t)model->n_inputs);
     s->rest = take_wide(arena, rhs->n_out > 2 && rhs->out_size[2] > 1 ? (size_t)rhs->out_size[2] : 1);
     s->work = take_wide(arena, rhs->tape ? rhs->n_work : 0);
-    s->end = take_wide(arena, all);
+    s->end = take_wide(arena, rows);
     s->slope = lag_take(arena, all);
     s->unit = lag_take(arena, 2 * n);
-    s->weight = lag_take(arena, n);
+    s->weight = lag_take(arena, n + (size_t)lag_pirk_ways(m));
     s->one = lag_take(arena, n + (size_t)m->size);
     lag_pirk_dense_layout(&s->dense, m, arena);
 }
@@ -94,7 +96,8 @@ static void continuation(const LagPirk *s, double t, double h, double table[LAG_
     }
 }
 
-/* Accelerations at the stages of a step, as the known polynomial continues, or as they are at the start. */
+/* Accelerations at the stages of a step, as the known polynomial continues, or as they are at the start. Ways were against another
+ * reference: they are those of no turn. */
 static void foresee(LagPirk *s, const LagMotion *m, double t, double h)
 {
     const int all = m->size - m->n;
@@ -106,6 +109,25 @@ static void foresee(LagPirk *s, const LagMotion *m, double t, double h)
             const double *known = s->known + c * LAG_ABREAST;
             lag_wide_write(s->a + c * LAG_ABREAST + lane, s->length > 0 ? weighed(known, &table[0][0], lane) : LAG_WIDE_OF(s->slope[c]));
         }
+    memset(s->a + all * LAG_ABREAST, 0, (size_t)(LAG_ABREAST * lag_pirk_ways(m)) * sizeof *s->a);
+}
+
+/* Positions of attitudes from their ways, and these anew: so often that sweeps need not wait for them. What ways the positions make is
+ * left to the sweep, which tells by how much these differ. */
+static void turn(LagPirk *s, const LagMotion *m, const double *y, double h)
+{
+    double *ways = s->a + (m->size - m->n) * LAG_ABREAST;
+    for (int turns = 0; turns <= TURNS; ++turns) {
+        for (int k = 0; k < lag_pirk_ways(m); ++k)
+            for (int lane = 0; lane < LAG_ABREAST; lane += LAG_WIDE) {
+                const int c = lag_pirk_way_of(m, k);
+                const LagWide node = lag_wide_read(lag_pirk_node + lane);
+                const LagWide q = y[c] + h * (node * y[m->n + c] + weighed(ways + k * LAG_ABREAST, &lag_pirk_rate[0][0], lane));
+                lag_wide_write(s->q + c * LAG_ABREAST + lane, q);
+            }
+        if (turns < TURNS)
+            lag_pirk_find_ways(m, y, s->q, s->v, ways, LAG_ABREAST);
+    }
 }
 
 /* The states of the stages. */
@@ -121,6 +143,8 @@ static void place(LagPirk *s, const LagMotion *m, const double *y, double h)
             lag_wide_write(s->q + c * LAG_ABREAST + lane, q);
             lag_wide_write(s->v + c * LAG_ABREAST + lane, v);
         }
+    if (m->n_attitudes > 0)
+        turn(s, m, y, h);
 }
 
 /* What accelerations and powers come to at the end. */
@@ -141,6 +165,10 @@ static void displacement(const LagPirk *s, const LagMotion *m, const double *y, 
     }
     for (int c = n; c < m->size - n; ++c)
         sum[n + c] = h * s->end[c * LAG_ABREAST + 1];
+    for (int k = 0; k < lag_pirk_ways(m); ++k) {
+        const int c = lag_pirk_way_of(m, k);
+        sum[c] = h * (y[n + c] + s->end[(m->size - n + k) * LAG_ABREAST + 1]);
+    }
 }
 
 /* -------- sweeps */
@@ -174,12 +202,14 @@ int lag_pirk_evaluate(LagPirk *s, LagMotion *m)
 
 /* How far accelerations `a` are from `b`, if there is one, or from 0, in units of error in the step: root mean square over the stages.
  * Sums are the same whatever registers hold. */
-static double distance(const LagPirk *s, int n, const double *a, const double *b)
+static double distance(const LagPirk *s, const LagMotion *m, const double *a, const double *b)
 {
+    const int n = m->n, rows = n + lag_pirk_ways(m), skipped = m->size - 2 * n; /* powers lie between */
     double squares[LAG_ABREAST];
     for (int lane = 0; lane < LAG_ABREAST; lane += LAG_WIDE) {
         LagWide sum = LAG_WIDE_OF(0);
-        for (int i = lane, c = 0; c < n; ++c, i += LAG_ABREAST) {
+        for (int c = 0; c < rows; ++c) {
+            const int i = (c < n ? c : c + skipped) * LAG_ABREAST + lane;
             const LagWide far = b ? lag_wide_read(a + i) - lag_wide_read(b + i) : lag_wide_read(a + i);
             const LagWide units = far * LAG_WIDE_OF(s->weight[c]);
             sum += units * units;
@@ -193,6 +223,8 @@ static int sweep(LagPirk *s, LagMotion *m, const double *y, double h)
 {
     place(s, m, y, h);
     lag_swap(&s->a, &s->tried);
+    if (m->n_attitudes > 0)
+        lag_pirk_find_ways(m, y, s->q, s->v, s->a + (m->size - m->n) * LAG_ABREAST, LAG_ABREAST);
     return lag_pirk_evaluate(s, m);
 }
 
@@ -204,6 +236,10 @@ static void weigh(LagPirk *s, const LagMotion *m, const LagScale *scale, const d
     for (int c = 0; c < n; ++c) {
         const double rate = s->unit[n + c] > 0 ? h / s->unit[n + c] : 0, way = s->unit[c] > 0 ? 0.5 * h * h / s->unit[c] : 0;
         s->weight[c] = lag_max(rate, way);
+    }
+    for (int k = 0; k < lag_pirk_ways(m); ++k) {
+        const double unit = s->unit[lag_pirk_way_of(m, k)];
+        s->weight[n + k] = unit > 0 ? h / unit : 0;
     }
 }
 
@@ -234,10 +270,12 @@ static double estimate(LagPirk *s, const LagMotion *m, double h, int *worst)
     const LagRun *run = m->context;
     const double energy = run->settings.tolerance * m->energy;
     Coefficients most = {0, 0, 0};
-    conclude(s, m->size - m->n);
+    conclude(s, m->size - m->n + lag_pirk_ways(m));
     for (int c = 0; c < m->n; ++c)
         if (note(s, c, s->weight[c], &most))
             *worst = m->n + c;
+    for (int k = 0; k < lag_pirk_ways(m); ++k)
+        note(s, m->size - m->n + k, s->weight[m->n + k], &most);
     double error = remainder_of(most);
     s->is_flat = most.last > FLAT * most.first;
     for (int c = m->n; c < m->size - m->n && energy > 0; ++c) {
@@ -273,9 +311,9 @@ static double length_factor(LagPirk *s, double contraction, double error)
 }
 
 /* Of what sweeps change when they come no nearer. */
-static int is_noise(const LagPirk *s, int n, double moved)
+static int is_noise(const LagPirk *s, const LagMotion *m, double moved)
 {
-    return moved <= NOISE || moved <= ROUNDING * distance(s, n, s->a, NULL);
+    return moved <= NOISE || moved <= ROUNDING * distance(s, m, s->a, NULL);
 }
 
 /* Sweeps until the stages of the step from (t, y) are known. Returns its error in units: below 1 only when they are. */
@@ -286,7 +324,7 @@ static double iterate(LagPirk *s, LagMotion *m, const double *y, double h, int *
     for (int k = 0; k < MOST_SWEEPS; ++k) {
         if (!sweep(s, m, y, h))
             return INFINITY;
-        const double moved = distance(s, m->n, s->a, s->tried);
+        const double moved = distance(s, m, s->a, s->tried);
         if (k > 0)
             nearer = before > 0 ? lag_max(LEAST, moved / before) : LEAST;
         if (k > 0 && before > TOLD) {
@@ -294,7 +332,7 @@ static double iterate(LagPirk *s, LagMotion *m, const double *y, double h, int *
             s->per = h;
         }
         const int is_slow = nearer > SLOW;
-        if ((nearer < 1 && moved * nearer < CONVERGED * (1 - nearer)) || (is_slow && is_noise(s, m->n, moved)))
+        if ((nearer < 1 && moved * nearer < CONVERGED * (1 - nearer)) || (is_slow && is_noise(s, m, moved)))
             return estimate(s, m, h, worst);
         if (k == EARLY && (error = estimate(s, m, h, worst)) > HOPELESS)
             return error;
@@ -314,7 +352,9 @@ static double attempt(void *self, LagMotion *m, double t_new, const LagScale *sc
     s->was_careful = run->careful;
     lag_pirk_set_times(s, m, m->t, h, lag_pirk_node);
     foresee(s, m, m->t, h);
-    conclude(s, m->n);
+    if (m->n_attitudes > 0)
+        place(s, m, m->y, h);
+    conclude(s, m->size - m->n + lag_pirk_ways(m));
     displacement(s, m, m->y, h, m->sum);
     lag_motion_add(m, m->sum);
     if (scale->is_resting)

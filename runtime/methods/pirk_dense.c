@@ -9,6 +9,7 @@
 
 #include "numbers/extremes.h"
 #include "methods/pirk.h"
+#include "methods/pirk_attitudes.h"
 #include "methods/pirk_tableau.h"
 
 enum { DEGREES = LAG_PIRK_DENSE, KEPT = 2, MOST_ROUNDS = 6, TAIL = 4 };
@@ -19,7 +20,7 @@ static const double ROUGH = 10; /* units: of what is no rounding */
 
 void lag_pirk_dense_layout(LagPirkDense *dense, const LagMotion *m, LagArena *arena)
 {
-    const size_t all = (size_t)(m->size - m->n);
+    const size_t all = (size_t)(m->size - m->n + lag_pirk_ways(m));
     dense->a = lag_take(arena, LAG_PIRK_DENSE * all);
     dense->coefficient = lag_take(arena, DEGREES * all);
 }
@@ -81,6 +82,23 @@ static void begin(LagPirkDense *dense, const double *known, int all)
                            lag_wide_weighed(known + c * LAG_ABREAST, &dense->coarse[0][0], LAG_ABREAST, LAG_ABREAST, lane));
 }
 
+/* Positions of attitudes at eight nodes, by their ways as the coefficients tell them, and their ways there. */
+static void turn(LagPirk *s, const LagMotion *m, int first)
+{
+    LagPirkDense *dense = &s->dense;
+    const int all = m->size - m->n;
+    const double h = s->length, *y = m->other;
+    for (int k = 0; k < lag_pirk_ways(m); ++k)
+        for (int lane = 0; lane < LAG_ABREAST; lane += LAG_WIDE) {
+            const int c = lag_pirk_way_of(m, k);
+            const LagWide share = lag_wide_read(lag_pirk_dense_node + first + lane);
+            const double *sum = dense->coefficient + (all + k) * DEGREES;
+            const LagWide way = lag_wide_weighed(sum, &dense->rate[0][0], DEGREES, LAG_PIRK_DENSE, first + lane);
+            lag_wide_write(s->q + c * LAG_ABREAST + lane, y[c] + h * (share * y[m->n + c] + way));
+        }
+    lag_pirk_find_ways(m, y, s->q, s->v, dense->a + all * LAG_PIRK_DENSE + first, LAG_PIRK_DENSE);
+}
+
 /* Accelerations at all nodes along the motion that the coefficients tell. */
 static int evaluate(LagPirk *s, LagMotion *m)
 {
@@ -97,6 +115,7 @@ static int evaluate(LagPirk *s, LagMotion *m)
                 lag_wide_write(s->v + c * LAG_ABREAST + lane, y[n + c] + h * rate);
                 lag_wide_write(s->q + c * LAG_ABREAST + lane, y[c] + h * (share * y[n + c] + h * place));
             }
+        turn(s, m, first);
         lag_pirk_set_times(s, m, s->begin, h, lag_pirk_dense_node + first);
         if (!lag_pirk_evaluate(s, m))
             return 0;
@@ -111,14 +130,16 @@ static double expand(LagPirk *s, const LagMotion *m)
 {
     LagPirkDense *dense = &s->dense;
     double largest = 0;
-    for (int c = 0; c < m->size - m->n; ++c) {
+    const int all = m->size - m->n;
+    for (int c = 0; c < all + lag_pirk_ways(m); ++c) {
         double *sum = dense->coefficient + c * DEGREES, before[DEGREES];
         memcpy(before, sum, sizeof before);
         for (int lane = 0; lane < DEGREES; lane += LAG_WIDE)
             lag_wide_write(sum + lane, lag_wide_weighed(dense->a + c * LAG_PIRK_DENSE, &dense->fine[0][0], LAG_PIRK_DENSE, DEGREES, lane));
         memcpy(sum, before, KEPT * sizeof *sum);
-        for (int k = KEPT; k < DEGREES && c < m->n; ++k)
-            largest = lag_max(fabs(sum[k] - before[k]) * s->weight[c] / (2 * k), largest);
+        const double weight = c < m->n ? s->weight[c] : c >= all ? s->weight[m->n + c - all] : 0;
+        for (int k = KEPT; k < DEGREES && weight > 0; ++k)
+            largest = lag_max(fabs(sum[k] - before[k]) * weight / (2 * k), largest);
     }
     return largest;
 }
@@ -143,7 +164,7 @@ static void prepare(LagPirk *s, LagMotion *m)
     double before = INFINITY;
     if (!dense->has_tables)
         tabulate(dense);
-    begin(dense, s->known, m->size - m->n);
+    begin(dense, s->known, m->size - m->n + lag_pirk_ways(m));
     for (int round = 0; round < MOST_ROUNDS && evaluate(s, m); ++round) {
         const double far = expand(s, m);
         if (!(GAIN * far > NEAR) || far > SLOW * before)
@@ -178,5 +199,9 @@ void lag_pirk_dense_read(LagPirk *s, LagMotion *m, double t, double *y)
         if (c < n)
             y[c] = from[c] + h * (share * from[n + c] + h * dot(sum, p.place));
         y[n + c] = from[n + c] + h * dot(sum, p.rate);
+    }
+    for (int k = 0; k < lag_pirk_ways(m); ++k) {
+        const int c = lag_pirk_way_of(m, k);
+        y[c] = from[c] + h * (share * from[n + c] + dot(s->dense.coefficient + (m->size - n + k) * DEGREES, p.rate));
     }
 }

@@ -55,7 +55,7 @@ FREE = {  # euler_top_free of the shared cases: t, w in body axes, unit quaterni
 }
 
 
-SOLVERS = [Solver.ERK, Solver.ERK5, Solver.ERK9, Solver.IMPLICIT]
+SOLVERS = [Solver.ERK, Solver.ERK5, Solver.ERK9, Solver.IMPLICIT, Solver.PIRK]
 
 
 @pytest.mark.parametrize("solver", SOLVERS)
@@ -68,7 +68,8 @@ def test_free_top_turns_as_its_closed_form_says(runtime: Runtime, solver: Solver
             assert rows[k][7:11] == pytest.approx(quaternion, abs=1e-12)
 
 
-@pytest.mark.parametrize(("solver", "order"), [(Solver.ERK5, 5), (Solver.ERK, 8), (Solver.ERK9, 9), (Solver.IMPLICIT, 5)])
+@pytest.mark.parametrize(("solver", "order"), [(Solver.ERK5, 5), (Solver.ERK, 8), (Solver.ERK9, 9), (Solver.IMPLICIT, 5),
+                                               (Solver.PIRK, 8)])
 def test_attitudes_keep_the_order_of_a_method(runtime: Runtime, solver: Solver, order: int) -> None:
     """From tolerance to tolerance the error falls as evaluations to the power of the order."""
     found = []
@@ -120,7 +121,7 @@ def test_events_cut_a_turn_anywhere(runtime: Runtime, solver: Solver) -> None:
 
 
 def test_methods_that_know_no_attitudes_do_not_begin(runtime: Runtime) -> None:
-    for solver in (Solver.ADAMS, Solver.PIRK, Solver.TAYLOR, Solver.CONSERVATIVE, Solver.LINEAR):
+    for solver in (Solver.ADAMS, Solver.TAYLOR, Solver.CONSERVATIVE, Solver.LINEAR):
         run = runtime.run(top((1, 2, 3)), Settings(t_stop=1, solver=solver))
         run.set_parameters()
         assert run.start([0, 0, 0], [1, 0, 0]) is Status.BAD_SETTINGS
