@@ -332,10 +332,10 @@ LAG_UNROLLED LagWide series(const double *c, int order, LagWide h, LagWide squar
         --k;
     }
     for (; k > 0; k -= 2) {
-        odd = odd * square + MADE(c, k);
-        even = even * square + MADE(c, k - 1);
+        odd = LAG_WIDE_FUSED(odd, square, MADE(c, k));
+        even = LAG_WIDE_FUSED(even, square, MADE(c, k - 1));
     }
-    return even + odd * h;
+    return LAG_WIDE_FUSED(odd, h, even);
 }
 
 /* The integral of a series from 0 to h, over h. */
@@ -344,7 +344,7 @@ LAG_UNROLLED LagWide mean(const double *c, int order, LagWide h, LagWide own, in
     const LagWide zero = LAG_WIDE_OF(0);
     LagWide sum = zero;
     for (int k = order; k >= 0; --k)
-        sum = sum * h + MADE(c, k) * LAG_WIDE_OF(lag_inverse[k]);
+        sum = LAG_WIDE_FUSED(sum, h, MADE(c, k) * LAG_WIDE_OF(lag_inverse[k]));
     return sum;
 }
 

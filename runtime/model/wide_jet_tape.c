@@ -125,17 +125,10 @@ LAG_UNROLLED void sum(const double *jets, const int *sums, int count, int k, dou
         for (int j = 2; j < k - 1; ++j)
             LAG_UNROLL_ALL
             for (int m = 0; m < count; ++m)
-                total[m] += LAG_WIDE_TERM(a[m], j) * LAG_WIDE_TERM(b[m], k - j);
-        LAG_UNROLL_ALL
-        for (int m = 0; m < count; ++m) {
-            if (k > 1)
-                total[m] += LAG_WIDE_TERM(a[m], 1) * LAG_WIDE_TERM(b[m], k - 1);
-            if (k > 2)
-                total[m] += LAG_WIDE_TERM(a[m], k - 1) * LAG_WIDE_TERM(b[m], 1);
-        }
+                total[m] = LAG_WIDE_FUSED(LAG_WIDE_TERM(a[m], j), LAG_WIDE_TERM(b[m], k - j), total[m]);
         LAG_UNROLL_ALL
         for (int m = 0; m < count; ++m)
-            lag_wide_write(between + m * LAG_ABREAST + lane, total[m]);
+            lag_wide_write(between + m * LAG_ABREAST + lane, lag_wide_ends(total[m], a[m], b[m], k));
     }
 }
 

@@ -46,6 +46,30 @@ typedef LagLaneWords LagWideWords;
 #define lag_sines_of_wide lag_sines_of_lanes
 #endif
 
+/* a b + c: rounded once where the compiler may take it that processors do so in one instruction. What is made of it has the same digits
+ * on all of these, whatever the width of their registers. */
+#if defined(LAG_HAS_VECTORS) && defined(__AVX512F__) && defined(__FMA__) && !defined(__clang__)
+#define LAG_WIDE_FUSED(a, b, c) __builtin_ia32_vfmaddpd512_mask(a, b, c, -1, 4) /* all lanes, rounded as is set */
+#elif defined(LAG_HAS_VECTORS) && defined(__FMA__) && !defined(__clang__)
+#define LAG_WIDE_FUSED(a, b, c) __builtin_ia32_vfmaddpd256(a, b, c)
+#elif defined(__FMA__) || defined(__ARM_FEATURE_FMA)
+#define LAG_WIDE_FUSED(a, b, c) lag_wide_fused(a, b, c)
+static inline LagWide lag_wide_fused(LagWide a, LagWide b, LagWide c)
+{
+    double x[LAG_WIDE], y[LAG_WIDE], z[LAG_WIDE];
+    memcpy(x, &a, sizeof x);
+    memcpy(y, &b, sizeof y);
+    memcpy(z, &c, sizeof z);
+    LAG_UNROLL_ALL
+    for (int i = 0; i < LAG_WIDE; ++i)
+        z[i] = fma(x[i], y[i], z[i]);
+    memcpy(&c, z, sizeof c);
+    return c;
+}
+#else
+#define LAG_WIDE_FUSED(a, b, c) ((a) * (b) + (c))
+#endif
+
 static inline LagWide lag_wide_read(const double *place)
 {
     LagWide a;

@@ -3,8 +3,8 @@
  *
  * What waits for the latest coefficients are the ends of the sums of products, a_0 b_k + a_k b_0. What lies between them is known when
  * an order begins, most of it before the one before has ended: one loop serves several sums from j = 2 to k - 2, then come a_1 b_(k - 1)
- * and a_(k - 1) b_1. That is the order of additions everywhere, so that digits are those of every processor, by scene code and by
- * instructions.
+ * and a_(k - 1) b_1. That is the order of additions everywhere, each with its product in one rounding, so that digits are those of every
+ * processor that rounds so, by scene code and by instructions.
  */
 #ifndef LAG_WIDE_JETS_H
 #define LAG_WIDE_JETS_H
@@ -17,15 +17,26 @@
 #define LAG_WIDE_TERM(jet, k) lag_wide_read((jet) + (k) * LAG_ABREAST)
 
 /* From what lies between the ends: the sums over j = 0 .. k, and over j = 1 .. k. */
-#define LAG_WIDE_PRODUCT(between, a_0, a_k, b_0, b_k) (((between) + (a_0) * (b_k)) + (a_k) * (b_0))
-#define LAG_WIDE_INNER(between, a_k, b_0) ((between) + (a_k) * (b_0))
+#define LAG_WIDE_PRODUCT(between, a_0, a_k, b_0, b_k) LAG_WIDE_FUSED(a_k, b_0, LAG_WIDE_FUSED(a_0, b_k, between))
+#define LAG_WIDE_INNER(between, a_k, b_0) LAG_WIDE_FUSED(a_k, b_0, between)
+
+/* What lies between the ends of a sum over j = 0 .. k, from that of j = 2 to k - 2. */
+LAG_UNROLLED LagWide lag_wide_ends(LagWide sum, const double *a, const double *b, int k)
+{
+    if (k > 1)
+        sum = LAG_WIDE_FUSED(LAG_WIDE_TERM(a, 1), LAG_WIDE_TERM(b, k - 1), sum);
+    if (k > 2)
+        sum = LAG_WIDE_FUSED(LAG_WIDE_TERM(a, k - 1), LAG_WIDE_TERM(b, 1), sum);
+    return sum;
+}
 
 /* w = u^exponent */
 LAG_UNROLLED LagWide lag_wide_power(const double *u, const double *w, LagWide exponent, int k)
 {
     LagWide sum = LAG_WIDE_OF(0);
     for (int j = 0; j < k; ++j)
-        sum += (exponent * LAG_WIDE_OF((double)(k - j)) - LAG_WIDE_OF((double)j)) * LAG_WIDE_TERM(u, k - j) * LAG_WIDE_TERM(w, j);
+        sum = LAG_WIDE_FUSED((exponent * LAG_WIDE_OF((double)(k - j)) - LAG_WIDE_OF((double)j)) * LAG_WIDE_TERM(u, k - j),
+                             LAG_WIDE_TERM(w, j), sum);
     return sum * LAG_WIDE_OF(1.0 / k) * (LAG_WIDE_OF(1) / LAG_WIDE_TERM(u, 0));
 }
 

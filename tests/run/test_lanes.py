@@ -1,5 +1,6 @@
 """Runs in lanes: eight runs of a batch at once, each with its own steps, as good as alone and the same in any company."""
 
+import subprocess
 from dataclasses import replace
 from pathlib import Path
 
@@ -8,8 +9,10 @@ import pytest
 
 import lagrangia as lag
 from helpers.sanitizers import needs_sanitizers, run_sanitized
+from lagrangia.base.folders import data_folder
 from lagrangia.native.build import find_compiler
 from lagrangia.native.c_code import write_c
+from lagrangia.native.prebuilt import FLAGS, flags_of, kind_here, sources
 from lagrangia.run.batch import Batch, Lanes
 from lagrangia.run.engines import load_engine
 from lagrangia.run.request import Request
@@ -203,6 +206,27 @@ int main(void)
     return failed;
 }
 """
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(kind_here() != "avx512" or find_compiler() is None, reason="needs a processor with registers of both widths")
+def test_digits_do_not_depend_on_the_width_of_registers(pendulum: lag.Model, tmp_path: Path) -> None:
+    suited, _ = prepared(pendulum, MEASURES)
+    scene, compiler, runtime = suited.scene, find_compiler(), data_folder("runtime")
+    assert compiler is not None
+    source = write_c(scene.name, scene.sizes, scene.tapes, scene.coordinate_kind, scene.fixed, scene.event_kind, scene.patterns,
+                     tuple(scene.tapes))
+    told = 'for (int i = 0; i < 3 * RUNS; ++i) printf("%a\\n", results[i]);\n    return failed;'
+    (tmp_path / "driver.c").write_text(DRIVER.replace("return failed;", told))
+    (tmp_path / "scene.c").write_text(source)
+    printed = set()
+    for kind in ("avx2", "avx512"):
+        program = str(tmp_path / kind)
+        files = [str(tmp_path / "driver.c"), str(tmp_path / "scene.c"), *map(str, sources(runtime))]
+        flags = [*FLAGS, "-O1", *flags_of(kind), f"-I{runtime}"]
+        subprocess.run([*compiler.command, *flags, *files, "-o", program, "-lm"], check=True)
+        printed.add(subprocess.run([program], capture_output=True, text=True, check=True).stdout)
+    assert len(printed) == 1
 
 
 @pytest.mark.slow

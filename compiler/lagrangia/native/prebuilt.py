@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 
 SUFFIX = {"win32": ".dll", "darwin": ".dylib"}.get(sys.platform, ".so")
 # No contraction and no -ffast-math: the same digits on every machine, and the compensated sums of the run time stay intact.
+# A product that is rounded with its sum says so (numbers/wide.h).
 FLAGS = ("-std=c99", "-ffp-contract=off", "-fno-math-errno", "-fvisibility=hidden",
          *(() if sys.platform == "win32" else ("-fPIC",)))
 LIBRARIES = () if sys.platform == "win32" else ("-lm",)
@@ -38,8 +39,8 @@ _WIDEST = ("avx512f", "avx512dq", "avx512vl")
 # What is compiled for, by name, the best first: the flags, and what a processor has to tell of itself. Instructions of three
 # operands and wide registers take a tenth off the time of series, half or more off that of states evaluated abreast.
 _KINDS: Mapping[str, tuple[tuple[str, ...], frozenset[str]]] = {
-    "avx512": (("-mavx2", *(f"-m{name}" for name in _WIDEST)), frozenset(("avx2", *_WIDEST))),
-    "avx2": (("-mavx2",), frozenset({"avx2"})),
+    "avx512": (("-mavx2", "-mfma", *(f"-m{name}" for name in _WIDEST)), frozenset(("avx2", "fma", *_WIDEST))),
+    "avx2": (("-mavx2", "-mfma"), frozenset({"avx2", "fma"})),
     "any": ((), frozenset()),
 }
 

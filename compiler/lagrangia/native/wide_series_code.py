@@ -10,10 +10,7 @@ from lagrangia.native.series import OPERANDS, Instruction, Series
 from lagrangia.native.tapes import JetOp, Op
 
 _AT_ONCE = 12  # sums in one loop: so many registers are there on all processors with vectors
-_LOOP = "    for (int lane = 0; lane < LAG_ABREAST; lane += LAG_WIDE) {"
 _ALONE = "for (int i = 0; i < LAG_WIDE; ++i)"
-# What is summed when: the latest coefficients last. In which case, and the orders of both.
-_TERMS = (("for (int j = 2; j < k - 1; ++j)", "j", "k - j"), ("if (k > 1)", "1", "k - 1"), ("if (k > 2)", "k - 1", "1"))
 # Of order 0, and of order k: xa is the present coefficient of jet a, fa that of order 0; s and t number sums without their ends.
 _FIRST: Mapping[JetOp, str] = {
     JetOp.NUMBER: "{a}", JetOp.DERIVATIVE: "zero", JetOp.NEG: "-{xa}", JetOp.TWICE: "two * {xa}", JetOp.ADD: "{xa} + {xb}",
@@ -28,12 +25,14 @@ _LATER: Mapping[JetOp, str] = {
     JetOp.NUMBER_SUB: "-{xb}", JetOp.SCALE: "{a} * {xb}", JetOp.OVER_NUMBER: "{xa} / {b}",
     JetOp.IF: "LAG_WIDE_SELECT({a} != zero, {xb}, zero)", JetOp.PRODUCT: "LAG_WIDE_PRODUCT(s{s}, {fa}, {xa}, {fb}, {xb})",
     JetOp.SQUARE: "LAG_WIDE_PRODUCT(s{s}, {fa}, {xa}, {fa}, {xa})",
-    JetOp.QUOTIENT: "({xa} - LAG_WIDE_INNER(s{s}, {xb}, {fw})) * (one / {fb})",
-    JetOp.NUMBER_OVER: "LAG_WIDE_INNER(s{s}, {xb}, {fw}) * (-one / {fb})", JetOp.SQRT: "({xa} - s{s}) * (half / {fw})",
+    JetOp.QUOTIENT: "({xa} - LAG_WIDE_INNER(s{s}, {xb}, {fw})) * i{i}",
+    JetOp.NUMBER_OVER: "LAG_WIDE_INNER(s{s}, {xb}, {fw}) * -i{i}", JetOp.SQRT: "({xa} - s{s}) * i{i}",
     JetOp.POWER: "lag_wide_power({ja}, {jw}, {b}, k)", JetOp.INTEGRAL: _INNER + "share", JetOp.MINUS_INTEGRAL: _INNER + "-share",
     JetOp.SINE: _INNER + "share", JetOp.COSINE: _INNER + "-share",
     JetOp.ANGLE: "(LAG_WIDE_INNER(s{s}, {xc}, {fe}) - LAG_WIDE_INNER(s{t}, {xd}, {ff})) * share",
 }
+# What is multiplied in every order, and is the same in all.
+_INVERSE: Mapping[JetOp, str] = {JetOp.QUOTIENT: "one / {fb}", JetOp.NUMBER_OVER: "one / {fb}", JetOp.SQRT: "half / {fw}"}
 # The jets whose products are summed, by the letters of operands; w is the result.
 _SUMS: Mapping[JetOp, tuple[str, ...]] = {
     JetOp.PRODUCT: ("ab",), JetOp.SQUARE: ("aa",), JetOp.QUOTIENT: ("bw",), JetOp.NUMBER_OVER: ("bw",), JetOp.SQRT: ("ww",),
@@ -48,18 +47,23 @@ def write_wide_series(series: Series, expression: Callable[[int, str, str], str]
         return []
     used = [x for i in series.instructions for kind, x in zip(OPERANDS[i.op], i.operands, strict=True) if kind == "n"]
     numbers = {k: f"LAG_WIDE_OF({number(series.numbers[k][1])})" if series.numbers[k][0] == Op.CONST else
-               f"lag_wide_read(numbers + {k} * LAG_ABREAST + lane)" for k in used}
+               f"lag_wide_read(numbers + {k} * LAG_ABREAST)" for k in used}
     head = ["const LagWide zero = LAG_WIDE_OF(0.0), one = LAG_WIDE_OF(1.0), two = LAG_WIDE_OF(2.0), half = LAG_WIDE_OF(0.5);",
             "(void)numbers; (void)zero; (void)one; (void)two; (void)half;"]
-    return ["#define LINE(slot) (line + (slot) * LAG_ABREAST + lane)", "#define JET(slot) (jets + (slot) * LAG_WIDE_JET + lane)",
+    return ["#define LINE(slot) (line + (slot) * LAG_ABREAST)", "#define JET(slot) (jets + (slot) * LAG_WIDE_JET)",
             "static void wide_first(const double *numbers, double *line)", "{", *_indented(head),
             *_first(series, numbers, expression), "}", "",
-            "static void wide_later(const int k, const double *numbers, double *jets)", "{", *_indented(head),
-            "    const LagWide order = LAG_WIDE_OF((double)k), share = LAG_WIDE_OF(1.0 / k), next = LAG_WIDE_OF(1.0 / (k + 1));",
-            "    (void)order; (void)share;", *_later(series, numbers), "}", "",
+            *_later(series, numbers, head), *_ORDERS,
             "static void wide_taylor(int first, int end, const double *numbers, double *jets, double *line)", "{",
-            "    if (first == 0)", "        wide_first(numbers, line);", "    for (int k = first > 0 ? first : 1; k < end; ++k)",
-            "        wide_later(k, numbers, jets);", "}", ""]
+            "    for (int lane = 0; lane < LAG_ABREAST; lane += LAG_WIDE)", "        if (first == 0)",
+            "            wide_first(numbers + lane, line + lane);", "        else",
+            "            wide_orders(first, end, numbers + lane, jets + lane);", "}", ""]
+
+
+_ORDERS = (
+    "static void wide_orders(int first, int end, const double *numbers, double *jets)", "{",
+    "    LagWide inverse[INVERSES];", "    wide_inverses(jets, inverse);", "    for (int k = first; k < end; ++k)",
+    "        wide_later(k, numbers, jets, inverse);", "}", "")
 
 
 def _indented(lines: Sequence[str], by: int = 4) -> list[str]:
@@ -81,19 +85,19 @@ def _first(series: Series, numbers: Mapping[int, str], expression: Callable[[int
     """Statements of order 0. What is asked for number by number passes through memory."""
     known = series.known
     angles: set[str] = set()
-    lines = [_LOOP, *(f"        const LagWide x{slot} = lag_wide_read(LINE({slot}));" for slot in range(known))]
-    lines += [f"        (void)x{slot};" for slot in range(known)]
+    lines = [f"    const LagWide x{slot} = lag_wide_read(LINE({slot}));" for slot in range(known)]
+    lines += [f"    (void)x{slot};" for slot in range(known)]
     for i in series.instructions:
         shown, name = _letters(i, numbers), f"x{i.out}"
         if i.op in _FIRST:
-            lines += [f"        const LagWide {name} = {_FIRST[i.op].format(**shown)};"]
+            lines += [f"    const LagWide {name} = {_FIRST[i.op].format(**shown)};"]
         else:
-            lines += _indented(_alone(i, shown, name, angles, expression), 8)
+            lines += _indented(_alone(i, shown, name, angles, expression))
         if i.out in series.kept:
-            lines += [f"        lag_wide_write(LINE({series.kept[i.out]}), {name});"]
+            lines += [f"    lag_wide_write(LINE({series.kept[i.out]}), {name});"]
         else:
-            lines += [f"        (void){name};"]
-    return [*lines, "    }"]
+            lines += [f"    (void){name};"]
+    return lines
 
 
 def _alone(i: Instruction, shown: Mapping[str, str], name: str, angles: set[str], expression: Callable[[int, str, str], str]
@@ -115,19 +119,21 @@ def _alone(i: Instruction, shown: Mapping[str, str], name: str, angles: set[str]
             f"    memcpy(&{name}, x, sizeof x);", "}"]
 
 
-def _later(series: Series, numbers: Mapping[int, str]) -> list[str]:
-    """Statements of order k > 0."""
+def _later(series: Series, numbers: Mapping[int, str], head: Sequence[str]) -> list[str]:
+    """Functions for orders k > 0: the sums, what is the same in all orders, and statements."""
     kept, n = series.kept, len(series.accelerations)
     pairs: list[tuple[int, int]] = []
-    statements = [f"const LagWide x{slot} = LAG_WIDE_TERM(JET({slot}), k);" for slot in range(series.known)]
+    inverses: list[str] = []
+    statements: list[str] = [f"const LagWide x{slot} = LAG_WIDE_TERM(JET({slot}), k);" for slot in range(series.known)]
     statements += [f"(void)x{slot};" for slot in range(series.known)]
     for i in series.instructions:
         slots = dict(zip("abcdef", i.operands, strict=False)) | {"w": i.out}
         shown = _letters(i, numbers)
         shown |= {f"f{letter}": f"lag_wide_read(JET({kept[x]}))" for letter, x in slots.items() if x in kept}
         shown |= {f"j{letter}": f"JET({kept[x]})" for letter, x in slots.items() if x in kept}
-        shown |= {"s": str(len(pairs)), "t": str(len(pairs) + 1)}
+        shown |= {"s": str(len(pairs)), "t": str(len(pairs) + 1), "i": f"[{len(inverses)}]"}
         pairs += [(kept[slots[both[0]]], kept[slots[both[1]]]) for both in _SUMS.get(i.op, ())]
+        inverses += [_INVERSE[i.op].format(**shown)] if i.op in _INVERSE else []
         statements += [f"const LagWide x{i.out} = {_LATER[i.op].format(**shown)};"]
         if i.out in kept:
             statements += [f"lag_wide_write(JET({kept[i.out]}) + k * LAG_ABREAST, x{i.out});"]
@@ -136,16 +142,23 @@ def _later(series: Series, numbers: Mapping[int, str]) -> list[str]:
     for c in range(n):
         statements += [f"lag_wide_write(JET({1 + c}) + (k + 1) * LAG_ABREAST, x{1 + n + c} * next);",
                        f"lag_wide_write(JET({1 + n + c}) + (k + 1) * LAG_ABREAST, x{series.accelerations[c]} * next);"]
-    return [_LOOP, *_indented([*_sums(pairs), *statements], 8), "    }"]
+    shares = ["const LagWide order = LAG_WIDE_OF((double)k), share = LAG_WIDE_OF(1.0 / k), next = LAG_WIDE_OF(1.0 / (k + 1));",
+              "(void)order; (void)share; (void)i;"]
+    return [f"enum {{ INVERSES = {max(len(inverses), 1)} }};", "static void wide_inverses(const double *jets, LagWide *i)", "{",
+            *_indented([head[0], "(void)jets; (void)i; (void)zero; (void)one; (void)two; (void)half;",
+                        *(f"i[{m}] = {text};" for m, text in enumerate(inverses))]), "}", "",
+            "static void wide_later(int k, const double *numbers, double *jets, const LagWide *i)", "{",
+            *_indented([*head, *shares, *_sums(pairs), *statements]), "}", ""]
 
 
 def _sums(pairs: Sequence[tuple[int, int]]) -> list[str]:
+    """All but the ends that wait for the latest coefficients."""
     lines: list[str] = []
     most = -(-len(pairs) // -(-len(pairs) // _AT_ONCE)) if pairs else 1  # loops of few sums wait for each addition
     for first in range(0, len(pairs), most):
         group = range(first, min(first + most, len(pairs)))
-        terms = [f"s{m} += LAG_WIDE_TERM(JET({pairs[m][0]}), {{a}}) * LAG_WIDE_TERM(JET({pairs[m][1]}), {{b}});" for m in group]
-        lines += [f"LagWide {', '.join(f's{m} = zero' for m in group)};"]
-        for condition, a, b in _TERMS:
-            lines += [f"{condition} {{", *(f"    {term.format(a=a, b=b)}" for term in terms), "}"]
+        lines += [f"LagWide {', '.join(f's{m} = zero' for m in group)};", "for (int j = 2; j < k - 1; ++j) {"]
+        for m, (a, b) in ((m, pairs[m]) for m in group):
+            lines += [f"    s{m} = LAG_WIDE_FUSED(LAG_WIDE_TERM(JET({a}), j), LAG_WIDE_TERM(JET({b}), k - j), s{m});"]
+        lines += ["}", *(f"s{m} = lag_wide_ends(s{m}, JET({pairs[m][0]}), JET({pairs[m][1]}), k);" for m in group)]
     return lines

@@ -7,6 +7,7 @@ from lagrangia.study.sweep.journal import Ledger
 
 _GROWTH = 4
 _LONGEST = 100_000  # runs
+_FEWEST = 4  # times as many as go on together
 
 Watch = Callable[[Ledger], None]
 
@@ -26,12 +27,14 @@ class Pieces:
         return self._left
 
     def take(self, most: int, together: int = 1) -> tuple[int, int] | None:
-        """At most so many, a multiple of those that go on together; fewer towards the end, so that all workers end together."""
+        """At most so many; fewer towards the end, so that all workers end together, but not so few that the places of those
+        `together` stay empty for long."""
         with self._lock:
             if not self._missing:
                 return None
             first, last = self._missing.pop()
-            count = max(1, min(most, last - first, -(-self._left // (2 * self._workers))))
+            share = self._left if self._workers == 1 else -(-self._left // (2 * self._workers))
+            count = min(most, last - first, max(share, _FEWEST * together if together > 1 else 1))
             count -= count % together if count > together else 0
             if first + count < last:
                 self._missing.append((first + count, last))
