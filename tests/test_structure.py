@@ -246,10 +246,9 @@ def test_a_cached_scene_runs_without_heavy_libraries(tmp_path: Path) -> None:
 PLANAR = {"frames/planar", "frames/planar_joints", "frames/planar_inertia"}
 # Who asks what a frame is in the plane: what a frame of another kind has to answer, too.
 ASK_THE_KIND = """
-    frames/closures frames/edges frames/evaluation frames/kinematics
-    dynamics/bodies dynamics/driven_joints dynamics/elimination dynamics/forces dynamics/motion dynamics/reactions
-    dynamics/released_directions
-    draw/scenery draw/values view/mechanism study/analysis study/pictures study/probes paper/points paper/symbolic
+    frames/closures frames/edges frames/evaluation frames/geometry
+    dynamics/elimination dynamics/forces
+    draw/scenery draw/values view/mechanism study/pictures study/probes paper/points paper/symbolic
     paper/virtual_steps
 """.split()
 OF_THE_PLANE = {"phi", "xy", "vx", "vy", "reaction_torque"}  # names of components and attributes, where these are no text

@@ -16,7 +16,9 @@ To add, beside a test in the room of the same name and a line in CHANGELOG.md:
 - a component: a model in models/library/*.lag, in the language itself; `lag help library` shows it from there.
 - a joint: as any component, of frames (b = turn(a, phi)); what is cut where it closes a loop: its kind in
   frames/planar_joints.py.
-- an attribute of a frame: a row of the table in language/frame_attributes.py; what it is of a pose: frames/planar.py.
+- an attribute of a frame: a row of the tables in language/frame_attributes.py; what it is of a pose: frames/planar.py and
+  spatial.py.
+- what space has and had not: a row less in language/space_limits.py.
 - a solver: a LagMethod in runtime/methods/NAME.c; its number in runtime/state/settings.h and run/runtime.py, its place in
   runtime/choice/methods.c, its name in run/solvers.py, its paragraph in command/topics.py.
 - a rule by which `auto` chooses: a row of runtime/choice/choice.c, of what is decided before a run of run/rules.py.

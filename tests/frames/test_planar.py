@@ -7,10 +7,12 @@ import numpy as np
 import pytest
 
 from lagrangia.algebra.duals import Dual, dot
+from lagrangia.base.diagnostics import Source, Span
 from lagrangia.frames import planar, planar_inertia, planar_joints
 from lagrangia.frames.planar import COMPONENTS, HERE, SIZE, Pose
 from lagrangia.frames.planar_joints import Slide
 from lagrangia.language.frame_attributes import ATTRIBUTES, as_element, component_named, place_of
+from lagrangia.language.tree import FrameRef
 
 RANDOM = np.random.default_rng(3)
 AHEAD = (0.7, -1.3)
@@ -93,9 +95,13 @@ def test_gaps_leave_the_freedom_of_the_joint(kind: str, freedom: int) -> None:
 
 
 def test_attributes_are_made_of_components() -> None:
-    assert [place_of(name) for name in ("v", "w")] == ["r", "phi"]
-    assert as_element("y", ()) == ("r", (2,)) == as_element("r", (2,))
-    assert as_element("phi", ()) == ("phi", ())
+    def of_frame(name: str, *index: int, is_spatial: bool = False) -> FrameRef:
+        return FrameRef("f", name, index, Span(Source("test", "f"), 0, 1), is_spatial)
+
+    assert [place_of(of_frame(name)) for name in ("v", "w")] == ["r", "phi"]
+    assert [place_of(of_frame(name, is_spatial=True)) for name in ("v", "w", "omega")] == ["r", None, None]
+    assert as_element(of_frame("y")) == ("r", (2,)) == as_element(of_frame("r", 2))
+    assert as_element(of_frame("phi")) == ("phi", ()) and as_element(of_frame("z", is_spatial=True)) == ("r", (3,))
     assert {ATTRIBUTES[c.name].unit for c in COMPONENTS if c.is_angle} == {"rad"} == {component_named("bar.center.phi").unit}
     assert {name for name, attribute in ATTRIBUTES.items() if attribute.has_element((2,))} == {"r", "v", "reaction"}
     assert not ATTRIBUTES["r"].has_element((3,)) and not ATTRIBUTES["r"].has_element((1, 1))

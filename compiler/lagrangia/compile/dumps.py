@@ -5,7 +5,6 @@ from typing import Any
 
 from lagrangia.base.diagnostics import fail
 from lagrangia.compile.pipeline import PHASES, Compilation
-from lagrangia.language.frame_attributes import WHOLE_MOTION
 from lagrangia.language.tree import (
     Array,
     Binary,
@@ -118,13 +117,13 @@ def _kinematics(compilation: Compilation) -> str:
     for name in compilation.flat.frames:
         if name in compilation.graph.unused_frames:
             continue
-        parts = ((attribute, kinematics.frame(name, attribute, 0)) for attribute in WHOLE_MOTION)
+        parts = ((attribute, kinematics.frame(name, attribute, 0)) for attribute in kinematics.graph.model.space.whole_motion)
         lines.append(f"{name}: " + ", ".join(f"{attribute} = {_components(value)}" for attribute, value in parts))
     return "\n".join(lines)
 
 
 def _components(value: Any) -> str:
-    return f"({', '.join(map(_short, value))})" if isinstance(value, tuple) else _short(value)
+    return f"({', '.join(map(_components, value))})" if isinstance(value, tuple) else _short(value)
 
 
 def _energies(compilation: Compilation) -> str:

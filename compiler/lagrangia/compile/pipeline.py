@@ -25,6 +25,7 @@ from lagrangia.language.flattening import flatten
 from lagrangia.language.given_values import Given, redeclared
 from lagrangia.language.lookups import read_planes, read_tables
 from lagrangia.language.samplers import refuse_held
+from lagrangia.language.space_limits import refuse_in_space, refuse_statements_in_space
 from lagrangia.language.syntax import parse
 from lagrangia.language.without_effect import find_unused_imports
 from lagrangia.run.formulas import AS_DECLARED, Formulas
@@ -77,6 +78,7 @@ def compile_file(path: Path, model: str | None = None, structural: Mapping[str, 
         with _timed(took, "syntax, flat"):
             syntax, flat = flatten_file(path, model, structural)
             flat = redeclared(check_dimensions(flat), given or {})
+            refuse_statements_in_space(flat)
         return _compile(syntax, flat, outputs, formulas, took)
 
 
@@ -196,6 +198,7 @@ def compile_energies(path: Path, model: str | None = None, structural: Mapping[s
     with deep_recursion():
         _, flat = flatten_file(path, model, structural)
         flat = redeclared(check_dimensions(flat), given or {})
+        refuse_in_space(flat, "equations")
         if flat.states:
             name, state = next(iter(flat.states.items()))
             fail("L0901", f"not supported yet: written equations of scenes with first-order states ('{name}')", state.span,

@@ -13,7 +13,7 @@ from lagrangia.compile.functions import Functions, build_island_functions, eleme
 from lagrangia.compile.hoisted_tapes import tapes_of
 from lagrangia.compile.instructions import count_operations, tape_of
 from lagrangia.constraints.initial import InitialConditions, find_idle_starts
-from lagrangia.constraints.parameters import scalars
+from lagrangia.constraints.parameters import find_odd_inertias, scalars
 from lagrangia.constraints.rows import Constraints
 from lagrangia.dynamics.constrained_motion import ConstrainedMotion
 from lagrangia.dynamics.double_roots import touching_notes
@@ -245,10 +245,11 @@ def _told(kinematics: Kinematics, initial: InitialConditions) -> dict[str, objec
     """As text: the scene outlives the source it points at."""
     model = kinematics.graph.model
     contacts = [_called(model, when) for when in model.whens]
-    lines = find_idle_lines(kinematics, initial).diagnostics
+    lines, odd = find_idle_lines(kinematics, initial).diagnostics, find_odd_inertias(kinematics)
+    odd.raise_errors()
     idle, jumping = find_idle_statements(kinematics.graph, lines), find_jumping_energies(kinematics)
     found = (*model.warnings, *lines, *idle.diagnostics, *jumping.diagnostics, *tell_unlooked(kinematics).diagnostics,
-             *find_idle_starts(kinematics).diagnostics)
+             *odd.diagnostics, *find_idle_starts(kinematics).diagnostics)
     told = [warning.render() for warning in found if warning.code not in model.allowed]
     files = sorted({lookup.path for lookup in model.lookups})
     kinetic = [str(span) for span in written_inertias(kinematics)]

@@ -25,7 +25,7 @@ from lagrangia.frames.evaluation import Value
 from lagrangia.frames.graph import Coordinate, rate_of
 from lagrangia.frames.kinematics import Kinematics
 from lagrangia.language.flat import Equation
-from lagrangia.language.frame_attributes import ATTRIBUTES, COMPONENTS, is_velocity
+from lagrangia.language.frame_attributes import is_velocity, known_of
 from lagrangia.language.tree import Call, Flat, FrameRef, Ref
 
 _AGREES = 1e-9  # two values of one start, in m or rad
@@ -350,8 +350,9 @@ class _Starts:
             position = self.number.get(node.arguments[0].name)
             return [self.n + position] if position is not None else None
         if isinstance(node, FrameRef):
-            picked = ATTRIBUTES[node.attribute].picked(node.index)
-            numbers = [self.number.get(f"{node.name}.{COMPONENTS[k].name}") for k in picked]
+            parts = self.kinematics.graph.model.space.components
+            picked = known_of(node).picked(node.index) or (len(parts),)
+            numbers = [self.number.get(f"{node.name}.{parts[k].name}") if k < len(parts) else None for k in picked]
             shift = self.n if is_velocity(node.attribute) else 0
             return None if None in numbers else [k + shift for k in numbers if k is not None]
         return None

@@ -20,12 +20,17 @@ from lagrangia.language.flat import FlatModel, Variable
 from lagrangia.language.folding import numbers_of
 from lagrangia.language.tree import Number
 
+_ROUNDING = 1e-12  # relative, of moments of inertia
+
 
 def scalars(name: str, value: Value) -> list[tuple[str, Scalar]]:
-    """The entries of an array by name[k], counted from 1; a scalar by its name."""
-    if not isinstance(value, tuple):
-        return [(name, value)]
-    return [pair for k, item in enumerate(value, 1) for pair in scalars(f"{name}[{k}]", item)]
+    """The entries of an array by name[k] or name[i,k], counted from 1; a scalar by its name."""
+    def entries(value: Value, index: tuple[int, ...]) -> list[tuple[str, Scalar]]:
+        if not isinstance(value, tuple):
+            return [(name + (f"[{','.join(map(str, index))}]" if index else ""), value)]
+        return [pair for k, item in enumerate(value, 1) for pair in entries(item, (*index, k))]
+
+    return entries(value, ())
 
 
 def all_parameters(kinematics: Kinematics, n: int) -> tuple[ca.SX, ca.SX, ca.SX]:
@@ -103,6 +108,40 @@ def require_possible(kinematics: Kinematics) -> None:
                 if wrong := misfit(float(next(values)), unit, variable.minimum, variable.maximum):
                     report.error("L0605", f"the parameter '{name}' {wrong}", variable.span)
     report.raise_errors()
+    find_odd_inertias(kinematics).raise_errors()
+
+
+def find_odd_inertias(kinematics: Kinematics) -> Report:
+    """Of inertias about three axes: L0605 for those that are negative or not symmetric; a warning, L0746, for those of no rigid
+    body, where one is more than the other two together: measured ones often are."""
+    report, model = Report(), kinematics.graph.model
+    if not model.space.is_spatial:
+        return report
+    values = iter(default_parameters(kinematics)[1].elements())
+    for variable in (v for v in model.variables.values() if v.kind == "parameter"):
+        own = np.array([float(next(values)) for _ in variable.elements()]).reshape(variable.shape)
+        if variable.unit != "kg.m2" or variable.shape not in ((3,), (3, 3)) or not np.isfinite(own).all():
+            continue
+        matrix = np.diag(own) if own.ndim == 1 else own
+        if not np.array_equal(matrix, matrix.T):
+            report.error("L0605", f"the inertia '{variable.name}' is not symmetric", variable.span,
+                         "write {{Ixx, Ixy, Ixz}, {Ixy, Iyy, Iyz}, {Ixz, Iyz, Izz}}")
+            continue
+        moments, axes = np.linalg.eigh(matrix) if own.ndim == 2 else (own, np.eye(3))
+        k, margin = int(np.argmax(moments)), _ROUNDING * np.abs(moments).max()
+        if moments.min() < -margin:
+            report.error("L0605", f"the inertia '{variable.name}' is negative about {_axis(axes[:, int(np.argmin(moments))])}: "
+                         f"{moments.min():g} kg.m2", variable.span)
+        elif 2 * moments[k] > moments.sum() + margin:
+            report.warning("L0746", f"no rigid body has the inertia '{variable.name}': about {_axis(axes[:, k])} it is "
+                           f"{moments[k]:g} kg.m2, more than about the other two together, {moments.sum() - moments[k]:g}",
+                           variable.span)
+    return report
+
+
+def _axis(direction: NDArray[np.float64]) -> str:
+    along = np.flatnonzero(direction)
+    return "xyz"[along[0]] if len(along) == 1 else "the axis {" + ", ".join(f"{x:.3g}" for x in direction) + "}"
 
 
 def usual_parameters(kinematics: Kinematics) -> tuple[ca.SX, NDArray[np.float64]]:

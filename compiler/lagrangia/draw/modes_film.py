@@ -28,7 +28,9 @@ def animate_mode(model: Drawable, study: Study, modes: Modes, k: int, path: str 
     mode = modes[k]
     q = np.array([modes.linearization.point[name] for name in modes.coordinates])
     shape = np.array([mode.shape[name] for name in modes.coordinates])
-    factor = factor_of(study.mechanism, q, shape)
+    figures, mechanism = figures_of(model), study.mechanism
+    assert mechanism is not None  # figures are refused where there is none
+    factor = factor_of(mechanism, q, shape)
     omega = mode.omega or 2 * np.pi / _NO_PERIOD
     t = np.linspace(0, _PERIODS * 2 * np.pi / omega, _PERIODS * _MOMENTS + 1)
     positions = np.array([study.closing(q + factor * shape * side) for side in np.sin(omega * t)]).T
@@ -36,7 +38,7 @@ def animate_mode(model: Drawable, study: Study, modes: Modes, k: int, path: str 
     still = np.full((1, t.size), study.time)
     given = np.array([*study.u, *held_at_first(study.scene, study.p.tolist())])
     states = States(still, positions, rates, np.repeat(given.reshape(-1, 1), t.size, axis=1), study.p.reshape(-1, 1))
-    reel = replace(build_reel(model.compilation, figures_of(model), states, {}, ()), t=t)
+    reel = replace(build_reel(model.compilation, figures, states, {}, ()), t=t)
     text = write_animation(reel, f"{modes.name}, mode {k + 1}: {mode.title}", (), ())
     if path is not None:
         save_reel(reel, text, Path(path))

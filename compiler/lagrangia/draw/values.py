@@ -12,8 +12,9 @@ from lagrangia.compile.functions import observer_of
 from lagrangia.compile.pipeline import Compilation
 from lagrangia.frames import planar
 from lagrangia.frames.evaluation import scalars_of
+from lagrangia.frames.geometry import Pose
 from lagrangia.frames.kinematics import Kinematics
-from lagrangia.frames.planar import SIZE, Pose
+from lagrangia.frames.planar import SIZE
 from lagrangia.frames.steps import Step
 from lagrangia.language.dimensions import dimension_of_value
 from lagrangia.language.figures import CHOICES, WORDS

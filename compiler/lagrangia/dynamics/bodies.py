@@ -5,6 +5,7 @@ the body is moved and turned, is that body's inertia: mass, first moment and sec
 """
 
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 import casadi as ca
 
@@ -13,10 +14,9 @@ from lagrangia.base.records import dataclass
 from lagrangia.dynamics.energies import Energies, Term
 from lagrangia.frames.alike import evaluate_all
 from lagrangia.frames.evaluation import Evaluator, Value
+from lagrangia.frames.geometry import Inertia, Pose
 from lagrangia.frames.graph import ComponentGraph
 from lagrangia.frames.kinematics import Kinematics
-from lagrangia.frames.planar import HERE, Pose
-from lagrangia.frames.planar_inertia import FreeBody, Inertia, inertias, unlike_a_body
 from lagrangia.language.flat import FlatModel
 from lagrangia.language.frame_attributes import is_velocity
 from lagrangia.language.mentions import nodes
@@ -46,13 +46,13 @@ class _Candidate:
 def find_bodies(kinematics: Kinematics, energies: Energies) -> Bodies:
     """Splits the kinetic energy into rigid bodies and the rest, without first-order states."""
     home, local = _rigid_clusters(kinematics)
-    body = FreeBody()
+    body = kinematics.geometry.free_body()
     kinetic = [term for term in energies.kinetic if not term.statement.is_signal]
     candidates = _candidates(kinematics, kinetic, home, local, body)
     turned = body.hessians([candidate.energy for candidate in candidates])
     straight = body.straight(turned)
     rigid = _are_rigid(straight, turned, body, kinematics)
-    known = inertias([c.frame for c in candidates], straight)
+    known = kinematics.geometry.inertias([c.frame for c in candidates], straight)
     solved = {id(c.term) for c, is_rigid in zip(candidates, rigid, strict=True) if is_rigid}
     rest = tuple(term for term in kinetic if id(term) not in solved)
     return Bodies(tuple(x for x, is_rigid in zip(known, rigid, strict=True) if is_rigid), rest, home, local)
@@ -63,7 +63,7 @@ def _rigid_clusters(kinematics: Kinematics) -> tuple[dict[str, str], dict[str, P
     graph: ComponentGraph = kinematics.graph
     home, local = {}, {}
     for frame in (*(root.frame for root in graph.roots), *(edge.child for edge in graph.edges if not edge.is_rigid)):
-        home[frame], local[frame] = frame, HERE
+        home[frame], local[frame] = frame, kinematics.geometry.here
     for edge in graph.edges:
         if edge.is_rigid:
             home[edge.child], local[edge.child] = home[edge.parent], kinematics.follow(edge, local[edge.parent], 0)
@@ -71,7 +71,7 @@ def _rigid_clusters(kinematics: Kinematics) -> tuple[dict[str, str], dict[str, P
 
 
 def _candidates(
-    kinematics: Kinematics, terms: Sequence[Term], home: Mapping[str, str], local: Mapping[str, Pose], body: FreeBody
+    kinematics: Kinematics, terms: Sequence[Term], home: Mapping[str, str], local: Mapping[str, Pose], body: Any
 ) -> list[_Candidate]:
     model, read = kinematics.graph.model, [_velocities_read(kinematics.graph.model, term) for term in terms]
     found = [(term, min(frames)) for term, frames in zip(terms, read, strict=True)
@@ -107,7 +107,7 @@ def _velocities_read(model: FlatModel, term: Term) -> set[str] | None:
 class _Probe:
     """Leaves of an evaluator in which the velocities of one body's frames come from a free twist in its own axes."""
 
-    def __init__(self, kinematics: Kinematics, local: Mapping[str, Pose], frame: str, body: FreeBody) -> None:
+    def __init__(self, kinematics: Kinematics, local: Mapping[str, Pose], frame: str, body: Any) -> None:
         self.kinematics, self.local, self.own, self.body = kinematics, local, local[frame], body
 
     def symbol(self, name: str, level: int) -> Value | None:
@@ -117,12 +117,10 @@ class _Probe:
         return self.kinematics.time(level)
 
     def frame(self, name: str, attribute: str, level: int) -> Value:
-        place = self.local[name]
-        ahead = None if place is self.own else tuple(x - y for x, y in zip(place.origin, self.own.origin, strict=True))
-        return self.body.velocity(attribute, ahead)
+        return self.body.velocity(attribute, self.local[name], self.own)
 
 
-def _are_rigid(straight: ca.SX, turned: ca.SX, body: FreeBody, kinematics: Kinematics) -> list[bool]:
+def _are_rigid(straight: ca.SX, turned: ca.SX, body: Any, kinematics: Kinematics) -> list[bool]:
     """For each row: is its Hessian constant, isotropic in the mass, and the same at every angle?
 
     The last is an identity between expressions (c c + s s = 1 among others); it is tested with numbers at a general angle.
@@ -130,7 +128,7 @@ def _are_rigid(straight: ca.SX, turned: ca.SX, body: FreeBody, kinematics: Kinem
     rows = straight.size1()
     if not rows:
         return []
-    gaps = ca.horzcat(straight - turned, unlike_a_body(straight))
+    gaps = ca.horzcat(straight - turned, kinematics.geometry.unlike_a_body(straight))
     table = ca.horzcat(gaps, straight)
     moving = ca.vertcat(kinematics.algebra.state, kinematics.symbols.time)
     steady = [True] * rows

@@ -177,11 +177,13 @@ def _lengths(kinematics: Kinematics) -> set[int]:
 
 def _absolute_angles(kinematics: Kinematics) -> ca.DM:
     """S that puts in the place of each angle of a joint that of the body behind it; the unit matrix where it would have no
-    inverse, or would not be of whole numbers."""
+    inverse, or would not be of whole numbers, and in space."""
     graph, positions = kinematics.graph, kinematics.symbols.positions
     number = {name: k for k, name in enumerate(positions)}
     turning = [(edge.child, number[name]) for edge in graph.edges for name in edge.coordinates if name in number]
     S = np.eye(len(number))
+    if kinematics.graph.model.space.is_spatial:
+        return ca.DM.eye(len(number))  # bodies have no angles there
     angles = ca.vertcat(ca.SX(0, 1), *[kinematics.frame(frame, "phi", 0) for frame, _ in turning])
     slopes = ca.jacobian(angles, ca.vertcat(*positions.values()))
     if not slopes.is_constant():

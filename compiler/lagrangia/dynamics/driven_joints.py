@@ -13,16 +13,15 @@ from lagrangia.dynamics.released_directions import Released
 from lagrangia.frames.edges import Edge
 from lagrangia.frames.evaluation import Evaluator, Value
 from lagrangia.frames.kinematics import Kinematics
-from lagrangia.frames.planar import SIZE
-from lagrangia.frames.planar_joints import unit_load
 from lagrangia.language.flat import Equation
 from lagrangia.language.mentions import leaves
+from lagrangia.language.space_limits import refuse_in_space
 from lagrangia.language.tree import FrameRef, Ref
 
 
 def force_beside_drives(kinematics: Kinematics, constraints: Constraints, released: Released, edge: Edge) -> ca.SX:
-    """What ties exert on the edge's child by a coordinate that is driven: force and torque about the child's origin, (SIZE,)."""
-    total = ca.SX.zeros(SIZE)
+    """What ties exert on the edge's child by a coordinate that is driven: force and torque about the child's origin."""
+    total = ca.SX.zeros(kinematics.geometry.size)
     for name in edge.coordinates:
         rows = {id(row): (row, named) for row in constraints.all_rows if row.equation is not None and row.is_holonomic
                 and name in (named := _named(kinematics, row.equation))}
@@ -72,7 +71,8 @@ def _slope(kinematics: Kinematics, row: Row, name: str) -> ca.SX:
 
 def _direction(kinematics: Kinematics, edge: Edge, name: str) -> ca.SX:
     """The force and torque on the edge's child that do the work of a unit force on the coordinate, when the parent rests."""
+    refuse_in_space(kinematics.graph.model, "drives", edge.span)
     shift = ca.SX.sym("shift")
     evaluator = Evaluator(kinematics.graph.model, kinematics.algebra, _Nudged(kinematics, name, shift))
     pose = kinematics.follow(edge, kinematics.pose(edge.parent, 0), 0, evaluator)
-    return unit_load([ca.substitute(ca.gradient(ca.SX(part), shift), shift, 0) for part in pose.place])
+    return kinematics.geometry.unit_load([ca.substitute(ca.gradient(ca.SX(part), shift), shift, 0) for part in pose.place])

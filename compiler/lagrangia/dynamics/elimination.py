@@ -168,6 +168,8 @@ class ArticulatedBodies:
 def articulate(kinematics: Kinematics, bodies: Bodies) -> ArticulatedBodies | None:
     """None when the scene is no tree of rigid bodies: a coordinate that moves several joints, none, or no mass of its own, or a
     kinetic term that couples several bodies or is no body's."""
+    if kinematics.geometry.by_rates:
+        return None  # in space M is dense
     clusters = _clusters(kinematics, bodies)
     try:
         return ArticulatedBodies(kinematics, bodies, clusters) if clusters is not None else None

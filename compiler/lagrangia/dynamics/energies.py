@@ -1,6 +1,6 @@
 """Kinematics -> T, V, D and the virtual work, term by term as the components state them."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import casadi as ca
@@ -13,6 +13,7 @@ from lagrangia.frames.alike import evaluate_all
 from lagrangia.frames.evaluation import Value
 from lagrangia.frames.kinematics import Kinematics
 from lagrangia.language.flat import Energy, Work
+from lagrangia.language.tree import FrameRef
 
 
 @dataclass(frozen=True)
@@ -30,11 +31,13 @@ class Term:
 
 @dataclass(frozen=True)
 class Load:
-    """A force and the position it works on, both as lists of scalars of equal length."""
+    """A force and the position it works on, both as lists of scalars of equal length; a torque on an attitude works on what has
+    no position: there stands the angular velocity, if it `is_by_rate`."""
 
     force: tuple[Scalar, ...]
     position: tuple[Scalar, ...]
     statement: Work
+    is_by_rate: bool = False
 
 
 @dataclass(frozen=True)
@@ -55,6 +58,19 @@ class Energies:
     def total(terms: tuple[Term, ...]) -> ca.SX:
         """Sum by halves, which keeps the tree of additions shallow."""
         return _balanced_sum([as_expression(t.value) for t in terms])
+
+
+def generalised_force(loads: Sequence[Load], q: ca.SX, v: ca.SX) -> ca.SX:
+    """sum_i (dr_i/dq)^T F_i, in one reverse sweep, and of torques on attitudes sum_i (dw_i/dv)^T M_i in another."""
+    by_place, by_rate = ([load for load in loads if load.is_by_rate is is_by_rate] for is_by_rate in (False, True))
+    found = [_along(chosen, moving) for chosen, moving in ((by_place, q), (by_rate, v)) if chosen]
+    return sum(found[1:], found[0]) if found else ca.SX.zeros(q.numel())
+
+
+def _along(loads: Sequence[Load], moving: ca.SX) -> ca.SX:
+    places, forces = (ca.vertcat(*[x for part in parts for x in part])
+                      for parts in ([load.position for load in loads], [load.force for load in loads]))
+    return ca.densify(ca.jtimes(places, moving, forces, True))
 
 
 def build_energies(kinematics: Kinematics) -> Energies:
@@ -80,16 +96,19 @@ def evaluate_energies(kinematics: Kinematics) -> Energies:
 
 
 def _load(work: Work, value: Callable[..., Value], report: Report) -> Load:
+    is_by_rate = isinstance(work.position, FrameRef) and work.position.attribute == "attitude"
+    moved = replace(work.position, attribute="w") if isinstance(work.position, FrameRef) and is_by_rate else work.position
     try:
-        force, position = value(work.force), value(work.position)
+        force, position = value(work.force), value(moved)
     except LagError as error:
         raise error.placed(work.span) from None
     if isinstance(force, tuple) != isinstance(position, tuple) or (isinstance(force, tuple) and len(force) != len(position)):
         report.error_in(work.span, work.position.span, "L0303", "a force works on a position of the same size",
-                        "a vector on a point (at.r), a number on a length or an angle")
+                        "a vector on a point (at.r), a number on a length or an angle" if not is_by_rate else
+                        "a torque on an attitude has three components, in the world's axes")
         return Load((), (), work)
     if isinstance(force, tuple):
-        return Load(force, position, work)
+        return Load(force, position, work, is_by_rate)
     return Load((force,), (position,), work)
 
 
@@ -118,7 +137,7 @@ def _check_dependence(energies: Energies, kinematics: Kinematics, report: Report
     for load in energies.loads:
         if accelerations.numel() and ca.depends_on(ca.vertcat(*load.force, 0), accelerations):
             report.error_in(load.statement.span, load.statement.force.span, "L0501", "a force cannot depend on accelerations")
-        if rates.numel() and ca.depends_on(ca.vertcat(*load.position, 0), rates):
+        if rates.numel() and not load.is_by_rate and ca.depends_on(ca.vertcat(*load.position, 0), rates):
             report.error_in(load.statement.span, load.statement.position.span, "L0502",
                             "a force works on a position, this depends on velocities")
 

@@ -22,7 +22,6 @@ from lagrangia.frames.alike import evaluate_all
 from lagrangia.frames.evaluation import Evaluator, Value, scalars_of
 from lagrangia.frames.kinematics import Kinematics, displacement
 from lagrangia.frames.planar import SIZE
-from lagrangia.language.frame_attributes import ATTRIBUTES
 
 
 @dataclass(frozen=True)
@@ -93,7 +92,7 @@ class _Apart:
             made = self.algebra.new_symbols(2 * SIZE)
             self.frames[name] = made[:SIZE], made[SIZE:]
         shift, rate = self.frames[name]
-        known = ATTRIBUTES[attribute]
+        known = self.kinematics.graph.model.space.attributes[attribute]
         if known.kind == "place":
             moved = tuple(displacement((shift[k], rate[k]), level) for k in known.components)
         else:

@@ -19,9 +19,9 @@ from numpy.typing import NDArray
 from lagrangia.base.records import dataclass
 from lagrangia.constraints.parameters import usual_parameters
 from lagrangia.constraints.rows import Constraints
-from lagrangia.dynamics.energies import evaluate_energies
+from lagrangia.dynamics.energies import evaluate_energies, generalised_force
 from lagrangia.dynamics.kkt import factor
-from lagrangia.dynamics.motion import Motion, generalised_force, mass_matrix, solve_mass
+from lagrangia.dynamics.motion import Motion, mass_matrix, solve_mass
 from lagrangia.frames.kinematics import Kinematics
 
 _FIRST_KNOTS = 50  # of a table of steps
@@ -80,7 +80,7 @@ def _impulse_of_dampers(kinematics: Kinematics, q: ca.SX, v: ca.SX, modes: ca.SX
     pace = ca.SX.sym("pace", jumps.numel())
     energies = evaluate_energies(kinematics.gliding(pace[: modes.numel()], pace.elements()[modes.numel() :]))
     damping = ca.gradient(energies.total(energies.dissipation), v)
-    forces = ca.jacobian(generalised_force(energies, q) - damping, pace)
+    forces = ca.jacobian(generalised_force(energies.loads, q, v) - damping, pace)
     if not forces.nnz() or ca.depends_on(forces, ca.vertcat(pace, v)):
         return None
     mean = (forces + ca.substitute(forces, modes, before)) / 2

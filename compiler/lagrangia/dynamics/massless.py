@@ -34,6 +34,7 @@ from lagrangia.frames.evaluation import scalars_of
 from lagrangia.frames.kinematics import Kinematics
 from lagrangia.language.consequences import speaks_of_contact_forces
 from lagrangia.language.events import position_of
+from lagrangia.language.space_limits import refuse_in_space
 
 _NOTHING = 1e-9  # of a damping, beside the largest
 _LOOKS = 6  # at random rates, whether a force is linear in them
@@ -183,6 +184,8 @@ class _Places:
         for column, direction in enumerate(directions):
             for name, factor in direction.factors:
                 self.factors[self.names.index(name), column] = factor
+        if any(load.is_by_rate for load in energies.loads):
+            refuse_in_space(kinematics.graph.model, "massless")
         places = [x for load in energies.loads for x in load.position]
         self.moved = self._slopes_along(places, self.q)  # the places of loads
         forces = ca.vertcat(ca.SX(0, 1), *[x for load in energies.loads for x in load.force])

@@ -25,15 +25,15 @@ from lagrangia.dynamics.collected_inertia import MOST_COORDINATES, Collected, bl
 from lagrangia.dynamics.constrained_motion import ConstrainedMotion, FreeMotion, bring_down, constrain, constraint_rows
 from lagrangia.dynamics.dissipation import gradient_by_rates
 from lagrangia.dynamics.elimination import ArticulatedBodies, articulate
-from lagrangia.dynamics.energies import Energies
+from lagrangia.dynamics.energies import Energies, generalised_force
 from lagrangia.dynamics.forces import forces_of_loops
 from lagrangia.dynamics.impacts import Impacts
 from lagrangia.dynamics.regularity import is_even
 from lagrangia.dynamics.schur import FreeTree, prefers
 from lagrangia.frames.evaluation import scalars_of
+from lagrangia.frames.geometry import Inertia, inertial_reaction
 from lagrangia.frames.joints import all_reactions
 from lagrangia.frames.kinematics import Kinematics
-from lagrangia.frames.planar_inertia import Inertia, inertial_reaction
 from lagrangia.language.frame_attributes import component_named
 
 # A mass matrix with more entries a coordinate than this is not formed when elimination along the tree is possible.
@@ -109,7 +109,7 @@ def build_motion(kinematics: Kinematics, energies: Energies, constraints: Constr
     T, V, D = map(energies.total, (energies.kinetic, energies.potential, energies.dissipation))
     slopes, mechanism = ca.densify(ca.gradient(T - V, ca.vertcat(v, t))), energies.of_mechanism()
     momentum, dL_dt = slopes[:-1, 0], slopes[-1]
-    T, force, damping = energies.total(mechanism.kinetic), generalised_force(mechanism, q), gradient_by_rates(D, v)
+    T, force, damping = energies.total(mechanism.kinetic), generalised_force(mechanism.loads, q, v), gradient_by_rates(D, v)
     inertial = Later(lambda: _on_time([inertial_force(kinematics, energies, bodies, q, v) + damping], kinematics)[0])
     moved = tau * ca.gradient(D, tau)  # what supports that move do to dampers
     dissipated, source = ca.dot(v, damping) + moved, ca.dot(force, v) - tau * dL_dt + moved
@@ -164,22 +164,27 @@ def inertial_force(kinematics: Kinematics, energies: Energies, bodies: Bodies, q
     remaining = kinematics.without_accelerations()
     positions: list[Scalar] = [energies.total(energies.potential)]
     forces: list[Scalar] = [1.0]
+    rates, powers = list[Scalar](), list[Scalar]()  # of what works by its rates
     for inertia in bodies.inertias:
+        moved, wrench = (rates, powers) if kinematics.geometry.by_rates else (positions, forces)
         for position, force in body_reaction(remaining, inertia):
             if not (isinstance(position, float) or isinstance(force, float)):
-                positions.append(position)
-                forces.append(force)
+                moved.append(position)
+                wrench.append(force)
     for load in energies.loads:
-        positions += load.position
-        forces += [-force for force in load.force]
+        moved, wrench = (rates, powers) if load.is_by_rate else (positions, forces)
+        moved += load.position
+        wrench += [-force for force in load.force]
     h = ca.densify(ca.jtimes(ca.vertcat(*positions), q, ca.vertcat(*forces), True))
+    if rates:
+        h = h + ca.densify(ca.jtimes(ca.vertcat(*rates), v, ca.vertcat(*powers), True))
     return h + _lagrange(kinematics, energies.total(bodies.rest), q, v) if bodies.rest else h
 
 
 def body_reaction(kinematics: Kinematics, inertia: Inertia) -> list[tuple[Scalar, Scalar]]:
     """The place of a body's frame and the wrench its inertia asks for, number by number."""
     place = kinematics.pose(inertia.frame, 0)
-    return inertial_reaction(inertia, place, kinematics.pose(inertia.frame, 2))
+    return inertial_reaction(inertia, place, kinematics.pose(inertia.frame, 2), kinematics.geometry)
 
 
 def _lagrange(kinematics: Kinematics, T: ca.SX, q: ca.SX, v: ca.SX) -> ca.SX:
@@ -188,15 +193,6 @@ def _lagrange(kinematics: Kinematics, T: ca.SX, q: ca.SX, v: ca.SX) -> ca.SX:
     slopes = ca.densify(ca.gradient(T, ca.vertcat(v, q)))
     n = q.numel()
     return ca.jtimes(slopes[:n], ca.vertcat(q, t), ca.vertcat(v, tau)) - slopes[n:]
-
-
-def generalised_force(energies: Energies, q: ca.SX) -> ca.SX:
-    """sum_i (dr_i/dq)^T F_i, in one reverse sweep."""
-    if not energies.loads:
-        return ca.SX.zeros(q.numel())
-    positions = ca.vertcat(*[x for load in energies.loads for x in load.position])
-    forces = ca.vertcat(*[x for load in energies.loads for x in load.force])
-    return ca.densify(ca.jtimes(positions, q, forces, True))
 
 
 def _stack(kinematics: Kinematics, *kinds: str) -> ca.SX:

@@ -20,8 +20,6 @@ from lagrangia.frames.closures import meeting_place, wrench_on_b
 from lagrangia.frames.edges import Closure, Edge
 from lagrangia.frames.joints import component_of, cuts_of, joints_of
 from lagrangia.frames.kinematics import Kinematics
-from lagrangia.frames.planar import SIZE
-from lagrangia.frames.planar_inertia import wrench_about
 from lagrangia.language.consequences import equation_of
 from lagrangia.language.frame_attributes import REACTIONS
 from lagrangia.language.mentions import nodes
@@ -29,8 +27,8 @@ from lagrangia.language.tree import FrameRef
 
 
 def build_reactions(kinematics: Kinematics, bodies: Bodies, constraints: Constraints, motion: Motion) -> tuple[ca.SX, ca.SX]:
-    """The symbols that stand for reactions in outputs, and their values in t, q, v, a, lambda, u, d, p: SIZE of each joint, and
-    one of each equation that is asked for its force.
+    """The symbols that stand for reactions in outputs, and their values in t, q, v, a, lambda, u, d, p: a wrench of each joint,
+    and one of each equation that is asked for its force.
 
     Raises LagError L0911 for what has no reaction.
     """
@@ -45,7 +43,7 @@ def build_reactions(kinematics: Kinematics, bodies: Bodies, constraints: Constra
     contacts = {when.component for when in kinematics.graph.model.whens}
     for frame in (frame for frame, rows in ties.items() if not rows and component_of(frame) not in contacts):
         fail("L0911", f"'{component_of(frame)}' is no joint, so it has no reaction", _asked_at(kinematics, frame))
-    sizes = {edges[frame][0].child: SIZE for frame in asked if frame in edges}
+    sizes = {edges[frame][0].child: kinematics.geometry.size for frame in asked if frame in edges}
     sizes |= {cuts[frame][0].coordinate: 1 for frame in asked if frame in cuts and cuts[frame][0].coordinate}
     released = Released(kinematics, bodies, constraints, motion, sizes)
     values = forces_of_ties(kinematics, released, ties)
@@ -90,7 +88,7 @@ def _of_joint(
 ) -> ca.SX:
     """Force and torque that a joint of the tree exerts on the side of `frame`, about the origin of `frame`."""
     force = released.force(edge.child) - force_beside_drives(kinematics, constraints, released, edge)
-    return wrench_about(sign * force, kinematics.pose(edge.child, 0), kinematics.pose(frame, 0))
+    return kinematics.geometry.wrench_about(sign * force, kinematics.pose(edge.child, 0), kinematics.pose(frame, 0))
 
 
 def _of_cut(
@@ -104,4 +102,4 @@ def _of_cut(
     rows = sorted((row for row in constraints.all_rows if row.loop is closure), key=lambda row: row.part)
     drive = released.force(closure.coordinate) if closure.coordinate else ca.SX(0)
     on_b = ca.vertcat(*wrench_on_b(kinematics, closure, [-released.multiplier(row) for row in rows], drive))
-    return wrench_about(sign * on_b, meeting_place(kinematics, closure), kinematics.pose(frame, 0))
+    return kinematics.geometry.wrench_about(sign * on_b, meeting_place(kinematics, closure), kinematics.pose(frame, 0))

@@ -21,7 +21,6 @@ from lagrangia.dynamics.motion import Motion, body_reaction
 from lagrangia.frames.evaluation import scalars_of
 from lagrangia.frames.joints import component_of
 from lagrangia.frames.kinematics import Kinematics
-from lagrangia.frames.planar import SIZE
 
 
 class Released:
@@ -60,13 +59,19 @@ class Released:
         energies = build_energies(free)
         positions: list[Scalar] = [energies.total(energies.potential)]
         forces: list[Scalar] = [1.0]
+        rates, powers = list[Scalar](), list[Scalar]()  # of what works by its rates
         for inertia in self.bodies.inertias:
-            positions += free.pose(inertia.frame, 0).place
-            forces += [force for _, force in body_reaction(self.kinematics, inertia)]
+            by_rates = free.geometry.by_rates
+            moved, wrench = (rates, powers) if by_rates else (positions, forces)
+            moved += free.pose(inertia.frame, 1).twist if by_rates else free.pose(inertia.frame, 0).place
+            wrench += [force for _, force in body_reaction(self.kinematics, inertia)]
         for load in (*energies.loads, *self.motion.impacts.loads_in(free)):
-            positions += load.position
-            forces += [-f for f in load.force]
+            moved, wrench = (rates, powers) if load.is_by_rate else (positions, forces)
+            moved += load.position
+            wrench += [-f for f in load.force]
         total = ca.jtimes(ca.vertcat(*positions), shift, ca.vertcat(*forces), True)
+        if rates:
+            total += ca.jtimes(ca.vertcat(*rates), rate, ca.vertcat(*powers), True)
         total += ca.gradient(energies.total(energies.dissipation), rate)
         return total + self._other_inertia(energies, shift, rate) + self._remaining_rows(free, shift, rate)
 
@@ -93,12 +98,13 @@ def forces_of_ties(
 ) -> dict[str, ca.SX]:
     """What the rows of each tie exert on its frame: -lambda times the slope of the row when that frame alone is displaced; of a
     contact at which something rests, its force times the slope of the gap."""
-    shift, rate = ca.SX.sym("shift", SIZE * len(ties)), ca.SX.sym("rate", SIZE * len(ties))
-    places = {frame: slice(SIZE * k, SIZE * (k + 1)) for k, frame in enumerate(ties)}
+    size = kinematics.geometry.size
+    shift, rate = ca.SX.sym("shift", size * len(ties)), ca.SX.sym("rate", size * len(ties))
+    places = {frame: slice(size * k, size * (k + 1)) for k, frame in enumerate(ties)}
     lone = kinematics.displaced({}, {frame: (shift[place], rate[place]) for frame, place in places.items()})
     forces = {}
     for frame, rows in ties.items():
-        force = ca.SX.zeros(SIZE)
+        force = ca.SX.zeros(size)
         for row in rows:
             moved = (shift if row.is_holonomic else rate)[places[frame]]
             force -= released.multiplier(row) * ca.gradient(ca.SX(row.value(lone, 0)), moved)

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from typing import Protocol
 
-from lagrangia.algebra.duals import Scalar, value_of
+from lagrangia.algebra.duals import Scalar
 from lagrangia.algebra.with_casadi import CasadiAlgebra
 from lagrangia.base.diagnostics import LagError
 from lagrangia.frames import planar_joints
@@ -68,7 +68,7 @@ def _ends(frames: Frames, closure: Closure, level: int) -> tuple[Pose, Pose]:
         a = frames.step(step, a, at)
     for step in closure.steps_b:
         b = frames.step(step, b, at)
-    return (a.map(value_of), b.map(value_of)) if level == 0 else (a, b)
+    return (a.lowered, b.lowered) if level == 0 else (a, b)
 
 
 def _slide(frames: Frames, closure: Closure) -> Slide | None:

@@ -6,6 +6,7 @@ level 2 Duals of Duals with the acceleration as well. `der(e)` at level k is the
 
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
+from dataclasses import replace
 from functools import cached_property
 from math import copysign
 from typing import Any, Protocol, TypeAlias
@@ -352,7 +353,7 @@ def _is_nothing(x: Scalar) -> bool:
 def origin_of(node: Flat) -> Flat:
     """The origin of a frame; a point is its own."""
     if isinstance(node, FrameRef) and not node.attribute:
-        return FrameRef(node.name, "r", (), node.span)
+        return replace(node, attribute="r")
     return node
 
 

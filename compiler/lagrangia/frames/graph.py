@@ -14,8 +14,9 @@ from lagrangia.frames.edges import Closure, Edge, choose_tree, close
 from lagrangia.frames.steps import Step
 from lagrangia.language.consequences import keep_consequences_out
 from lagrangia.language.flat import FlatModel, Frame, FrameEquation, Variable
-from lagrangia.language.frame_attributes import ATTRIBUTES, COMPONENTS, reading, reads_angle
+from lagrangia.language.frame_attributes import Space, reading, reads_angle
 from lagrangia.language.mentions import leaves
+from lagrangia.language.space_limits import refuse_in_space
 from lagrangia.language.tree import Call, Flat, FrameRef, Number, Ref, Time
 
 _MOST_NAMES, _ENDS = 12, 4  # of the components along a loop that are told
@@ -128,6 +129,8 @@ class _Building:
                 unused += sorted(island)
         self.report.raise_errors()
         closures = self._closures(outside, set(unused))
+        for closure in closures:
+            refuse_in_space(self.model, "loops", closure.span)
         cut = {closure.coordinate: closure for closure in closures if closure.coordinate}
         found = self._coordinates(floating)
         coordinates, lost = (tuple(c for c in found if (c.name in cut) == is_lost) for is_lost in (False, True))
@@ -144,6 +147,7 @@ class _Building:
         for leaf in found:
             if isinstance(leaf, FrameRef):
                 fail("L0402", f"a joint's shift or turn cannot depend on the frame '{leaf.name}'", equation.span)
+        self._require_steady_axes(steps, equation.span)
         names = {leaf.name: self.model.variables.get(leaf.name) for leaf in found if isinstance(leaf, Ref)}
         coordinates = tuple(name for name, v in names.items() if v is not None and v.kind == "coordinate")
         is_moved = any(v is not None and v.kind == "input" for v in names.values())
@@ -151,6 +155,15 @@ class _Building:
         if left == right and not steps:
             return
         self.candidates.append(edge)
+
+    def _require_steady_axes(self, steps: tuple[Step, ...], span: Span) -> None:
+        """An axis that moves in its own frame would turn by more than the angle says."""
+        axes = [step.axis for step in steps if step.axis is not None]
+        for leaf in leaves(axes, self.bindings):
+            variable = self.model.variables.get(leaf.name) if isinstance(leaf, Ref) else None
+            if variable is None or variable.kind not in ("parameter", "variable"):
+                fail("L0402", "the axis of a turn is fixed in the frame that it begins at: it depends on parameters alone", span,
+                     "turn first to where the axis points, then about it: turn(turn(a, alpha), phi, {1, 0, 0})")
 
     def _grow(self, root: str) -> None:
         """Breadth first from the root."""
@@ -256,10 +269,13 @@ class _Building:
         started = [name for name in frames if self.model.frames[name].starts]
         root = (started or [name for name in frames if name in massive])[0]
         turning = self._turning_with(root)
-        has_angle = any(reads_angle(attribute) for name in turning for attribute in used.get(name, ())) or any(
+        space = self.model.space
+        has_angle = any(reads_angle(attribute, space) for name in turning for attribute in used.get(name, ())) or any(
             step.kind == "shift" for name in turning for edge in self.neighbours[name] for step in edge.steps
         )
-        return Root(root, tuple(component.name for component in COMPONENTS if has_angle or not component.is_angle))
+        if has_angle:
+            refuse_in_space(self.model, "attitude", self.model.frames[root].span)
+        return Root(root, tuple(component.name for component in space.components if has_angle or not component.is_angle))
 
     @cached_property
     def _order(self) -> dict[str, int]:
@@ -349,12 +365,12 @@ class _Building:
         return starts
 
     def _floating_coordinates(self, root: Root) -> list[Coordinate]:
-        frame = self.model.frames[root.frame]
+        frame, space = self.model.frames[root.frame], self.model.space
         return [
-            Coordinate(f"{root.frame}.{part.name}", part.unit, part.display_unit, _start(frame, "place", k),
-                       _start(frame, "velocity", k), _is_fixed(frame, "place", k), f"{part.words} of the floating {frame.owner}",
-                       frame.span, _is_fixed(frame, "velocity", k))
-            for k, part in enumerate(COMPONENTS) if part.name in root.attributes
+            Coordinate(f"{root.frame}.{part.name}", part.unit, part.display_unit, _start(frame, "place", k, space),
+                       _start(frame, "velocity", k, space), _is_fixed(frame, "place", k, space),
+                       f"{part.words} of the floating {frame.owner}", frame.span, _is_fixed(frame, "velocity", k, space))
+            for k, part in enumerate(space.components) if part.name in root.attributes
         ]
 
     def _refuse_other_starts(self, roots: set[str]) -> None:
@@ -383,18 +399,18 @@ def _shortened(names: list[str]) -> list[str]:
     return names if len(names) <= _MOST_NAMES else [*names[:_ENDS], f"{len(names) - 2 * _ENDS} more", *names[-_ENDS:]]
 
 
-def _start(frame: Frame, kind: str, k: int) -> Flat | None:
+def _start(frame: Frame, kind: str, k: int, space: Space) -> Flat | None:
     """What a frame's declaration says about the start of a component of its place or velocity."""
-    for name in reading(kind, k):
+    for name in reading(kind, k, space):
         if name in frame.starts:
-            known, start = ATTRIBUTES[name], frame.starts[name]
+            known, start = space.attributes[name], frame.starts[name]
             index = Number(float(known.components.index(k) + 1), None, frame.span, True)
             return Call("element", (start, index), (), frame.span) if known.is_vector else start
     return None
 
 
-def _is_fixed(frame: Frame, kind: str, k: int) -> bool:
-    return not frame.fixed.isdisjoint(reading(kind, k))
+def _is_fixed(frame: Frame, kind: str, k: int, space: Space) -> bool:
+    return not frame.fixed.isdisjoint(reading(kind, k, space))
 
 
 def rate_of(variable: Variable) -> str | None:
@@ -411,5 +427,6 @@ def _unfold(node: Flat) -> tuple[str, tuple[Step, ...]]:
         return node.name, ()
     if isinstance(node, Call) and node.function in ("shift", "turn"):
         base, steps = _unfold(node.arguments[0])
-        return base, (*steps, Step(node.function, node.arguments[1]))
+        _, amount, *axis = node.arguments
+        return base, (*steps, Step(node.function, amount, axis=axis[0] if axis else None))
     fail("L0221", "this is no frame", node.span, "a frame is a port, as bar.a, or shift(...) or turn(...) of one")

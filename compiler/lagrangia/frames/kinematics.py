@@ -11,24 +11,25 @@ from typing import Any
 
 import casadi as ca
 
-from lagrangia.algebra.duals import Dual, GlidingAlgebra, Scalar, base_of, plus, polynomial, times, value_of
+from lagrangia.algebra.duals import Dual, GlidingAlgebra, Scalar, base_of, plus, polynomial, times
 from lagrangia.algebra.scalars import as_expression, symbol, symbols_in
 from lagrangia.algebra.with_casadi import CasadiAlgebra
 from lagrangia.base.diagnostics import LagError, fail
 from lagrangia.base.records import dataclass
-from lagrangia.frames import planar
 from lagrangia.frames.alike import evaluate_all
 from lagrangia.frames.closures import cut_coordinate
 from lagrangia.frames.edges import Edge
 from lagrangia.frames.evaluation import Evaluator, Value, scalars_of
+from lagrangia.frames.geometry import Geometry, Pose, geometry_of
 from lagrangia.frames.graph import ComponentGraph
-from lagrangia.frames.planar import Pose
+from lagrangia.frames.quaternions import quaternion_along
+from lagrangia.frames.space_checks import require_about_z
 from lagrangia.frames.steps import Step
 from lagrangia.frames.vectors_on_a_line import line_of
 from lagrangia.language.compiled_numbers import compiled_numbers
 from lagrangia.language.consequences import CONSTRAINT_FORCE
 from lagrangia.language.flat import FlatModel, Sampler
-from lagrangia.language.frame_attributes import ATTRIBUTES
+from lagrangia.language.frame_attributes import ABOUT_Z
 from lagrangia.language.moving_inputs import rate_names
 
 _JUST_AFTER = 1e-9  # of the time from start to stop
@@ -94,6 +95,11 @@ class Kinematics:
         lengths = self._signed_length if isinstance(self.algebra, CasadiAlgebra) else None  # others may be SymPy's: symbolic.py
         self.evaluator = Evaluator(self.graph.model, self.algebra, self, virtual, lengths)
 
+    @cached_property
+    def geometry(self) -> Geometry:
+        """What frames are, in the plane or in space."""
+        return geometry_of(self.graph.model.space)
+
     # ------------------------------------------------------------ leaves of expressions
 
     def symbol(self, name: str, level: int) -> Value | None:
@@ -152,20 +158,37 @@ class Kinematics:
 
     def frame(self, name: str, attribute: str, level: int) -> Value:
         """An attribute of a frame (language/frame_attributes.py). Raises LagError."""
-        kind = ATTRIBUTES[attribute].kind
+        kind = self.graph.model.space.attributes[attribute].kind
+        if kind == "attitude" and attribute != "R":
+            return self._attitude(name, attribute, level)
         if kind == "reaction":
             return self._reaction(name, attribute, level)
         if kind == "velocity" and level >= 2:
             fail("L0503", f"the second derivative of {name}.{attribute} is not known", self.graph.model.frames[name].span)
-        return planar.attribute_of(self.pose(name, level + 1 if kind == "velocity" else level), attribute)
+        if attribute == ABOUT_Z:
+            own = self.geometry.attribute_of(self.pose(name, 1), "omega")
+            require_about_z(name, own, self.symbols.rates, self.graph.model.frames[name].span)
+        return self.geometry.attribute_of(self.pose(name, level + 1 if kind == "velocity" else level), attribute)
+
+    def _attitude(self, name: str, attribute: str, level: int) -> Value:
+        """The quaternion of a frame; what a torque works on is no number."""
+        if attribute != "Q":
+            fail("L0302", f"{name}.{attribute} is no number: a torque works on it", self.graph.model.frames[name].span,
+                 "write: work M on frame.attitude; the attitude itself is R (a matrix) or Q (a quaternion)")
+        edges, way = {edge.child: edge for edge in self.graph.edges}, list[Edge]()
+        while name in edges:
+            way.insert(0, edges[name])
+            name = way[0].parent
+        steps = (step for edge in way for step in edge.steps)
+        return quaternion_along(steps, self.evaluator.value, level, self.evaluator.algebras[level])
 
     def _reaction(self, name: str, attribute: str, level: int) -> Value:
         """Symbols that stand for the force and torque of a joint on its port b, until dynamics/reactions.py works them out."""
         if level > 0:
             fail("L0911", "the rate of a reaction is not known", self.graph.model.frames[name].span)
         if name not in self.reactions:
-            self.reactions[name] = tuple(symbol(f"{name}.{part}") for part in planar.WRENCH)
-        return planar.picked(attribute, self.reactions[name])
+            self.reactions[name] = tuple(symbol(f"{name}.{part}") for part in self.graph.model.space.wrench)
+        return self.geometry.picked(attribute, self.reactions[name])
 
     def knowing(self, values: Mapping[str, Scalar]) -> "Kinematics":
         """The same motion where more is known by name."""
@@ -229,7 +252,7 @@ class Kinematics:
         """Raises LagError L0401 for a frame that is joined to nothing."""
         if level == 0:
             if name not in self._poses[0]:
-                self._poses[0][name] = self.pose(name, 1).map(value_of)
+                self._poses[0][name] = self.pose(name, 1).lowered
             return self._poses[0][name]
         pose = self.poses(level).get(name)
         if pose is None:
@@ -246,7 +269,7 @@ class Kinematics:
         poses = self._poses[level]
         if level == 1 and len(self.evaluator.algebras) > 2 and not (self.released or self.moved):
             # the inertial forces need the second level in any case, and it has the first one in it
-            poses |= {name: pose.map(value_of) for name, pose in self.without_accelerations().poses(2).items()}
+            poses |= {name: pose.lowered for name, pose in self.without_accelerations().poses(2).items()}
             return
         self._measure_rigid()
         for root in self.graph.roots:
@@ -266,12 +289,12 @@ class Kinematics:
             self._amounts.update(zip(map(id, fixed), found, strict=True))
 
     def _displaced(self, pose: Pose, moved: Displacement, level: int) -> Pose:
-        parts = [displacement([part[k] for part in moved], level) for k in range(planar.SIZE)]
+        parts = [displacement([part[k] for part in moved], level) for k in range(self.geometry.size)]
         return pose.displaced(parts, self.evaluator.algebras[level])
 
     def _root_pose(self, frame: str, attributes: tuple[str, ...], level: int) -> Pose:
         place = {a: self.coordinate(f"{frame}.{a}", level) for a in attributes}
-        return planar.root_pose(place, self.algebra.number, self.evaluator.algebras[level])
+        return self.geometry.root_pose(place, self.algebra.number, self.evaluator.algebras[level], level)
 
     def follow(self, edge: Edge, pose: Pose, level: int, evaluator: Evaluator | None = None) -> Pose:
         """The pose of the edge's child, given its parent's."""
@@ -287,11 +310,12 @@ class Kinematics:
         amount = self._amounts.get(id(step.amount)) if evaluator is None else None
         if amount is None:
             amount = (evaluator or self.evaluator).value(step.amount, level)
-        return self.along(step, amount, pose, level)
+        axis = self.evaluator.value(step.axis) if step.axis is not None else None
+        return self.along(step, amount, pose, level, axis)
 
-    def along(self, step: Step, amount: Value, pose: Pose, level: int) -> Pose:
+    def along(self, step: Step, amount: Value, pose: Pose, level: int, axis: Value | None = None) -> Pose:
         """The pose after a step of this amount."""
-        return planar.step(pose, step, amount, self.evaluator.algebras[level])
+        return self.geometry.step(pose, step, amount, axis, self.evaluator.algebras[level])
 
 
 def displacement(moved: Sequence[Scalar], level: int) -> Scalar:

@@ -14,7 +14,6 @@ from lagrangia.language.frame_attributes import ATTRIBUTES, COMPONENTS
 
 SIZE = len(COMPONENTS)  # of a place, a twist, a wrench
 LENGTHS, ANGLES = slice(0, 2), slice(2, 3)  # where they are among the numbers of a place
-WRENCH = ("x", "y", "torque")  # what its numbers are called
 Value = Scalar | tuple[Scalar, ...]
 
 
@@ -29,9 +28,10 @@ class Pose:
     cos: Scalar
     sin: Scalar
 
-    def map(self, function: Callable[[Scalar], Scalar]) -> "Pose":
-        """The pose whose numbers are the function's of these."""
-        return Pose(function(self.x), function(self.y), function(self.phi), function(self.cos), function(self.sin))
+    @property
+    def lowered(self) -> "Pose":
+        """The same a level below, with its values alone."""
+        return Pose(value_of(self.x), value_of(self.y), value_of(self.phi), value_of(self.cos), value_of(self.sin))
 
     @property
     def place(self) -> tuple[Scalar, ...]:

@@ -40,13 +40,14 @@ class FreeBody:
         self.cos, self.sin = symbol("c"), symbol("s")
         self.twist = symbol("vx"), symbol("vy"), symbol("w")
 
-    def velocity(self, attribute: str, ahead: Sequence[Scalar] | None) -> Value:
-        """v or w, in the world's axes, of a frame that sits `ahead` of the body's own; None: there."""
+    def velocity(self, attribute: str, place: Pose, own: Pose) -> Value:
+        """v or w, in the world's axes, of a frame of the body; `own`: where the frame of the body sits."""
         vx, vy, w = self.twist
         if attribute == "w":
             return w
-        if ahead is None:
+        if place is own:
             return self._own
+        ahead = tuple(x - y for x, y in zip(place.origin, own.origin, strict=True))
         return self._turned(vx - w * ahead[1], vy + w * ahead[0])
 
     @cached_property

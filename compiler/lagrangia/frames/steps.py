@@ -11,7 +11,8 @@ class Step:
     kind: str  # "shift" or "turn"
     amount: Flat
     is_inverse: bool = False
+    axis: Flat | None = None  # of a turn in space, in the axes of the frame it begins at; None: z
 
     def inverse(self) -> "Step":
         """The way back."""
-        return Step(self.kind, self.amount, not self.is_inverse)
+        return Step(self.kind, self.amount, not self.is_inverse, self.axis)

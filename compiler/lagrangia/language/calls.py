@@ -6,6 +6,8 @@ from lagrangia.base.diagnostics import Span, fail, suggest
 from lagrangia.language.classes import ClassTable
 from lagrangia.language.elements import element, length
 from lagrangia.language.foreign_words import FOREIGN_CALLS
+from lagrangia.language.frame_attributes import Space
+from lagrangia.language.frame_words import FRAME_WORDS, frame_call
 from lagrangia.language.functions import ALIASES, FUNCTIONS, REWRITTEN, SCALAR_FUNCTIONS
 from lagrangia.language.instances import Scope
 from lagrangia.language.lookups import Lookup, lookup_of, options_of, plane_of
@@ -18,6 +20,7 @@ class Calls(Loops, Protocol):
     """What names.py does with calls."""
 
     table: ClassTable
+    space: Space
     functions: dict[str, Any]
     lookups: dict[Lookup, Span]
     delays: dict[str, Call[Flat]]
@@ -110,6 +113,8 @@ class Calls(Loops, Protocol):
         if node.named:
             fail("L0215", f"{node.function} takes no named arguments", node.span)
         _check_count(node, FUNCTIONS[node.function])
+        if node.function in FRAME_WORDS:
+            return frame_call(node, self.space, self.size)
         if node.function == "cross" and any(length(a, self.size) == 3 for a in node.arguments):
             return cross_of_three(node, self.size)
         if node.function in SCALAR_FUNCTIONS and any(length(a, self.size) is not None for a in node.arguments):

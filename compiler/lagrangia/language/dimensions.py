@@ -16,7 +16,7 @@ from lagrangia.language.elements import length
 from lagrangia.language.figures import CHOICES, OPTIONS, WORDS
 from lagrangia.language.flat import Delay, Equation, Figure, FlatModel, Sampler, Variable, When, is_frame, places_of
 from lagrangia.language.folding import fold
-from lagrangia.language.frame_attributes import ATTRIBUTES, dimension_of
+from lagrangia.language.frame_attributes import dimension_of, known_of
 from lagrangia.language.functions import FRAME_FUNCTIONS
 from lagrangia.language.lookups import lookup_of, plane_of
 from lagrangia.language.tree import (
@@ -106,8 +106,8 @@ def unit_of(model: FlatModel, node: Flat) -> str:
     match node:
         case Ref(name, _, _):
             return model.variables[name].unit
-        case FrameRef(_, attribute, _, _):
-            return ATTRIBUTES[attribute].unit if attribute else ""
+        case FrameRef():
+            return known_of(node).unit if node.attribute else ""
         case Call("der", (inner,), _, _):
             unit = unit_of(model, inner)
             return _rate_unit(unit)
@@ -189,8 +189,10 @@ class _Checker:
     def check_frame(self, node: Flat) -> None:
         """The shifts and turns of a frame expression."""
         if isinstance(node, Call) and node.function in FRAME_FUNCTIONS:
-            base, amount = node.arguments
+            base, amount, *axis = node.arguments
             self.check_frame(base)
+            for direction in axis:
+                self.quantity(direction)
             self.expect(amount, *((_METRE, "a shift") if node.function == "shift" else (ONE, "an angle")))
 
     def check_work(self, force: Flat, position: Flat, span: Span) -> None:

@@ -25,6 +25,7 @@ class ElementReference:
     behind: str
     attribute: str | None  # of a frame; None for a variable
     index: tuple[int, ...]
+    is_spatial: bool = False
 
     def at(self, iterators: Mapping[str, int]) -> Flat | None:
         """What it stands for in another pass; None for what is not among the elements."""
@@ -35,7 +36,7 @@ class ElementReference:
         name = f"{self.before}{','.join(map(str, picked))}{self.behind}"
         if self.attribute is None:
             return Ref(name, self.index, self.node.span)
-        return FrameRef(name, self.attribute, self.index, self.node.span)
+        return FrameRef(name, self.attribute, self.index, self.node.span, self.is_spatial)
 
 
 def element_reference(node: Reference, scope: Scope, found: Flat, integer: Callable[[Expression, Scope, str], int]
@@ -63,8 +64,8 @@ def element_reference(node: Reference, scope: Scope, found: Flat, integer: Calla
         return None
     behind = found.name[found.name.index("]", len(stem)) :]
     read: Callable[[Mapping[str, int]], tuple[int, ...]] = eval(f"lambda its: ({''.join(f'{text}, ' for text in texts)})")
-    attribute = found.attribute if isinstance(found, FrameRef) else None
-    return ElementReference(node, scope, tuple(sizes), read, stem, behind, attribute, found.index)
+    attribute, is_spatial = (found.attribute, found.is_spatial) if isinstance(found, FrameRef) else (None, False)
+    return ElementReference(node, scope, tuple(sizes), read, stem, behind, attribute, found.index, is_spatial)
 
 
 def _text(node: Expression, scope: Scope, integer: Callable[[Expression, Scope, str], int]) -> str | None:

@@ -1,9 +1,10 @@
 """Flat arrays, and what is computed of them, dealt out: how many elements an expression has, and each of them."""
 
 from collections.abc import Callable
+from dataclasses import replace
 
 from lagrangia.base.diagnostics import Span, fail
-from lagrangia.language.frame_attributes import ATTRIBUTES, is_vector
+from lagrangia.language.frame_attributes import frame_shape
 from lagrangia.language.tree import Array, Binary, Call, Flat, FrameRef, IfExpression, Number, Ref, Unary
 
 _OF_EACH = frozenset({"der", "virtual"})  # functions that give an array for an array
@@ -17,8 +18,8 @@ def length(node: Flat, size: Size) -> int | None:
             return len(items)
         case Ref():
             return size(node)
-        case FrameRef(_, attribute, (), _) if is_vector(attribute):
-            return len(ATTRIBUTES[attribute].components)
+        case FrameRef():
+            return next(iter(frame_shape(node)), None)
         case Call("rotate", _, _, _):
             return 2
         case Call(function, (inner,), _, _) if function in _OF_EACH:
@@ -55,8 +56,8 @@ def element(node: Flat, index: int, size: Size) -> Flat:
             return items[index - 1]
         case Ref(name, at, span):
             return Ref(name, (*at, index), span)
-        case FrameRef(name, attribute, _, span):
-            return FrameRef(name, attribute, (index,), span)
+        case FrameRef(_, _, at, _):
+            return replace(node, index=(*at, index))
         case Call("rotate", _, _, span):
             return Call("element", (node, Number(float(index), None, span, True)), (), span)
         case Call(function, (inner,), _, span):

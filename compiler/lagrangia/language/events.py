@@ -4,7 +4,7 @@ A contact keeps x from falling below 0:  when x < 0 then reinit(der(x), ...).  T
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import fields, is_dataclass
+from dataclasses import fields, is_dataclass, replace
 from typing import Any
 
 from lagrangia.base.diagnostics import fail
@@ -57,8 +57,8 @@ def _moved_at(node: Flat, model: FlatModel) -> Flat | None:
     match node:
         case Call("der", (position,), _, _) if not (isinstance(position, Call) and position.function == "der"):
             return position
-        case FrameRef(name, attribute, index, span) if is_velocity(attribute):
-            return FrameRef(name, place_of(attribute), index, span)
+        case FrameRef(_, attribute) if is_velocity(attribute) and (place := place_of(node)) is not None:
+            return replace(node, attribute=place)
     return None
 
 
@@ -103,7 +103,7 @@ def are_alike(a: Any, b: Any) -> bool:
     if a.__class__ is not b.__class__:
         return False
     if isinstance(a, FrameRef):
-        return a.name == b.name and as_element(a.attribute, a.index) == as_element(b.attribute, b.index)
+        return a.name == b.name and as_element(a) == as_element(b)
     if isinstance(a, tuple):
         return len(a) == len(b) and all(map(are_alike, a, b))
     if not is_dataclass(a):

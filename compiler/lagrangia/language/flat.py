@@ -7,8 +7,10 @@ from typing import Literal, TypeVar
 from lagrangia.base.diagnostics import Diagnostic, Span
 from lagrangia.base.records import dataclass
 from lagrangia.language.algorithms import FlatFunction
+from lagrangia.language.frame_attributes import Space
 from lagrangia.language.functions import FRAME_FUNCTIONS
 from lagrangia.language.lookups import Lookup, ReadPlane, ReadTable
+from lagrangia.language.spaces import Found
 from lagrangia.language.tree import Array, Call, EnergyKind, Flat, FrameRef
 
 T = TypeVar("T")
@@ -246,6 +248,7 @@ class FlatModel:
     allowed: tuple[str, ...] = ()  # codes of warnings that the model says are meant: annotation(allow = "L0224")
     components: Mapping[str, str] = field(default_factory=dict)  # descriptions of those that have one, by their names
     read: tuple[str, ...] = ()  # the other files that were read for it
+    found: Found = Found()  # whether it lies in a plane
     # Parts of the model, by their ids, that differ from others in nothing but the index of an element (stamps.py): what holds of
     # the others' dimensions holds of them.
     repeats: Mapping[int, object] = field(default_factory=dict, repr=False, compare=False)
@@ -257,6 +260,11 @@ class FlatModel:
     def looks(self) -> tuple[Flat, ...]:
         """All that events, samplers, delays and guards read."""
         return tuple(x for look in (*self.whens, *self.samplers, *self.delays, *self.guards) for x in look.expressions())
+
+    @property
+    def space(self) -> Space:
+        """What frames are made of."""
+        return self.found.space
 
 
 def places_of(node: Flat) -> tuple[Flat, ...]:

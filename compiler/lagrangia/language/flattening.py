@@ -25,7 +25,6 @@ from lagrangia.language.flat import (
     FrameEquation,
     Guard,
     Held,
-    Kind,
     Reset,
     Sampler,
     State,
@@ -37,7 +36,6 @@ from lagrangia.language.flat import (
 from lagrangia.language.foreign_words import FOREIGN_CALLS
 from lagrangia.language.idle import find_idle
 from lagrangia.language.instances import (
-    STRUCTURAL_TYPES,
     FrameSlot,
     Instance,
     Member,
@@ -48,12 +46,23 @@ from lagrangia.language.instances import (
     outside,
 )
 from lagrangia.language.instantiation import Instantiation
-from lagrangia.language.limits import display_unit_of, flag_of, read_limit, refuse_missing, require_within, unit_of
+from lagrangia.language.limits import (
+    display_unit_of,
+    flag_of,
+    has_annotation,
+    kind_of,
+    read_limit,
+    refuse_missing,
+    require_within,
+    unit_of,
+)
 from lagrangia.language.mentions import leaves
 from lagrangia.language.moving_inputs import with_moving_inputs
 from lagrangia.language.names import Names
 from lagrangia.language.overrides import override_tree
 from lagrangia.language.samplers import check_held, declare_held
+from lagrangia.language.space_values import fitted, least_of
+from lagrangia.language.spaces import Found, FoundSpaceError
 from lagrangia.language.stamps import stamp
 from lagrangia.language.states import find_states, refuse_states_elsewhere
 from lagrangia.language.tree import (
@@ -62,7 +71,6 @@ from lagrangia.language.tree import (
     CallEquation,
     ClassDefinition,
     Clause,
-    Declaration,
     EnergyTerm,
     Equality,
     Expression,
@@ -90,16 +98,18 @@ def flatten(table: ClassTable, definition: ClassDefinition, structural: Mapping[
 
     Raises LagError with all that is wrong in names, modifications and arrays (L02xx).
     """
-    report = Report()
-    return _Flattening(table, definition, report).flatten(structural or {})
+    try:
+        return _Flattening(table, definition, Report(), Found()).flatten(structural or {})
+    except FoundSpaceError as left:
+        return _Flattening(table, definition, Report(), left.found).flatten(structural or {})
 
 
 class _Flattening:
-    def __init__(self, table: ClassTable, definition: ClassDefinition, report: Report) -> None:
-        self.table, self.definition, self.report = table, definition, report
+    def __init__(self, table: ClassTable, definition: ClassDefinition, report: Report, found: Found) -> None:
+        self.table, self.definition, self.report, self.found = table, definition, report, found
         self.functions: dict[str, FlatFunction] = {}
         self.unfinished_functions: list[str] = []
-        self.names = Names(table, report, self.functions, self._define_function)
+        self.names = Names(table, report, self.functions, self._define_function, space=found.space)
         self.variables: dict[str, Variable] = {}
         self.frames: dict[str, Frame] = {}
         self.frame_equations: list[FrameEquation] = []
@@ -146,15 +156,13 @@ class _Flattening:
             self.structural,
             experiment_of(self.table, definition, self.names, Scope(root)), definition.name_span, (), tuple(self.figures),
             self.states, self.names.lookups, samplers=tuple(self.samplers), guards=tuple(self.guards), at_rest=self.at_rest,
-            allowed=allowed_of(self.table, definition), components=self.components, repeats=self.repeats,
+            allowed=allowed_of(self.table, definition), components=self.components, found=self.found, repeats=self.repeats,
         )
         model = with_delays(model, delays)
-        refuse_states_elsewhere(model, self.report)
-        check_held(model, self.report)
-        check_delays(model, self.report)
+        for check in (refuse_states_elsewhere, check_held, check_delays):
+            check(model, self.report)
         self.report.raise_errors()
-        looks = (find_unread, find_idle, find_without_effect)
-        found = (d for look in looks for d in look(model, root, self.table).diagnostics)
+        found = (d for look in (find_unread, find_idle, find_without_effect) for d in look(model, root, self.table).diagnostics)
         warnings = (*self.report.diagnostics, *found)
         return with_moving_inputs(replace(model, warnings=warnings))
 
@@ -206,7 +214,8 @@ class _Flattening:
             if name not in instance.outer:
                 self._visit_member(member, instance)
         for kind, clause in instance.clauses:
-            self._clause(kind, clause, Scope(instance))
+            if not (kind == "drawing" and self.found.space.is_spatial):  # where pictures are refused
+                self._clause(kind, clause, Scope(instance))
 
     def _visit_member(self, member: Member, owner: Instance) -> None:
         if isinstance(member, list):
@@ -224,6 +233,8 @@ class _Flattening:
         """Collect what is wrong with one clause or declaration of an instance and go on with the next."""
         try:
             action()
+        except FoundSpaceError as left:
+            raise left.placed(lambda span: self._place(span, owner)) from None
         except TooMuchError as error:
             raise TooMuchError(self._placed(d, owner) for d in error.diagnostics) from None
         except LagError as error:
@@ -244,7 +255,7 @@ class _Flattening:
             if isinstance(value, Number | Boolean | String):
                 self.structural[slot.path] = value.value
             return
-        kind = self._kind(slot)
+        kind = kind_of(slot)
         if kind == "input" and owner.parent is not None:
             kind = "variable"  # of a component: what it is connected or bound to, or else one of the scene
             self.inputs.add(slot.path)
@@ -254,34 +265,22 @@ class _Flattening:
             fail("L0218", f"the coordinate '{declaration.name}' cannot be bound", slot.binding.expression.span,
                  f"give it a start, {declaration.name}(start = ...), or state an equation")
         binding = self.names.flatten_bound(slot.binding, slot.dimensions) if slot.binding is not None else None
+        if binding is not None and (declaration.dimensions or declaration.annotation):
+            binding = self.fitted(binding, slot)
         start = self.names.flatten_bound(slot.attributes["start"]) if "start" in slot.attributes else None
         self.variables[slot.path] = Variable(
             slot.path, kind, slot.dimensions, unit_of(self.names, slot), display_unit_of(self.names, slot), binding, start,
-            flag_of(self.names, slot, "fixed"), read_limit(self.names, slot, "min"), read_limit(self.names, slot, "max"),
+            flag_of(self.names, slot, "fixed"), least_of(slot, read_limit(self.names, slot, "min")),
+            read_limit(self.names, slot, "max"),
             "output" in declaration.prefixes and owner.parent is None, declaration.description,
-            self._place(declaration.name_span, owner), kind == "parameter" and self._has(declaration, "Evaluate"),
-            kind == "parameter" and self._has(declaration, "Varying"),
+            self._place(declaration.name_span, owner), kind == "parameter" and has_annotation(declaration, "Evaluate"),
+            kind == "parameter" and has_annotation(declaration, "Varying"),
             "final" if slot.is_final else "protected" if "protected" in declaration.prefixes else "",
         )
 
-    @staticmethod
-    def _has(declaration: Declaration, name: str) -> bool:
-        """Whether a declaration has annotation(name = true)."""
-        values = [argument.value for argument in declaration.annotation if argument.name == name]
-        for value in values:
-            if not isinstance(value, Boolean):
-                fail("L0208", f"'{name}' is true or false", declaration.name_span)
-        return any(isinstance(value, Boolean) and value.value for value in values)
-
-    def _kind(self, slot: Slot) -> Kind:
-        prefixes = slot.declaration.prefixes
-        if slot.base in STRUCTURAL_TYPES and "parameter" not in prefixes:
-            kind = f"the {slot.base} variable" if not slot.enumeration else f"the variable of the enumeration {slot.enumeration},"
-            what = f"{kind} '{slot.declaration.name}'"
-            fail("L0219", f"not supported yet: {what}", slot.declaration.name_span,
-                 "Integer, Boolean, String and enumeration parameters are supported")
-        kinds: tuple[Kind, ...] = ("parameter", "coordinate", "input")
-        return next((kind for kind in kinds if kind in prefixes), "variable")
+    def fitted(self, value: Flat, slot: Slot) -> Flat:
+        """What a variable is bound to, as the space has it."""
+        return fitted(value, slot, self.found.space, self.names.size)
 
     def _add_frame(self, slot: FrameSlot, owner: Instance) -> None:
         is_ground = owner.frame is slot and self._is_world(owner)
@@ -303,7 +302,8 @@ class _Flattening:
         if not is_frame(value):
             fail("L0221", f"the port '{slot.path}' needs a frame", span,
                  "bind it to a port, as bar.a, or to shift(...), turn(...)")
-        return FrameEquation(FrameRef(slot.path, "", (), span), value, self._place(span, slot.owner))
+        frame = FrameRef(slot.path, "", (), span, self.found.space.is_spatial)
+        return FrameEquation(frame, value, self._place(span, slot.owner))
 
     # ------------------------------------------------------------ clauses
 

@@ -11,7 +11,8 @@ FUNCTIONS: Mapping[str, tuple[int, ...] | None] = {
     **dict.fromkeys(("sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh", "asinh", "acosh", "atanh", "exp",
                      "log", "log10", "sqrt", "abs", "sign", "floor", "ceil", "norm", "der", "pre", "virtual",
                      "contact_force", "constraint_force"), (1,)),
-    **dict.fromkeys(("atan2", "mod", "dot", "cross", "distance", "rotate", "shift", "turn"), (2,)),
+    **dict.fromkeys(("atan2", "mod", "dot", "cross", "distance", "rotate", "shift", "to_world", "to_frame", "velocity_at"), (2,)),
+    "turn": (2, 3),
     "table": (2, 3), "table2": (3, 5), "min": None, "max": None, "sum": None, "product": None,
 }
 # Those of numbers: of an array they are that of each element.
@@ -19,6 +20,7 @@ SCALAR_FUNCTIONS = frozenset({"sin", "cos", "tan", "asin", "acos", "atan", "sinh
                               "exp", "log", "log10", "sqrt", "abs", "sign", "floor", "ceil", "atan2", "mod"})
 FRAME_FUNCTIONS = frozenset({"shift", "turn"})
 CONSTANTS = {"pi": math.pi}
+DIMENSIONS = "dimensions"  # 2 in the plane, 3 in space: the size of vectors in components for both
 ALIASES = {"arcsin": "asin", "arccos": "acos", "arctan": "atan", "ln": "log", "ceiling": "ceil", "pow": "^", "hypot": "norm"}
 
 

@@ -10,6 +10,7 @@ from typing import Any, Protocol, TypeAlias
 from lagrangia.base.diagnostics import Span
 from lagrangia.base.records import dataclass
 from lagrangia.language.classes import ENUMERATION, ClassTable
+from lagrangia.language.frame_attributes import Space
 from lagrangia.language.tree import ClassDefinition, Clause, Declaration, Expression, Reference
 
 STRUCTURAL_TYPES = frozenset({"Integer", "Boolean", "String", ENUMERATION})
@@ -162,6 +163,8 @@ def is_absent(node: Expression, scope: Scope) -> bool:
 
 class StructuralValues(Protocol):
     """Evaluates what must be known at compile time (names.py)."""
+
+    space: Space  # that the scene is taken for
 
     def integer(self, expression: Expression, scope: Scope, what: str) -> int:
         """The integer that an expression must be. Raises LagError L0210."""

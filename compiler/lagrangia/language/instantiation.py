@@ -8,7 +8,7 @@ from lagrangia.base.diagnostics import Report, Span, fail, suggest
 from lagrangia.base.records import dataclass
 from lagrangia.language.alike_elements import FEWEST, Alike, First, can_be_copied, copies_of
 from lagrangia.language.classes import ClassTable
-from lagrangia.language.frame_attributes import OF_ANY_FRAME
+from lagrangia.language.frame_attributes import OF_ANY_FRAME, SPATIAL_ONLY
 from lagrangia.language.instances import (
     NOTHING,
     Bound,
@@ -23,6 +23,8 @@ from lagrangia.language.instances import (
 )
 from lagrangia.language.modifications import deal_out, dealt_to_fields, merge, modification_of
 from lagrangia.language.redeclarations import add_outer, known_names, redeclared, replace_local_classes, with_redeclared_elements
+from lagrangia.language.space_values import dimensions_of, form_of, prefixes_of
+from lagrangia.language.spaces import name_of_space
 from lagrangia.language.suggestions import explain
 from lagrangia.language.tree import (
     Argument,
@@ -153,7 +155,8 @@ class Instantiation:
                                   *explain(self.table, definition, name, change.children.keys()))
 
     def _check_names(self, instance: Instance, members: list[tuple[Declaration, Modification]], change: Modification) -> None:
-        known = {declaration.name for declaration, _ in members} | (OF_ANY_FRAME if instance.frame else frozenset())
+        of_frame = OF_ANY_FRAME | SPATIAL_ONLY if instance.frame else frozenset()
+        known = {declaration.name for declaration, _ in members} | of_frame
         if change.children.keys() - known:
             known |= known_names(self.table, instance.definition)  # classes that can be redeclared, and what is not there
         self._refuse_unknown(instance.definition, change, known)
@@ -187,7 +190,8 @@ class Instantiation:
                     self.report.error("L0208", f"{declaration.type_name} has no attribute '{name}'", inner.span,
                                       *filter(None, [suggest(name, ATTRIBUTES)]))
             attributes = {name: inner.value for name, inner in change.children.items() if inner.value is not None}
-            more = base.prefixes | roles
+            form = form_of(declaration) if declaration.annotation else ""
+            more = base.prefixes | roles | (prefixes_of(form, self.values.space) if form else frozenset())
             full = replace(declaration, prefixes=declaration.prefixes | more) if more else declaration
             slot = Slot(instance.child_path(declaration.name), full, base.builtin, attributes, change.value, scope,
                         is_final=change.is_final, enumeration=base.definition.name if base.definition is not None else "")
@@ -196,6 +200,8 @@ class Instantiation:
         for slot, more_sizes in slots:
             if slot.declaration.dimensions or more_sizes:
                 slot.dimensions = self._dimensions(slot.declaration, scope, slot.binding, more_sizes)
+            elif slot.declaration.annotation and (form := form_of(slot.declaration)):
+                slot.dimensions = dimensions_of(form, self.values, slot.binding)
 
     def _said_by_type(self, declaration: Declaration, arguments: tuple[Argument, ...], scope: Scope) -> Modification:
         """The attributes of a variable's type. Where they are literals, as they mostly are, they are the same in every scope."""
@@ -237,7 +243,8 @@ class Instantiation:
     def _frame_starts(self, change: Modification) -> tuple[dict[str, Bound], frozenset[str]]:
         starts, fixed = {}, set()
         for name, inner in change.children.items():
-            if name not in OF_ANY_FRAME:
+            name_of_space(self.values.space, name, inner.span)
+            if name not in self.values.space.of_any_frame:
                 continue
             for attribute, what in inner.children.items():
                 if attribute == "start" and what.value is not None:
@@ -307,9 +314,10 @@ class Instantiation:
         base = self.table.base_type(declaration.type_name, declaration.type_span)
         if base is not None:
             for name, inner in change.children.items():
-                if name not in OF_ANY_FRAME:
+                space = self.values.space
+                if name not in space.of_any_frame | SPATIAL_ONLY:
                     self.report.error("L0208", f"Frame has no attribute '{name}'", inner.span,
-                                      *filter(None, [suggest(name, OF_ANY_FRAME)]))
+                                      *filter(None, [space.missing.get(name) or suggest(name, space.of_any_frame)]))
             starts, fixed = self._frame_starts(change)
             return FrameSlot(path, declaration.name_span, starts, fixed, change.value, instance)
         definition = self.table.lookup(declaration.type_name, declaration.type_span)

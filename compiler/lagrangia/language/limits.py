@@ -5,12 +5,14 @@ from typing import NoReturn
 
 from lagrangia.base.diagnostics import fail
 from lagrangia.language.classes import ClassTable
+from lagrangia.language.flat import Kind
 from lagrangia.language.folding import fold
-from lagrangia.language.instances import Instance, Slot, outside
+from lagrangia.language.instances import STRUCTURAL_TYPES, Instance, Slot, outside
 from lagrangia.language.names import Names
-from lagrangia.language.tree import Array, Flat, Number, String
+from lagrangia.language.tree import Array, Boolean, Declaration, Flat, Number, String
 from lagrangia.language.units_written import read_unit
 
+_KINDS: tuple[Kind, ...] = ("parameter", "coordinate", "input")
 _BEYOND = (("min", "less than its minimum", operator.lt), ("max", "more than its maximum", operator.gt))
 
 
@@ -81,3 +83,23 @@ def flag_of(names: Names, slot: Slot, attribute: str) -> bool:
     """Whether an attribute is said to be true. Raises LagError L0210."""
     bound = slot.attributes.get(attribute)
     return bound is not None and names.boolean(bound.expression, bound.scope, f"'{attribute}'")
+
+
+def has_annotation(declaration: Declaration, name: str) -> bool:
+    """Whether a declaration has annotation(name = true). Raises LagError L0208."""
+    values = [argument.value for argument in declaration.annotation if argument.name == name]
+    for value in values:
+        if not isinstance(value, Boolean):
+            fail("L0208", f"'{name}' is true or false", declaration.name_span)
+    return any(isinstance(value, Boolean) and value.value for value in values)
+
+
+def kind_of(slot: Slot) -> Kind:
+    """What a variable is by its prefixes. Raises LagError L0219 for what varies and is no Real."""
+    prefixes = slot.declaration.prefixes
+    if slot.base in STRUCTURAL_TYPES and "parameter" not in prefixes:
+        kind = f"the {slot.base} variable" if not slot.enumeration else f"the variable of the enumeration {slot.enumeration},"
+        what = f"{kind} '{slot.declaration.name}'"
+        fail("L0219", f"not supported yet: {what}", slot.declaration.name_span,
+             "Integer, Boolean, String and enumeration parameters are supported")
+    return next((kind for kind in _KINDS if kind in prefixes), "variable")

@@ -11,8 +11,9 @@ from lagrangia.language.classes import ENUMERATION, ClassTable
 from lagrangia.language.element_references import ElementReference, element_reference
 from lagrangia.language.elements import element, length
 from lagrangia.language.folding import fold, folded
-from lagrangia.language.frame_attributes import ATTRIBUTES, OF_ANY_FRAME, REACTIONS, WORDS, WORDS_OF_ELEMENTS
-from lagrangia.language.functions import CONSTANTS
+from lagrangia.language.frame_attributes import PLANE, REACTIONS, SPATIAL_ONLY, Space, frame_shape
+from lagrangia.language.frame_words import attribute_of
+from lagrangia.language.functions import CONSTANTS, DIMENSIONS
 from lagrangia.language.instances import Bound, FrameSlot, Instance, Member, Scope, Slot, held_port
 from lagrangia.language.lookups import Lookup
 from lagrangia.language.loops import Work
@@ -60,6 +61,7 @@ class Names(Calls):
     define: Callable[[ClassDefinition, Span], None] = lambda definition, span: None
     make_package: Callable[[ClassDefinition], Instance] | None = None  # an instance of constants alone
     root: Instance | None = None
+    space: Space = PLANE
     work: Work = field(default_factory=Work)
     lookups: dict[Lookup, Span] = field(default_factory=dict)  # tables of files, and where they are asked for first
     delays: dict[str, Call[Flat]] = field(default_factory=dict)  # what acts late, by the names of what stands for it
@@ -162,7 +164,7 @@ class Names(Calls):
         return element(flat, index, self.size)
 
     def shape(self, bound: Bound) -> tuple[int, ...]:
-        """The sizes of what is bound, which has no selection."""
+        """The sizes of what is bound."""
         return shape_of(self.flatten_bound(bound), self.size)
 
     def size(self, ref: Ref) -> int | None:
@@ -235,7 +237,9 @@ class Names(Calls):
             case Ref(name, index, _):
                 slot = self._arrays.get(name)
                 return slot is not None and len(slot.dimensions) > len(index) + 1
-            case Unary("-", operand, _):
+            case FrameRef() if node.attribute:
+                return len(frame_shape(node)) == 2
+            case Unary("-", operand, _) | Call("der", (operand,), _, _):
                 return self._is_matrix(operand)
             case Binary("+" | "-", left, right, _) | IfExpression(_, left, right, _):
                 return self._is_matrix(left) or self._is_matrix(right)
@@ -318,6 +322,8 @@ class Names(Calls):
                 return Time(node.span)
             if first.name in CONSTANTS:
                 return Number(CONSTANTS[first.name], "1", node.span)
+            if first.name == DIMENSIONS:
+                return Number(float(self.space.dimensions), None, node.span, True)
             if first.name == "world" and self.root is not None:
                 member = self.root.members.get("world")
         if member is None:
@@ -404,7 +410,7 @@ class Names(Calls):
             return self._frame(node, at + 1, member, scope)
         if not rest:
             if member.frame is not None:
-                return FrameRef(member.path, "", (), node.span)
+                return FrameRef(member.path, "", (), node.span, self.space.is_spatial)
             fail("L0216", f"'{node}' is a component ({member.definition.name}), not a value", node.span,
                  ports_of(member))
         inner = member.members.get(rest[0].name)
@@ -413,7 +419,7 @@ class Names(Calls):
             fail("L0228", f"'{rest[0].name}' of {owner} is protected: only {owner} and what extends it may name it", rest[0].span,
                  "declare it before `protected`, or after `public`, if others may read it")
         if inner is None:
-            if member.frame is not None and rest[0].name in OF_ANY_FRAME:
+            if member.frame is not None and rest[0].name in self.space.of_any_frame | SPATIAL_ONLY | self.space.missing.keys():
                 return self._frame(node, at + 1, member.frame, scope)
             if rest[0].name in REACTIONS and held_port(_frames(member)) is not None:
                 return self._reaction(node, at + 1, member, scope)
@@ -445,15 +451,14 @@ class Names(Calls):
 
     def _frame(self, node: Reference, at: int, frame: FrameSlot, scope: Scope) -> Flat:
         if at == len(node.parts):
-            return FrameRef(frame.path, "", (), node.span)
+            return FrameRef(frame.path, "", (), node.span, self.space.is_spatial)
         part = node.parts[at]
-        if part.name not in OF_ANY_FRAME or at + 1 < len(node.parts):
-            wrong = part if part.name not in OF_ANY_FRAME else node.parts[at + 1]
-            fail("L0216", f"a frame has no '{wrong.name}'", wrong.span, WORDS)
         index = tuple(self.integer(s, scope, "a subscript") for s in part.subscripts)
-        if not ATTRIBUTES[part.name].has_element(index):
-            fail("L0214", f"'{part.name}' of a frame has no element {list(index)}", part.span, WORDS_OF_ELEMENTS)
-        return FrameRef(frame.path, part.name, index, node.span)
+        found = attribute_of(self.space, frame.path, part, index, node.span)
+        if at + 1 < len(node.parts):
+            wrong = node.parts[at + 1]
+            fail("L0216", f"a frame has no '{wrong.name}'", wrong.span, self.space.words)
+        return found
 
     def _reaction(self, node: Reference, at: int, joint: Instance, scope: Scope) -> Flat:
         """`hinge.reaction`: the force of a joint on its held port, b of a and b; `hinge.reaction_torque`."""
@@ -461,9 +466,9 @@ class Names(Calls):
         if not isinstance(port, FrameSlot) or at + 1 < len(node.parts):
             refuse_member(self.table, joint, part.name, part.span)
         index = tuple(self.integer(s, scope, "a subscript") for s in part.subscripts)
-        if not ATTRIBUTES[part.name].has_element(index):
+        if not self.space.attributes[part.name].has_element(index):
             fail("L0214", f"'{part.name}' has no element {list(index)}", part.span)
-        return FrameRef(port.path, part.name, index, node.span)
+        return FrameRef(port.path, part.name, index, node.span, self.space.is_spatial)
 
     def _subscript(self, node: Expression, scope: Scope, member: Member, dimension: int) -> int | list[int]:
         if isinstance(node, Whole):

@@ -4,7 +4,7 @@ import re
 
 from lagrangia.base.diagnostics import Span, fail, suggest
 from lagrangia.language.flat import FlatModel
-from lagrangia.language.frame_attributes import ATTRIBUTES, OF_ANY_FRAME, REACTIONS
+from lagrangia.language.frame_attributes import REACTIONS
 from lagrangia.language.instances import held_port
 from lagrangia.language.tree import Call, Flat, FrameRef, Ref
 
@@ -18,6 +18,7 @@ def observe(model: FlatModel, name: str) -> Flat:
         return Call("der", (observe(model, text[4:-1]),), (), model.span)
     found = _variable(model, text, model.span) or _frame(model, text, model.span) or _reaction(model, text, model.span)
     if found is None:
+        _refuse_of_other_space(model, text)
         known = [*model.variables, *(f"{frame}.x" for frame in model.frames)]
         fail("L0701", f"there is no quantity '{name}' in {model.name}", None, *filter(None, [suggest(text, known)]))
     return found
@@ -38,20 +39,28 @@ def _variable(model: FlatModel, text: str, span: Span) -> Flat | None:
 def _indexed(text: str) -> tuple[str, tuple[int, ...]]:
     """P.r[2] -> P.r and (2,)."""
     match = _INDEXED.fullmatch(text)
-    return (match[1], (int(match[2]),)) if match and match[2].isdecimal() else (text, ())
+    return (match[1], tuple(map(int, match[2].split(",")))) if match else (text, ())
 
 
 def _frame(model: FlatModel, text: str, span: Span) -> Flat | None:
     path, index = _indexed(text)
     frame, _, attribute = path.rpartition(".")
-    if frame in model.frames and attribute in OF_ANY_FRAME and ATTRIBUTES[attribute].has_element(index):
-        return FrameRef(frame, attribute, index, span)
+    known = model.space.attributes
+    if frame in model.frames and attribute in model.space.of_any_frame and known[attribute].has_element(index):
+        return FrameRef(frame, attribute, index, span, model.space.is_spatial)
     return None
+
+
+def _refuse_of_other_space(model: FlatModel, text: str) -> None:
+    """What a frame has in the plane alone, and what to ask for instead."""
+    frame, _, attribute = _indexed(text)[0].rpartition(".")
+    if frame in model.frames and attribute in model.space.missing:
+        fail("L0701", f"there is no quantity '{text}' in {model.name}", None, model.space.missing[attribute])
 
 
 def _reaction(model: FlatModel, text: str, span: Span) -> Flat | None:
     path, index = _indexed(text)
     joint, _, attribute = path.rpartition(".")
     frames = [name.rpartition(".")[2] for name in model.frames if name.rpartition(".")[0] == joint and not name.endswith("]")]
-    port = held_port(frames) if attribute in REACTIONS and ATTRIBUTES[attribute].has_element(index) else None
-    return FrameRef(f"{joint}.{port}", attribute, index, span) if port is not None else None
+    port = held_port(frames) if attribute in REACTIONS and model.space.attributes[attribute].has_element(index) else None
+    return FrameRef(f"{joint}.{port}", attribute, index, span, model.space.is_spatial) if port is not None else None

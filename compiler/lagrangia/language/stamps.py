@@ -14,6 +14,7 @@ from lagrangia.base.records import dataclass
 from lagrangia.language.alike_elements import Alike
 from lagrangia.language.flat import Energy, Equation, Figure, Frame, FrameEquation, Variable, Work
 from lagrangia.language.instances import Bound, FrameSlot, Instance, Member, Slot
+from lagrangia.language.space_values import is_fitted
 from lagrangia.language.tree import Array, Binary, Call, Flat, FrameRef, IfExpression, Ref, Unary
 
 _MADE = (Ref, FrameRef, Unary, Binary, IfExpression, Call, Array, Variable, Frame, FrameEquation, Equation, Energy, Work, Figure)
@@ -45,6 +46,9 @@ class Flattening(Protocol):
     @property
     def names(self) -> Names:
         """What values mean."""
+
+    def fitted(self, value: Flat, slot: Slot) -> Flat:
+        """What a variable is bound to, as the space has it."""
 
     def bound_frame(self, slot: FrameSlot) -> FrameEquation:
         """The equation of a port that is given one. Raises LagError."""
@@ -165,7 +169,7 @@ class _Writer:
             return self.name(x)
         if isinstance(x, Variable):
             slot = self.slots[x.name]
-            return self.made(x, binding=self.value(x.binding, slot.binding, slot.dimensions),
+            return self.made(x, binding=self.value(x.binding, slot.binding, slot.dimensions, slot),
                              start=self.value(x.start, slot.attributes.get("start")))
         if isinstance(x, Frame):
             bounds = self.frames[x.name][0].starts
@@ -184,13 +188,16 @@ class _Writer:
             return f"flat.bound_frame(slots[{len(self.ports) - 1}])"
         return self.made(x, right=self.value(x.right, binding))
 
-    def value(self, flat: Flat | None, bound: Bound | None, shape: tuple[int, ...] = ()) -> str:
-        """What was given to a variable or a frame."""
+    def value(self, flat: Flat | None, bound: Bound | None, shape: tuple[int, ...] = (), slot: Slot | None = None) -> str:
+        """What was given to a frame, or to a variable, whose `slot` may be otherwise in space."""
         if flat is None or bound is None:
             return "None"
         if self.mark.deals(bound):
             self.is_own = True
-            return f"flat.names.flatten_bound({self.constant(self.mark)}.dealt({self.constant(bound)}, i), {shape})"
+            text = f"flat.names.flatten_bound({self.constant(self.mark)}.dealt({self.constant(bound)}, i), {shape})"
+            if slot is not None and is_fitted(slot.declaration):
+                text = f"flat.fitted({text}, {self.constant(slot)})"
+            return text
         return self.text(flat) if id(bound.scope.instance) in self.within else self.constant(flat)
 
     def made(self, x: Any, **known: str) -> str:

@@ -202,16 +202,18 @@ class Ref:
 
 @dataclass(frozen=True, slots=True)
 class FrameRef:
-    """A frame (attribute "") or one of its attributes (frame_attributes.py); `index` picks an element of a vector."""
+    """A frame (attribute "") or one of its attributes (frame_attributes.py), in space if it `is_spatial`; `index` picks an
+    element of a vector."""
 
     name: str
     attribute: str
     index: tuple[int, ...]
     span: Span
+    is_spatial: bool = False
 
     def __str__(self) -> str:
         text = f"{self.name}.{self.attribute}" if self.attribute else self.name
-        return text + (f"[{self.index[0]}]" if self.index else "")
+        return text + (f"[{','.join(map(str, self.index))}]" if self.index else "")
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,6 +11,7 @@ from lagrangia.language.flat import FlatModel, Reset
 from lagrangia.language.idle import expressions_of
 from lagrangia.language.instances import Instance, Slot
 from lagrangia.language.mentions import nodes, reached
+from lagrangia.language.spaces import ANNOTATION
 from lagrangia.language.tree import (
     Argument,
     Call,
@@ -29,7 +30,7 @@ from lagrangia.language.unread import inside
 
 CODE = "L0224"
 _OF_MODELS = ("experiment", "allow")
-_OF_PARAMETERS = ("Evaluate", "Varying")
+_OF_PARAMETERS = ("Evaluate", "Varying", ANNOTATION)
 _PLACES = ((_OF_MODELS, "on a line of its own in a model"), (_OF_PARAMETERS, "behind a parameter"))
 # Of Modelica's annotations, those for people and their editors; a vendor's own begin with two underscores.
 _FOR_PEOPLE = frozenset({"Documentation", "Icon", "Diagram", "Placement", "Line", "Dialog", "choices", "preferredView", "version",

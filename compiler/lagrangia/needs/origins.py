@@ -5,7 +5,7 @@ from collections.abc import Iterable, Iterator
 import casadi as ca
 
 from lagrangia.base.diagnostics import Span
-from lagrangia.dynamics.energies import Energies
+from lagrangia.dynamics.energies import Energies, generalised_force
 from lagrangia.dynamics.motion import Motion
 from lagrangia.frames.evaluation import scalars_of
 from lagrangia.frames.kinematics import Kinematics
@@ -74,8 +74,7 @@ def place_of_nonlinear_term(kinematics: Kinematics, energies: Energies, motion: 
     """The first potential, dissipation or load whose forces are not linear in q, v and u."""
     forces = [(ca.gradient(ca.SX(term.value), motion.q), term.statement.span) for term in energies.potential]
     forces += [(ca.gradient(ca.SX(term.value), motion.v), term.statement.span) for term in energies.dissipation]
-    forces += [(ca.jtimes(ca.vertcat(*load.position), motion.q, ca.vertcat(*load.force), True), load.statement.span)
-               for load in energies.loads]
+    forces += [(generalised_force([load], motion.q, motion.v), load.statement.span) for load in energies.loads]
     return next((span for force, span in forces if not is_linear(kinematics, motion, force)), None)
 
 

@@ -98,10 +98,18 @@ def find_needs(
     """The table of needs, read off the equations. `given`: all parameters, where they are not as declared; only what is told
     of the rates at the start depends on their values."""
     parts = _Parts(kinematics, constraints, energies, motion, initial, scene, given)
-    return (*_forces(parts), *_mass(parts), *_constraints(parts), *_time(parts), *_numerics(parts), *_products(parts))
+    sections = (_space, _forces, _mass, _constraints, _time, _numerics, _products)
+    return tuple(need for section in sections for need in section(parts))
 
 
 # -------------------------------------------------------------------- forces
+
+
+def _space(parts: _Parts) -> Iterable[Need]:
+    """Of a scene in space, the statement that says so."""
+    found = parts.kinematics.graph.model.found
+    if found.space.is_spatial:
+        yield Need("space", True, f"three dimensions, since {found.why}", _line(found.span))
 
 
 def _forces(parts: _Parts) -> Iterable[Need]:
@@ -112,7 +120,8 @@ def _forces(parts: _Parts) -> Iterable[Need]:
                   _share(whole, without), "dD/dv, its power and its quadrature")
     gravity = ca.vertcat(*scalars_of(parts.kinematics.symbols.values["world.gravity"]))
     heavy = [t for t in energies.potential if ca.depends_on(ca.SX(t.value), gravity)]
-    light = tuple(replace(t, value=ca.substitute([ca.SX(t.value)], [gravity], [ca.SX.zeros(2)])[0]) for t in energies.potential)
+    nothing = ca.SX.zeros(gravity.numel())
+    light = tuple(replace(t, value=ca.substitute([ca.SX(t.value)], [gravity], [nothing])[0]) for t in energies.potential)
     world = place_of_world(parts.kinematics)
     is_off = all(isinstance(x, float) and x == 0 for x in parts.kinematics.symbols.compiled.get("world.gravity", (None,)))
     weights = _listed("gravity", [(t.component, t.statement.span) for t in heavy],

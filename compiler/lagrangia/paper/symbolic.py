@@ -372,7 +372,7 @@ class SymbolicKinematics(Kinematics):
     def follow(self, edge: Edge, pose: Pose, level: int, evaluator: Evaluator | None = None) -> Pose:
         """For small motion, with what time alone moves as given functions: road.x, arm.phi."""
         if not (self.is_small and edge.moves_with_time):
-            return super().follow(edge, pose, level, evaluator)
+            return cast(Pose, super().follow(edge, pose, level, evaluator))
         for k, step in enumerate(edge.steps):
             amount = (evaluator or self.evaluator).value(step.amount, level)
             pose = self.along(step, self._support(edge, step, k, amount, level), pose, level)

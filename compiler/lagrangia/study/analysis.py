@@ -4,6 +4,7 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import cached_property
+from operator import attrgetter
 from typing import TYPE_CHECKING
 
 import casadi as ca
@@ -19,7 +20,6 @@ from lagrangia.constraints.newton import start_equations
 from lagrangia.constraints.singular_positions import told
 from lagrangia.dynamics.equilibrium import Rest, find_all, find_rest, onto_constraints
 from lagrangia.frames.joints import all_reactions, reaction_ports
-from lagrangia.frames.planar import LENGTHS, SIZE
 from lagrangia.language.delays import refuse_delays
 from lagrangia.language.dimensions import unit_of
 from lagrangia.language.observables import observe
@@ -99,11 +99,12 @@ class Study:
 
     @cached_property
     def places(self) -> tuple[tuple[str, ...], ca.Function]:
-        """The frames, and their places (frames, SIZE) as a function of q."""
+        """The frames, and their places as a function of q: (frames, SIZE) in the plane, (frames, 3) of origins in space."""
         k = self.c.kinematics
         poses = k.poses(1)
-        flat = [ca.SX(value_of(x)) for pose in poses.values() for x in pose.place]
-        table = ca.reshape(ca.vertcat(*flat), SIZE, len(poses)).T
+        numbers_of = attrgetter("origin" if k.graph.model.space.is_spatial else "place")
+        flat = [ca.SX(value_of(x)) for pose in poses.values() for x in numbers_of(pose)]
+        table = ca.reshape(ca.vertcat(*flat), -1, len(poses)).T
         m = self.c.motion
         modes = k.algebra.modes
         if modes:
@@ -116,7 +117,7 @@ class Study:
     def size(self) -> float:
         """How large the scene is at its start, m; 1 where all is in one point."""
         q, _ = self.start
-        places = self.places[1](q).full()[:, LENGTHS]
+        places = self.places[1](q).full()[:, : self.c.flat.space.dimensions]
         lengths = np.abs(q[~self.is_angle])
         spread = float(np.ptp(places, axis=0).max(initial=0.0)) if np.isfinite(places).all() else 0.0
         return max(spread, float(lengths.max(initial=0.0))) or 1.0
@@ -439,8 +440,10 @@ class Study:
         return closed
 
     @property
-    def mechanism(self) -> Mechanism:
-        """What can be drawn of the scene, its loops closed where a position is a little beside them."""
+    def mechanism(self) -> Mechanism | None:
+        """What can be drawn of the scene, its loops closed where a position is a little beside them; None in space."""
+        if self.c.flat.space.is_spatial:
+            return None
         frames, places = self.places
         values = {p.name: float(x) for p, x in zip(self.scene.parameters, self.p, strict=True)}
         closed = self.closing

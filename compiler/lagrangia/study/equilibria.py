@@ -75,7 +75,7 @@ class Equilibria(Sequence[Equilibrium]):
         for k, item in enumerate(self.found, 1):
             if held := self.reactions_on(item):
                 told = [(joint, *values) for joint, values in held.items()]
-                parts.append(html_table(["", *WRENCH_HEADINGS], told, f"reactions of {k} on"))
+                parts.append(html_table(["", *WRENCH_HEADINGS[len(told[0]) - 1]], told, f"reactions of {k} on"))
         return "".join([*parts, html_notes([*missing(len(names), "coordinates"), *self.notes])])
 
     def __iter__(self) -> Iterator[Equilibrium]:

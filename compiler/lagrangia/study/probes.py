@@ -21,6 +21,7 @@ from lagrangia.language.frame_attributes import ATTRIBUTES, COMPONENTS
 from lagrangia.language.mentions import nodes
 from lagrangia.language.moving_inputs import rate_inputs
 from lagrangia.language.observables import observe
+from lagrangia.language.space_limits import refuse_in_space
 from lagrangia.language.tree import FrameRef, Ref, Time
 
 Triple = tuple[ca.SX, ca.SX, ca.SX]
@@ -114,7 +115,9 @@ def usual_probes(kinematics: Kinematics) -> tuple[Probe, ...]:
 
 def _moving_frames(kinematics: Kinematics) -> list[Probe]:
     """The places of frames whose own equation mentions time."""
-    found, t = [], kinematics.symbols.time
+    found, t = list[Probe](), kinematics.symbols.time
+    if kinematics.graph.model.space.is_spatial:
+        return found  # `probes` of space_limits.py
     for edge in kinematics.graph.edges:
         if any(isinstance(node, Time) for step in edge.steps for node in nodes(step.amount)):
             above, here = kinematics.pose(edge.parent, 0), kinematics.pose(edge.child, 0)
@@ -158,6 +161,7 @@ def _coordinate(kinematics: Kinematics, name: str) -> Probe:
 
 
 def _frame(kinematics: Kinematics, node: FrameRef, name: str) -> Probe:
+    refuse_in_space(kinematics.graph.model, "probes")
     known, children = ATTRIBUTES[node.attribute], {edge.child for edge in kinematics.graph.edges}
     places = known.picked(node.index)
     if known.kind != "place" or len(places) != 1 or node.name not in children:

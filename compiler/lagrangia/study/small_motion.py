@@ -18,7 +18,7 @@ from lagrangia.algebra.with_casadi import CORNERS, uses
 from lagrangia.base.diagnostics import fail
 from lagrangia.base.records import dataclass
 from lagrangia.constraints.parameters import scalars
-from lagrangia.dynamics.energies import Energies, Load, evaluate_energies
+from lagrangia.dynamics.energies import Energies, Load, evaluate_energies, generalised_force
 from lagrangia.dynamics.held_switches import Holding, Pair
 from lagrangia.dynamics.reactions import build_reactions
 from lagrangia.dynamics.switches import conditions_in, jumps_at_rest
@@ -179,9 +179,7 @@ class _Parts:
         self.loads = energies.loads
         struck = motion.impacts.loads_in(free)
         if loads := (*energies.loads, *struck):
-            positions = ca.vertcat(*[x for load in loads for x in load.position])
-            forces = ca.vertcat(*[x for load in loads for x in load.force])
-            self.R = self.R - ca.jtimes(positions, q, forces, True)
+            self.R = self.R - generalised_force(loads, q, v)
         self.holds, self.holding = _find_holds(motion, energies, self, struck)
         self.R, self.unloaded = self.held([self.R, self.unloaded])
         rolling = ca.vertcat(ca.SX(0, 1), *[ca.SX(row.rate(free)) for row in rows if not row.is_holonomic])

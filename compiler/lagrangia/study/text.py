@@ -73,7 +73,7 @@ def _reactions(joints: Mapping[str, list[float]]) -> Iterator[str]:
     """A line for each joint."""
     head = "reactions on"
     width = max(*map(len, joints), len(head))
-    yield f"{head:{width}}" + "".join(f"{heading:>14}" for heading in WRENCH_HEADINGS)
+    yield f"{head:{width}}" + "".join(f"{heading:>14}" for heading in WRENCH_HEADINGS[len(next(iter(joints.values())))])
     for joint, numbers in joints.items():
         yield f"{joint:{width}}" + "".join(f"{x:>14.6g}" for x in numbers)
 

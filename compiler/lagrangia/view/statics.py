@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from lagrangia.language.frame_attributes import COMPONENTS, REACTIONS, WRENCH_HEADINGS
+from lagrangia.language.frame_attributes import REACTIONS, WRENCH_HEADINGS
 from lagrangia.run.scene import Scene
 from lagrangia.view.rows import columns
 
@@ -24,9 +24,10 @@ def reaction_table(scene: Scene, row: Sequence[float]) -> list[str]:
         joint, _, what = column.name.rpartition(".")
         if what.partition("[")[0] in REACTIONS:
             found.setdefault(joint, []).append(value)
-    whole = {joint: values for joint, values in found.items() if len(values) == len(COMPONENTS)}
+    whole = {joint: values for joint, values in found.items() if len(values) in WRENCH_HEADINGS}
     width = max((len(joint) for joint in whole), default=0)
-    lines = [f"{'':{width}}" + "".join(f"{heading:>14}" for heading in WRENCH_HEADINGS)]
+    size = max(map(len, whole.values()), default=min(WRENCH_HEADINGS))
+    lines = [f"{'':{width}}" + "".join(f"{heading:>14}" for heading in WRENCH_HEADINGS[size])]
     largest = max((abs(x) for values in whole.values() for x in values), default=0.0)
     for joint, values in whole.items():
         shown = (0.0 if abs(x) < 1e-12 * largest else x for x in values)  # rounding

@@ -1,0 +1,37 @@
+"""The attitude of a frame as a unit quaternion, real part first: the product of those of the turns on the way to it.
+
+Each turn has its half angle, and so the quaternion goes on continuously when a hinge turns through full turns.
+"""
+
+from collections.abc import Callable, Iterable, Sequence
+from typing import Any
+
+from lagrangia.algebra.duals import Algebra, Scalar, minus, plus, times
+from lagrangia.frames.spatial import unit_axis
+from lagrangia.frames.steps import Step
+
+Quaternion = tuple[Scalar, ...]  # (4,)
+
+
+def quaternion_along(steps: Iterable[Step], value: Callable[..., Any], level: int, algebra: Algebra) -> Quaternion:
+    """Of what lies behind steps from the world; `value`: of an expression at a level."""
+    found: Quaternion = (1.0, 0.0, 0.0, 0.0)
+    for step in (step for step in steps if step.kind == "turn"):
+        half = value(step.amount, level) * (-0.5 if step.is_inverse else 0.5)
+        axis = unit_axis(step, value(step.axis) if step.axis is not None else None, algebra)
+        sine = algebra.call("sin", half)
+        found = _product(found, (algebra.call("cos", half), *(times(x, sine) for x in axis)))
+    return found
+
+
+def _product(a: Sequence[Scalar], b: Sequence[Scalar]) -> Quaternion:
+    signs = (((0, 0, 1), (1, 1, -1), (2, 2, -1), (3, 3, -1)), ((0, 1, 1), (1, 0, 1), (2, 3, 1), (3, 2, -1)),
+             ((0, 2, 1), (2, 0, 1), (3, 1, 1), (1, 3, -1)), ((0, 3, 1), (3, 0, 1), (1, 2, 1), (2, 1, -1)))
+    found = []
+    for terms in signs:
+        total: Scalar = 0.0
+        for i, j, sign in terms:
+            part = times(a[i], b[j])
+            total = plus(total, part) if sign > 0 else minus(total, part)
+        found.append(total)
+    return tuple(found)
