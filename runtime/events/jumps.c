@@ -15,6 +15,7 @@ static const double NO_FORCE = 1e-13; /* of a force of the size of others: what 
 static const double MOMENT = 1e-3;    /* s */
 static const double ANY = 1e300;      /* of two together it is known later whether there is enough */
 static const double LITTLE = 1e-3;    /* of the largest change of an acceleration by a contact */
+static const double TANGENT = 1e-3;   /* of a change of shares: accelerations change nearly in proportion, and many digits are left */
 
 void lag_sliding_rates(LagRun *run, double t, const double *y)
 {
@@ -94,6 +95,13 @@ static void find_unit(LagRun *run, double t, const double *y, int count, int j)
     s->least[j] = !is_jump ? NO_FORCE * s->unit[j] : lag_cones_have(run, s->which[j]) ? -ANY : 0;
 }
 
+/* What the share of candidate j is changed by. */
+static double find_change(const LagRun *run, int j, LagJumpsAt where)
+{
+    const double change = lag_share_step(run, j);
+    return run->model->shares_bend && where == LAG_ELSEWHERE ? TANGENT * change : change;
+}
+
 void lag_jumps_begin(LagRun *run, int count)
 {
     LagSliding *s = &run->sliding;
@@ -118,7 +126,7 @@ void lag_jumps_find(LagRun *run, double t, const double *y, int count, LagJumpsA
     for (int j = 0; j < count; ++j) {
         if (where == LAG_FIRST)
             find_unit(run, t, y, count, j);
-        probe(run, t, y, count, j, lag_share_step(run, j));
+        probe(run, t, y, count, j, find_change(run, j, where));
         if (where != LAG_ELSEWHERE)
             note_sizes(run, t, y);
     }

@@ -27,7 +27,7 @@ static const double AT_END = 1e-3; /* of a step: near enough to one of its ends 
 static const double LOST = 1e-4; /* of a tolerance: rounding of the end of a step, to which is known what is inside it */
 static const double EARLY = 1e-3, AMPLE = 4; /* share of a step that says little of its beginning; of what it had to be, the next one */
 static const double HALF = 0.5; /* of a step that has passed a stop */
-enum { MOST_JAMS = 4, MOST_AGAIN = 10, HURRY = 5, FIRST_SPELL = 32, MOST_SPELL = 4096 };
+enum { MOST_JAMS = 4, MOST_PASSES = 4, MOST_AGAIN = 10, HURRY = 5, FIRST_SPELL = 32, MOST_SPELL = 4096 };
 
 void lag_switches_layout(LagSwitches *s, const LagModel *model, int size, LagArena *arena)
 {
@@ -73,9 +73,11 @@ void lag_switches_set(LagRun *run, double t, const double *q, const double *v)
 {
     LagSwitches *s = &run->switches;
     double *d = run->d + run->model->n_modes;
-    lag_conditions_by(run, t, q, v, s->slope + run->model->n, s->g_inside, s->rate_inside);
-    for (int i = 0; i < lag_when(run->model, 0); ++i)
-        d[i] = sign_of(s->g_inside[i]);
+    for (int pass = 0; pass < (run->model->shares_bend ? MOST_PASSES : 1); ++pass) {
+        lag_conditions_by(run, t, q, v, s->slope + run->model->n, s->g_inside, s->rate_inside);
+        for (int i = 0; i < lag_when(run->model, 0); ++i)
+            d[i] = sign_of(s->g_inside[i]);
+    }
 }
 
 void lag_switches_settle(LagRun *run, double t, const double *y)
@@ -118,6 +120,25 @@ static void find_unknown(LagRun *run)
     lag_contacts_find_errors(run);
 }
 
+/* Forces that feel reactions ask for their signs, which follow from what all forces do: those that have come out otherwise than they
+ * are held are held so. Returns whether there are some. */
+static int turn_over(LagRun *run)
+{
+    LagSwitches *s = &run->switches;
+    int some = 0;
+    if (!run->model->shares_bend || s->is_live)
+        return 0;
+    lag_conditions(run, run->motion.t, run->motion.y, s->g_inside, s->rate_inside);
+    for (int i = 0; i < lag_when(run->model, 0); ++i)
+        if (!s->slides[i] && !s->turned[i] && fabs(s->g_inside[i]) > s->unknown[i] && s->held[i] != sign_of(s->g_inside[i])) {
+            s->held[i] = sign_of(s->g_inside[i]);
+            some = 1;
+        }
+    if (some)
+        lag_switches_recall(run);
+    return some;
+}
+
 /* What changes now, and what is neither, goes the way that it is going: but for events, which are to come where they are neither.
  * Returns whether something changes. */
 static int choose(LagRun *run)
@@ -138,6 +159,8 @@ static int choose(LagRun *run)
         undecided |= i < first && s->held[i] == 0.5;
     }
     lag_switches_recall(run);
+    for (int pass = 0; pass < MOST_PASSES && turn_over(run); ++pass)
+        ;
     lag_conditions_with_rates(run, run->motion.t, y, s->g, s->rate);
     for (int i = 0; i < first; ++i)
         if (s->held[i] == 0.5)
@@ -187,8 +210,12 @@ static int settle(LagRun *run)
     const int turned = choose(run);
     if (s->is_live)
         lag_sliding_end(run);
-    if ((!s->is_live || run->model->n_whens > 0) && run->model->switches_need_acceleration && let_slide(run))
+    const int may_slide = (!s->is_live || run->model->n_whens > 0) && run->model->switches_need_acceleration;
+    for (int pass = 0; pass < MOST_PASSES && may_slide && let_slide(run); ++pass) {
         lag_conditions_with_rates(run, run->motion.t, run->motion.y, s->g, s->rate);
+        if (!turn_over(run))
+            break;
+    }
     return turned;
 }
 

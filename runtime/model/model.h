@@ -120,6 +120,7 @@ struct LagModel {
     int has_corners;  /* forces bend or jump somewhere: what does not fall as steps shrink need not be rounding */
     int may_hide;     /* forces have exponentials of what changes, which may be narrow within a step */
     int conditions_know_time; /* some event's condition does, besides at time events: no step of the motion tells how quick it is */
+    int shares_bend;  /* accelerations are no linear functions of shares: friction feels reactions, which it changes */
     int is_swing;     /* one degree of freedom, energy is kept, and nothing but the state decides */
     int is_steady;    /* accelerations and conditions do not depend on time */
     int is_separable; /* energy is kept, and accelerations follow from positions alone: M is constant */

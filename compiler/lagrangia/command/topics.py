@@ -37,9 +37,9 @@ expression = expression    between positions: a constraint. Linear ones (rolling
 when x < 0 then            an event, where the condition comes true: the rate of any position or angle x gets the value,
   reinit(der(x), value);   by an impulse that works on x: what else jumps follows from masses, joints and loops; see also
 end when;                  `lag help events`
-hinge.reaction             in outputs: force (2), in world axes, of a joint or a tie (Gear, Belt, Link, Rope) on its port b, the
-                           center of a Block, or its last frame; hinge.reaction_torque: about that frame's origin. What is bound
-                           to a joint's coordinate (stretch = guide.s, a Rack, a Motion, equations of coordinates) acts through
+hinge.reaction             in outputs and forces: force (2), in world axes, of a joint or a tie (Gear, Belt, Link, Rope) on its
+                           port b, the center of a Block, or its last frame; hinge.reaction_torque: about its origin. What acts
+                           on a joint's coordinate (stretch = guide.s, a Rack, a Motion, equations of coordinates) acts through
                            the joint, and counts as its reaction: the torque of a drive is hinge.reaction_torque
 der(z) = expression        a first-order state, declared as Real z(start = 0): lag help signals
 initial equation           where it begins: hinge.phi = 1; or hinge.w = 2; or an equation to be solved, bar.b.y = 0.3; or
@@ -89,6 +89,12 @@ contact_force(x)      the force that holds x at the contact of `when x < 0 then 
                       solutions those come first that hold. Where friction presses what slides further and no
                       force holds it (Painleve's rod; a chalk that jumps), the slip is stopped by an impulse, without a collision;
                       a run that finds no impulse either ends with a word.
+Friction in joints    forces and dissipation functions may feel reactions: mu*radius*norm(hinge.reaction)*abs(hinge.w). Both
+                      are solved for together, in loops as well, and stick exactly. RoughRevolute, RoughPrismatic, RoughWheel,
+                      RoughGear and Capstan of the library are such; Friction(normal = abs(guide.reaction[2])) rubs anywhere.
+                      Where friction presses by its own reaction more than it takes (a light slider that a long rod pushes
+                      down, with a large mu) there is no solution, or several (Painleve): the run ends with a word. Not
+                      supported yet beside events that reset rates, and in lag equilibrium, modes and equations.
 when gap < 0 and x < edge then ...    a contact with an edge. With `or` nothing is held that rests.
 
 Energy that impulses take is dissipated, what they add is work. FMUs have the events, in both kinds and versions; exports to

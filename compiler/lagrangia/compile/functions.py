@@ -25,6 +25,7 @@ from lagrangia.dynamics.guarding import NOT_GUARDED, Guarding, find_guarding
 from lagrangia.dynamics.hamilton import Hamilton
 from lagrangia.dynamics.impulses import find_kick
 from lagrangia.dynamics.jacobians import Jacobian, build_jacobian
+from lagrangia.dynamics.joint_loads import settled
 from lagrangia.dynamics.motion import Motion, mass_matrix
 from lagrangia.dynamics.negative_inertia import without_negative_inertia
 from lagrangia.dynamics.reactions import build_reactions
@@ -70,18 +71,18 @@ def build_functions(
     are asked for, whose matrix else waits where it is large. Raises LagError L0701."""
     names, y, guarding = _observed(kinematics, motion, constraints, outputs)
     motion = without_negative_inertia(kinematics, motion)
-    held, modes = motion.constrained, kinematics.algebra.modes
-    symbols, multipliers = (held.symbols, held.multipliers) if held else (ca.SX(0, 1), ca.SX(0, 1))
-    power, energy = _power(motion, motion.source_power), ca.vertcat(motion.T, motion.V, motion.H)
-    jacobian = build_jacobian(kinematics, motion, is_implicit)
+    made, modes = motion.unsolved or motion, kinematics.algebra.modes
+    symbols, multipliers = _multipliers(made)
+    power, energy = _power(made, made.source_power), ca.vertcat(motion.T, motion.V, motion.H)
+    jacobian = build_jacobian(kinematics, made, is_implicit)
     flow = [hamilton.velocity, hamilton.force] if hamilton else []
     sampling, delaying, kick = find_sampling(kinematics), find_delaying(kinematics), find_kick(kinematics, motion)
     switches = find_switches(motion, delaying.values)
-    found, hoisted = _hoisted({
-        "rhs": switches.hold([motion.acceleration, power, multipliers]), "energies": [energy],
+    found, hoisted = _hoisted(settled(motion, switches, {
+        "rhs": switches.hold([made.acceleration, power, multipliers]), "energies": [energy],
         "outputs": switches.hold([y, guarding.values]),
-        **_constrained(motion, energy, switches), "flow": flow, "jacobian": switches.hold(jacobian.values), "kick": [kick.rates],
-        "delayed": switches.hold([ca.densify(delaying.values)]), **_watched(motion, switches)}, motion.p)
+        **_constrained(made, energy, switches), "flow": flow, "jacobian": switches.hold(jacobian.values), "kick": [kick.rates],
+        "delayed": switches.hold([ca.densify(delaying.values)]), **_watched(motion, switches)}), motion.p)
     t, q, v, a, u, c, d = motion.t, motion.q, motion.v, motion.a, motion.u, hoisted.c, kinematics.algebra.mode_symbols
     state, labels = [t, q, v, u, d, c], ["t", "q", "v", "u", "d", "c"]
     full = [t, q, v, a, symbols, u, ca.vertcat(d, switches.symbols, motion.impacts.impulses, switches.rest_symbols), c]
@@ -92,8 +93,8 @@ def build_functions(
     }
     table |= _functions_of_constraints(motion, found, d, c) | _flow_functions(motion, hamilton, found["flow"], c)
     table |= _mode_functions(motion, modes) | _kick_function(state, found["kick"], kick.before)
-    table |= _start_functions(kinematics, motion, initial) | _sampling_functions(kinematics, motion, sampling)
-    table |= _delay_functions(motion, delaying, [*state[:4], full[-2], c], found["delayed"])
+    table |= (_start_functions(kinematics, motion, initial) | _sampling_functions(kinematics, motion, sampling)
+              | _delay_functions(motion, delaying, [*state[:4], full[-2], c], found["delayed"]))
     needs = bool(y.numel()) and ca.depends_on(y, ca.vertcat(a, symbols))
     patterns, refused, pays = _add_linear(table, kinematics, motion)
     patterns |= {"reset_places": _reset_places(kinematics, motion), **_patterns(jacobian, switches, modes),
@@ -104,12 +105,18 @@ def build_functions(
                       "breaks_rise": int(delaying.rises)}, pays, hoisted.settled, find_thresholds(motion, switches), guarding)
 
 
+def _multipliers(motion: Motion) -> tuple[ca.SX, ca.SX]:
+    """Their symbols, and what they are."""
+    held = motion.constrained
+    return (held.symbols, held.multipliers) if held else (ca.SX(0, 1), ca.SX(0, 1))
+
+
 def _observed(kinematics: Kinematics, motion: Motion, constraints: Constraints, outputs: tuple[str, ...]
               ) -> tuple[tuple[str, ...], ca.SX, Guarding]:
     """Names and values of outputs, and guards, with the reactions they ask for."""
     names, y = _outputs(kinematics, outputs)
     guarding = find_guarding(kinematics)
-    told = with_reactions(ca.vertcat(y, guarding.values), kinematics, motion, constraints)
+    told = _with_reactions(ca.vertcat(y, guarding.values), kinematics, motion, constraints)
     y, guarded = ca.vertsplit(told, [0, y.numel(), told.numel()])
     return names, y, replace(guarding, values=guarded)
 
@@ -132,8 +139,8 @@ def _refusals(jacobian: Jacobian, has_cones: bool, is_late: bool) -> dict[str, s
 def build_island_functions(kinematics: Kinematics, motion: Motion) -> Functions:
     """For some coordinates that are run by themselves: what moves them, without energies and outputs."""
     motion = without_negative_inertia(kinematics, motion)
-    power, modes, held = _power(motion, motion.source_power), kinematics.algebra.modes, motion.constrained
-    multipliers, jacobian = held.multipliers if held else ca.SX(0, 1), build_jacobian(kinematics, motion)
+    power, modes = _power(motion, motion.source_power), kinematics.algebra.modes
+    (_, multipliers), jacobian = _multipliers(motion), build_jacobian(kinematics, motion)
     kick, switches = find_kick(kinematics, motion), find_switches(motion)
     found, hoisted = _hoisted({
         "rhs": switches.hold([motion.acceleration, power, multipliers]), **_constrained(motion, ca.SX(0, 1), switches),
@@ -173,7 +180,8 @@ def _functions_of_steps(motion: Motion, jacobian: Jacobian, switches: Switches, 
     if "regular" in found:
         table["regular"] = ca.Function("regular", state, found["regular"], labels, ["a", "power", "doubt"])
     if switches.symbols.numel():
-        table["switches"] = ca.Function("switches", [t, q, v, a, u, switches.slopes, d, c], found["switches"],
+        known = d if motion.unsolved is None else held_d  # which is all of it where steps are
+        table["switches"] = ca.Function("switches", [t, q, v, a, u, switches.slopes, known, c], found["switches"],
                                         [*labels[:3], "a", "u", "du", "d", "c"], ["g", "rate"])
     if found["roots"][0].numel():
         table["roots"] = ca.Function("roots", state, found["roots"], labels, ["g", "rate"])
@@ -369,6 +377,12 @@ def _solved(y: ca.SX, motion: Motion) -> ca.SX:
 
 def with_reactions(y: ca.SX, kinematics: Kinematics, motion: Motion, constraints: Constraints) -> ca.SX:
     """Outputs with the reactions they ask for worked out."""
+    y = _with_reactions(y, kinematics, motion, constraints)
+    return motion.solution.put([y])[0] if motion.solution else y
+
+
+def _with_reactions(y: ca.SX, kinematics: Kinematics, motion: Motion, constraints: Constraints) -> ca.SX:
+    """The same with symbols for those that forces feel."""
     symbols, values = build_reactions(kinematics, motion.bodies, constraints, motion)
     return ca.substitute(y, symbols, values) if symbols.numel() else y
 

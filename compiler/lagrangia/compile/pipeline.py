@@ -19,6 +19,7 @@ from lagrangia.compile.packages import Packages, enclosing
 from lagrangia.compile.sources import read_source
 from lagrangia.language.classes import build_class_table
 from lagrangia.language.component_library import drawn_library, library
+from lagrangia.language.consequences import refuse_felt_reactions
 from lagrangia.language.delays import refuse_delays
 from lagrangia.language.dimensions import check_dimensions
 from lagrangia.language.flattening import flatten
@@ -94,6 +95,7 @@ def _compile(syntax: "Syntax", flat: "FlatModel", outputs: tuple[str, ...], form
         from lagrangia.dynamics.energies import build_energies
         from lagrangia.dynamics.freedom import is_held_still
         from lagrangia.dynamics.jacobians import waits
+        from lagrangia.dynamics.joint_loads import feel_reactions
         from lagrangia.dynamics.massless import settle_massless
         from lagrangia.dynamics.motion import build_motion
         from lagrangia.frames.graph import build_graph
@@ -106,7 +108,7 @@ def _compile(syntax: "Syntax", flat: "FlatModel", outputs: tuple[str, ...], form
     with _timed(took, "motion"):
         constraints, initial = _start(kinematics, constraints, formulas.is_as_written)
         made_of = constraints, formulas.for_any_mass, find_partition(kinematics, constraints, initial)
-        motion = build_motion(kinematics, energies, *made_of)
+        motion = feel_reactions(kinematics, constraints, build_motion(kinematics, energies, *made_of))
         hit, run = _with_impacts(kinematics, energies, motion, made_of)
         initial = with_motion(initial, kinematics, motion.momentum if motion.constrained else None, motion.acceleration)
     with _timed(took, "functions"):
@@ -206,6 +208,7 @@ def compile_energies(path: Path, model: str | None = None, structural: Mapping[s
         _refuse_moving_inputs(flat)
         refuse_held(flat, "written equations")
         refuse_delays(flat, "written equations")
+        refuse_felt_reactions(flat, "written equations")
         kinematics, constraints = _kinematics(flat, is_general=False)
         if not any(row.balanced for row in constraints.all_rows):  # which numbers that others could set may be the reason of
             kinematics, constraints = _kinematics(flat, is_general=True)

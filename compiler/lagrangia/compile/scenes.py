@@ -27,6 +27,7 @@ from lagrangia.dynamics.negative_inertia import tell_unlooked, written_inertias
 from lagrangia.dynamics.switches import corners_remain
 from lagrangia.frames.graph import Coordinate, rate_of
 from lagrangia.frames.kinematics import Kinematics
+from lagrangia.language.consequences import place_of_felt_reactions
 from lagrangia.language.dimensions import unit_of
 from lagrangia.language.events import kept_by
 from lagrangia.language.flat import FlatModel, Variable, When
@@ -114,6 +115,8 @@ def _whole(motion: Motion, model: FlatModel) -> tuple[str, list[tuple[int, ...]]
         return f"not supported yet: islands of more than {MOST_COORDINATES} coordinates", []
     if motion.impacts.places:
         return "not supported yet: islands of scenes with events that reset rates", []
+    if motion.felt is not None:
+        return "not supported yet: islands of scenes whose forces feel reactions", []
     if model.samplers:
         return "not supported yet: islands of scenes with values that are held between instants", []
     if model.delays:
@@ -162,7 +165,7 @@ def _sizes(n: int, n_parameters: int, n_inputs: int, n_modes: int, functions: Fu
         "n_cones": len(functions.patterns.get("cones", ())) // 2, "n_lookups": len(functions.patterns["lookups"]) // 2,
         "has_corners": int(corners_remain(motion)), "may_hide": int(may_hide(usual_rhs(tapes))),
         "conditions_know_time": int(ca.depends_on(motion.impacts.conditions, motion.t)),
-        "is_steady": int(_is_steady(functions)),
+        "shares_bend": int(motion.felt is not None), "is_steady": int(_is_steady(functions)),
     }
     if "held" in functions.patterns:
         found |= {"n_held": len(functions.patterns["held"]), "n_samplers": len(functions.patterns["samplers"])}
@@ -252,8 +255,9 @@ def _told(kinematics: Kinematics, initial: InitialConditions) -> dict[str, objec
              *odd.diagnostics, *find_idle_starts(kinematics).diagnostics)
     told = [warning.render() for warning in found if warning.code not in model.allowed]
     files = sorted({lookup.path for lookup in model.lookups})
-    kinetic = [str(span) for span in written_inertias(kinematics)]
+    kinetic, felt = [str(span) for span in written_inertias(kinematics)], place_of_felt_reactions(model)
     return {"warnings": told, "allowed": list(model.allowed), "contacts": contacts, "files": files, "kinetic": kinetic,
+            "felt": str(felt) if felt else "",
             **({"samplers": [str(sampler.span) for sampler in model.samplers],
                 "held": [held.name for sampler in model.samplers for held in sampler.held]} if model.samplers else {}),
             **({"delays": [str(delay.span) for delay in model.delays]} if model.delays else {}),

@@ -43,8 +43,11 @@ def rest_asked(numbering: Numbering, op: int, numbers: list[int]) -> tuple[tuple
     if op in _EQUALITIES:
         a, b = ordered(*numbers)
         inner = [k for k in numbers if zero in numbers and numbering.keys[k][0] in (*_EVEN, ca.OP_SIGN)]
-        pairs = _zeros_of(numbering, inner[0]) if inner else ((a, b),)
-        return (pairs, op == ca.OP_EQ) if a != b else None
+        if a == b:
+            return None
+        bare = ordered(_without_factors(numbering, b if a == zero else a), zero) if zero in (a, b) else (a, b)
+        pairs = _zeros_of(numbering, inner[0]) if inner else ((a, b), bare)  # |-x| is |x|, and -x == 0 stays as it is
+        return pairs, op == ca.OP_EQ
     if op not in (ca.OP_LT, ca.OP_LE) or zero not in numbers:
         return None
     place = 1 if numbers[0] == zero else 0
@@ -105,7 +108,7 @@ class Holding:
     def __init__(self, places: Mapping[Pair, Expression], shares: frozenset[int], rests: Mapping[Pair, Expression],
                  numbering: Numbering) -> None:
         self.places, self.shares, self.rests, self.numbering = places, shares, rests, numbering
-        self.symbols = {s.__hash__(): s for s in places.values()}
+        self.symbols = {s.__hash__(): s for s in places.values() if s.is_symbolic()}
         self.jumps = dict[int, tuple[Expression, frozenset[int]]]()  # of expressions by their hashes: the shares they jump with
         self.absolute = dict[int, tuple[Pair, int]]()  # numbers of |x|, with that of x
         self.products = dict[int, tuple[list[int], list[Expression]]]()  # their numbers, with those of the factors

@@ -210,6 +210,8 @@ class _Places:
         inputs = symbols_in(ca.vertcat(ca.SX(0, 1), *[x for name, v in model.variables.items() if v.kind == "input"
                                                       for x in scalars_of(kinematics.symbols.values[name])]))
         accelerations = symbols_in(ca.vertcat(*kinematics.symbols.accelerations.values()))
+        felt = symbols_in(ca.vertcat(ca.SX(0, 1), *(x for wrench in kinematics.reactions.values() for x in wrench),
+                                     *kinematics.forces.values()))
         resets = [x for when in model.whens for reset in when.resets for x in scalars_of(
             kinematics.evaluator.value(position_of(reset, model)))]
         pressed = [k for load in self._pressing() for k in load]
@@ -218,6 +220,8 @@ class _Places:
             mentioned = symbols_in(balance)
             if not mentioned.isdisjoint(inputs):
                 _refuse(direction, "and an input acts on it (not supported yet)", _SMALL_MASS)
+            if not mentioned.isdisjoint(felt):
+                _refuse(direction, "and a force that feels a reaction acts on it (not supported yet)", _SMALL_MASS)
             if not mentioned.isdisjoint(kinematics.algebra.index.hashes):
                 _refuse(direction, "and what acts on it jumps (not supported yet): it would jump, too", _SMALL_MASS)
             if not mentioned.isdisjoint(accelerations):

@@ -7,6 +7,7 @@ dT/dv. The accelerations come from the dense M, or by elimination along the tree
 in which everything is collected that cancels; what counts fewer nodes is taken.
 """
 
+from collections.abc import Sequence
 from dataclasses import field, replace
 from functools import cached_property
 
@@ -50,6 +51,38 @@ Held = tuple[ca.SX, ca.SX, ConstrainedMotion]  # what `constrain` finds
 
 
 @dataclass(frozen=True)
+class Felt:
+    """Forces that feel reactions x: affine in `amounts`, of which each is a function of x, while x is affine in them."""
+
+    reactions: ca.SX  # (k,): the symbols x
+    amounts: ca.SX  # (m,): the symbols in the forces
+    laws: ca.SX  # (m,): what each is, of x
+    values: ca.SX  # (k,): x as functions of t, q, v, a, lambda, u, d, p and the amounts
+
+
+@dataclass(frozen=True)
+class Solution:
+    """Amounts and reactions of a state."""
+
+    felt: Felt
+    amounts: ca.SX  # (m,)
+    reactions: ca.SX  # (k,)
+
+    def put(self, expressions: Sequence[ca.SX]) -> list[ca.SX]:
+        """The expressions with these in place of their symbols: what is affine in them is not made twice."""
+        found = ca.substitute(list(expressions), [self.felt.reactions], [self.reactions])
+        return [self._put(x) if ca.depends_on(x, self.felt.amounts) else x for x in found]
+
+    def _put(self, x: ca.SX) -> ca.SX:
+        own = self.felt.amounts
+        slopes = ca.jacobian(x.nz[:], own)
+        if ca.depends_on(slopes, own):
+            return ca.substitute(x, own, self.amounts)
+        (without,) = ca.substitute([x], [own], [ca.SX.zeros(own.numel())])
+        return without + ca.SX(x.sparsity(), slopes @ self.amounts)
+
+
+@dataclass(frozen=True)
 class Motion:
     """All in CasADi SX; n coordinates. M is None where it was not formed."""
 
@@ -76,6 +109,9 @@ class Motion:
     impacts: Impacts = field(default_factory=Impacts)  # whose forces are among those in h
     lengths: tuple[ca.SX, ...] = ()  # x of |x| that are lengths
     asked: frozenset[str] = frozenset({"choice"})  # of the algebra, while the scene was put down
+    felt: Felt | None = None  # where forces feel reactions
+    unsolved: "Motion | None" = None  # the same with the amounts of `felt` for symbols, of those that are solved for
+    solution: Solution | None = None  # of these, with conditions as they are
 
     @property
     def h(self) -> ca.SX:

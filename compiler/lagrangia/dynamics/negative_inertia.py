@@ -44,15 +44,16 @@ def without_negative_inertia(kinematics: Kinematics, motion: Motion) -> Motion:
     if any(x.is_constant() and not float(x) >= 0 for x in margins):
         fail("L0506", "the kinetic energy is negative for some motion: the mass matrix is not positive definite", places[0],
              "make every mass positive, and what couples two rates smaller")
-    nothing = _nothing([x for x in margins if not x.is_constant()], ca.vertcat(motion.t, motion.q, motion.v, motion.u))
+    nothing = nothing_unless([x for x in margins if not x.is_constant()], ca.vertcat(motion.t, motion.q, motion.v, motion.u))
     if held is not None and held.regular is not None:
         regular = replace(held.regular, acceleration=held.regular.acceleration + nothing)
         motion = replace(motion, constrained=replace(held, regular=regular))
-    return replace(motion, acceleration=motion.acceleration + nothing)
+    unsolved = motion.unsolved and replace(motion.unsolved, acceleration=motion.unsolved.acceleration + nothing)
+    return replace(motion, acceleration=motion.acceleration + nothing, unsolved=unsolved)
 
 
-def _nothing(margins: list[ca.SX], state: ca.SX) -> ca.SX:
-    """0, or no number where one of them is negative. A root is what has Taylor series."""
+def nothing_unless(margins: list[ca.SX], state: ca.SX) -> ca.SX:
+    """0, or no number where one of these is negative. A root is what has Taylor series."""
     total = ca.SX(0)
     for x in margins:
         total += _NOTHING * ca.sqrt(x) if ca.depends_on(x, state) else ca.if_else(x >= 0, 0, ca.SX.nan())

@@ -23,6 +23,7 @@ from lagrangia.algebra.with_casadi import CORNERS, operations_in
 from lagrangia.base.records import dataclass
 from lagrangia.dynamics.held_switches import RELATIONS, SIGNS, WHOLE, Holding, Pair, direction_in, ordered, pair_of, rest_asked
 from lagrangia.dynamics.motion import Motion
+from lagrangia.dynamics.same_conditions import match
 
 _BENT = CORNERS | {ca.OP_ATAN2}
 _ROOTED = frozenset({ca.OP_SQRT, ca.OP_FLOOR, ca.OP_CEIL})
@@ -42,6 +43,8 @@ class Switches:
     rests: "dict[Pair, Expression]" = field(default_factory=dict)  # symbols that say whether the two are held equal
     cones: tuple[tuple[Pair, Pair], ...] = ()  # pairs of `rests` that are asked about together, as both components of a slip
     numbering: Numbering = field(default_factory=Numbering)
+    aliases: "dict[Pair, Expression]" = field(default_factory=dict)  # the same conditions in other shapes: s or 1 - s
+    rest_aliases: "dict[Pair, Expression]" = field(default_factory=dict)
     lengths: int = 0  # the first so many: the signs of what lengths are, which ordinary motion does not change
     rubs: tuple[int, ...] = ()  # of friction that presses with the force of contacts: the switch of its slip, the event, and
     # whether the switch is in no other force
@@ -50,7 +53,12 @@ class Switches:
         """The same with the symbols in place of what they stand for."""
         if not self.places:
             return list(expressions)
-        return rebuilt(expressions, self.numbering, Holding(self.places, self.shares, self.rests, self.numbering).made)
+        holding = Holding(self.places | self.aliases, self.shares, self.rests | self.rest_aliases, self.numbering)
+        return rebuilt(expressions, self.numbering, holding.made)
+
+    def rates_of(self, x: ca.SX, motion: Motion) -> ca.SX:
+        """Along the motion, while all is held."""
+        return _rates_of(x, motion, self.slopes)
 
     @property
     def rest_symbols(self) -> ca.SX:
@@ -95,26 +103,42 @@ def find_switches(motion: Motion, late: ca.SX | None = None) -> Switches:
     if not may_have and not events.numel():
         return Switches()
     signs = {_sign_of(x, numbering) for x in motion.lengths}
-    movers = ca.vertcat(motion.t, motion.q, motion.v, motion.u)
-    found, rests, cones = conditions_in([motion.h, *others], movers, motion.v, numbering)
+    known = motion.unsolved or motion
+    laws, reactions = ([known.felt.laws], known.felt.reactions) if known.felt else ([], ca.SX(0, 1))
+    movers = ca.vertcat(motion.t, motion.q, motion.v, motion.u, reactions)
+    found, rests, cones = conditions_in([known.h, *laws, *others], movers, motion.v, numbering)
+    aliases = _other_shapes(known, found, movers, numbering)
     if not found and not events.numel():
         return Switches()
     found = {pair: found[pair] for pair in sorted(found, key=lambda pair: pair not in signs)}
-    slopes = ca.SX.sym("du", motion.u.numel())
-
-    def rates_of(x: ca.SX) -> ca.SX:
-        return ca.jtimes(x, ca.vertcat(motion.q, motion.v, motion.t, motion.u), ca.vertcat(motion.v, motion.a, 1, slopes))
-
-    gaps = motion.impacts.gaps
-    one_way, paces = motion.impacts.one_way, rates_of(gaps)
+    slopes, gaps = ca.SX.sym("du", motion.u.numel()), motion.impacts.gaps
+    one_way, paces = motion.impacts.one_way, _rates_of(gaps, motion, slopes)
     resting = [gaps[k] if one_way[k] else paces[k] for k in range(gaps.numel())]
     values = ca.vertcat(ca.SX(0, 1), *found.values(), events, gaps, *resting)
     places = {pair: symbol(f"s_{k}") for k, pair in enumerate(found)}
     shares = frozenset(places[pair].__hash__() for pair, g in found.items() if _is_rate(motion.v, g))
     symbols = ca.vertcat(ca.SX(0, 1), *places.values(), ca.SX.sym("event", 2 * events.numel()), motion.impacts.forces)
     lengths = sum(pair in signs for pair in found)
-    switches = Switches(symbols, values, rates_of(values), slopes, places, shares, rests, cones, numbering, lengths)
+    rates = _rates_of(values, motion, slopes)
+    same = {pair: places[of] if is_same else as_expression(1.0 - places[of]) for pair, (of, is_same) in aliases.items()}
+    held = {pair: rests[of] for pair, (of, _) in aliases.items() if of in rests}
+    switches = Switches(symbols, values, rates, slopes, places, shares, rests, cones, numbering, same, held, lengths)
     return replace(switches, rubs=_find_rubs(motion, switches)) if motion.impacts.pressing else switches
+
+
+def _other_shapes(known: Motion, found: dict[Pair, Expression], movers: ca.SX, numbering: Numbering
+                  ) -> dict[Pair, tuple[Pair, bool]]:
+    """Conditions of reactions that forces feel: those of `found`, or else they come to them."""
+    if known.felt is None:
+        return {}
+    others, _, _ = conditions_in([known.felt.values], movers, known.v, numbering)
+    aliases = match(found, {pair: g for pair, g in others.items() if pair not in found})
+    found.update({pair: g for pair, g in others.items() if pair not in aliases})
+    return aliases
+
+
+def _rates_of(x: ca.SX, motion: Motion, slopes: ca.SX) -> ca.SX:
+    return ca.jtimes(x, ca.vertcat(motion.q, motion.v, motion.t, motion.u), ca.vertcat(motion.v, motion.a, 1, slopes))
 
 
 def jumps_at_rest(force: ca.SX, shares: ca.SX, v: ca.SX) -> list[bool]:
@@ -132,7 +156,7 @@ def find_thresholds(motion: Motion, switches: Switches) -> tuple[float, ...]:
         found |= {x**0.5 if is_square else x: share for x in constants if x > 0 and share.__hash__() in switches.shares}
     if not found:
         return ()
-    jumps = jumps_at_rest(switches.hold([motion.h])[0], ca.vertcat(*found.values()), motion.v)
+    jumps = jumps_at_rest(switches.hold([(motion.unsolved or motion).h])[0], ca.vertcat(*found.values()), motion.v)
     return tuple(x for x, is_jump in zip(found, jumps, strict=True) if is_jump)
 
 
@@ -140,7 +164,7 @@ def has_dry_friction(motion: Motion) -> bool:
     """Whether a force jumps where a rate passes through zero."""
     switches = find_switches(motion)
     shares = ca.vertcat(ca.SX(0, 1), *(x for x in switches.places.values() if x.__hash__() in switches.shares))
-    return any(jumps_at_rest(switches.hold([motion.h])[0], shares, motion.v))
+    return any(jumps_at_rest(switches.hold([(motion.unsolved or motion).h])[0], shares, motion.v))
 
 
 @dataclass
@@ -254,7 +278,7 @@ def find_roots(motion: Motion, switches: Switches) -> tuple[ca.SX, ca.SX]:
         if is_asked and rates.isdisjoint(known):
             found.setdefault(numbers[0], operands[0] if op == ca.OP_SQRT else ca.sin(ca.pi * operands[0]) ** 2)
 
-    rebuilt(switches.hold([motion.h]), numbering, note)
+    rebuilt(switches.hold([(motion.unsolved or motion).h]), numbering, note)
     values = ca.vertcat(ca.SX(0, 1), *found.values())
     return values, ca.jtimes(values, ca.vertcat(motion.q, motion.t), ca.vertcat(motion.v, 1)) if found else values
 
@@ -277,7 +301,8 @@ def live(name: str, functions: Mapping[str, ca.Function], resting: Sequence[int]
         return held
     names = [held.name_in(k) for k in range(held.n_in())]
     given = {label: ca.SX.sym(label, held.size1_in(label)) for label in names}
-    given["d"] = ca.SX.sym("d", switches.size1_in("d"))
+    told = switches.numel_out("g") + len(resting)  # which some conditions are made of
+    given["d"] = ca.SX.sym("d", switches.size1_in("d") - (told if switches.size1_in("d") == held.size1_in("d") else 0))
     known = {switches.name_in(k): ca.SX.zeros(switches.size1_in(k)) for k in range(switches.n_in())}
     g = switches.call(known | {label: given[label] for label in names if label in known})["g"]
     rests = [g[k] == 0 for k in resting]

@@ -39,7 +39,7 @@ _HINT = ("what holds at rest is told by F_static, mu_static or tau_static of the
 
 def refuse_untold_rest(energies: Energies, motion: Motion) -> None:
     """Raises LagError L0918, placed at the term of the energies that jumps so, or at the load."""
-    if not bends(motion) or not _is_untold(motion.h, motion.v):
+    if not bends(motion) or not _is_untold((motion.unsolved or motion).h, motion.v):
         return
     for force, span in _apart(energies, motion.v):
         if _is_untold(force, motion.v):

@@ -20,6 +20,7 @@ from lagrangia.compile.instructions import tape_of
 from lagrangia.compile.pipeline import Compilation
 from lagrangia.constraints.parameters import all_parameters
 from lagrangia.dynamics.delaying import find_delaying
+from lagrangia.dynamics.joint_loads import settled
 from lagrangia.dynamics.switches import find_switches
 from lagrangia.fmu.factors import DEPENDENT, factor_kinds
 from lagrangia.frames.kinematics import Kinematics
@@ -66,13 +67,15 @@ def _equations(compilation: Compilation, outputs: tuple[str, ...],
     """The symbols t, q, v, u, d, p; slopes, y and R in terms of them, of switches and shares, and of what is said of rest, which
     come last."""
     kinematics, motion = compilation.struck, compilation.run
-    symbols, (a, y, place, steer) = state_space(kinematics, motion, compilation.constraints, outputs)
+    made = motion.unsolved or motion
+    symbols, (a, y, place, steer) = state_space(kinematics, made, compilation.constraints, outputs)
     _t, q, v, *_ = symbols
     switches = find_switches(motion, find_delaying(kinematics).values)
-    a, y = switches.hold([a, y])
+    found = settled(motion, switches, {"held": switches.hold([a, y]), "switches": [switches.values, switches.rates]})
+    (a, y), (_, rates) = found["held"], found["switches"]
     shares = ca.vertcat(switches.symbols, motion.impacts.impulses) if switches.symbols.numel() else ca.SX(0, 1)
     still = ca.SX.zeros(switches.slopes.numel(), 1)
-    (rates,) = ca.substitute([switches.rates], [motion.a, switches.slopes], [a, still])
+    (rates,) = ca.substitute([rates], [motion.a, switches.slopes], [a, still])
     slope = ca.vertcat(v, a)
     if motion.constrained is not None:
         Q = q + place

@@ -81,7 +81,7 @@ class Kinematics:
     dependents: Mapping[str, Dependent] = field(default_factory=dict)
     released: Mapping[str, Displacement] = field(default_factory=dict)
     moved: Mapping[str, Displacement] = field(default_factory=dict)  # those of single frames, nothing behind them
-    reactions: dict[str, tuple[ca.SX, ...]] = field(default_factory=dict)  # symbols of those that outputs ask for
+    reactions: dict[str, tuple[ca.SX, ...]] = field(default_factory=dict)  # symbols of those that outputs and forces ask for
     forces: dict[str, ca.SX] = field(default_factory=dict)  # the same of equations: language/consequences.py
     evaluator: Evaluator = field(init=False)
     declared: tuple[ca.SX, ca.DM] | None = None  # once somebody asked: constraints/parameters.py
@@ -193,13 +193,14 @@ class Kinematics:
     def knowing(self, values: Mapping[str, Scalar]) -> "Kinematics":
         """The same motion where more is known by name."""
         symbols = replace(self.symbols, values={**self.symbols.values, **values})
-        return Kinematics(self.graph, symbols, self.algebra, self.dependents)
+        return Kinematics(self.graph, symbols, self.algebra, self.dependents, reactions=self.reactions, forces=self.forces)
 
     def without_accelerations(self) -> "Kinematics":
         """The same motion with dv/dt = 0: its second derivatives are what the rates alone make."""
         if self._still is None:
             at_rest = dict.fromkeys(self.symbols.accelerations, 0.0)
-            self._still = Kinematics(self.graph, replace(self.symbols, accelerations=at_rest), self.algebra, self.dependents)
+            self._still = Kinematics(self.graph, replace(self.symbols, accelerations=at_rest), self.algebra, self.dependents,
+                                     reactions=self.reactions, forces=self.forces)
             self._still._still, self._still._amounts = self._still, self._amounts
         return self._still
 
@@ -223,7 +224,8 @@ class Kinematics:
     ) -> "Kinematics":
         """The same motion with virtual displacements and their rates: of a frame with all that lies behind it (a place), of
         the coordinate of a cut joint, or of a coordinate that a constraint gives. `moved`: of frames alone."""
-        return Kinematics(self.graph, self.symbols, self.algebra, self.dependents, released, moved or {})
+        return Kinematics(self.graph, self.symbols, self.algebra, self.dependents, released, moved or {}, self.reactions,
+                          self.forces)
 
     def _signed_length(self, vector: list[Scalar], level: int) -> Scalar | None:
         if not any(isinstance(x, ca.SX) for x in vector):

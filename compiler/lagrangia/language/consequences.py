@@ -1,11 +1,11 @@
-"""Forces that follow from the motion, reactions of joints and what holds at contacts: what makes it may not depend on them,
-but for forces and dissipation functions on those of contacts.
+"""Forces that follow from the motion, reactions of joints and what holds at contacts: of what makes it, forces and dissipation
+functions alone may depend on them.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import replace
 
-from lagrangia.base.diagnostics import Report, Span
+from lagrangia.base.diagnostics import Report, Span, fail
 from lagrangia.language.events import are_alike
 from lagrangia.language.flat import Equation, FlatModel, FrameEquation
 from lagrangia.language.frame_attributes import REACTIONS
@@ -37,6 +37,21 @@ def place_of_contact_forces(model: FlatModel) -> Span | None:
     bindings = _bindings(model)
     return next((span for expressions, _, span in _of_forces(model)
                  if any(map(_is_contact_force, reached(expressions, bindings)))), None)
+
+
+def place_of_felt_reactions(model: FlatModel) -> Span | None:
+    """Where the first force or dissipation function is stated that depends on a reaction."""
+    bindings = _bindings(model)
+    return next((span for expressions, _, span in _of_forces(model)
+                 if any(map(_is_reaction, reached(expressions, bindings)))), None)
+
+
+def refuse_felt_reactions(model: FlatModel, what: str) -> None:
+    """Raises LagError L0914 where forces feel reactions."""
+    span = place_of_felt_reactions(model)
+    if span is not None:
+        fail("L0914", f"not supported yet: {what} of scenes with forces that feel reactions", span,
+             "lag simulate, FMUs, --to python and --to casadi have them")
 
 
 def contact_forces_in(model: FlatModel) -> list[Call[Flat]]:
@@ -74,12 +89,13 @@ def speaks_of_contact_forces(model: FlatModel, expression: Flat) -> bool:
 
 def _keep_reactions_out(model: FlatModel, report: Report) -> None:
     bindings = _bindings(model)
-    for expressions, what, span in (*_of_positions(model), *_of_forces(model)):
+    for expressions, what, span in (*_of_positions(model), *_of_parameters(model)):
         for node in reached(expressions, bindings):
             if _is_reaction(node):
                 of = f"reaction of '{node.name.rpartition('.')[0]}'" if isinstance(node, FrameRef) else "force of a constraint"
-                report.error("L0914", f"not supported yet: {what} that depends on the {of}", span,
-                             "reactions are outputs: they follow from the motion")
+                report.error("L0914", f"{what} cannot depend on the {of}", span,
+                             "reactions follow from the motion: forces and dissipation functions may feel them, as "
+                             "mu*radius*norm(hinge.reaction)*abs(hinge.w)")
 
 
 def _keep_contact_forces_out(model: FlatModel, report: Report) -> None:

@@ -13,7 +13,7 @@ FRAME_WORDS = frozenset({"shift", "turn", *FUNCTIONS})
 def attribute_of(space: Space, frame: str, part: Part, index: tuple[int, ...], span: Span) -> FrameRef:
     """frame.r, frame.v[1]. Raises LagError L0214, L0216."""
     name_of_space(space, part.name, span)
-    if part.name not in space.of_any_frame:
+    if part.name not in space.attributes:
         fail("L0216", f"a frame has no '{part.name}'", part.span, space.missing.get(part.name, space.words))
     if not space.attributes[part.name].has_element(index):
         if not space.is_spatial and SPACE.attributes[part.name].has_element(index):

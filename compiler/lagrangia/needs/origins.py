@@ -81,7 +81,8 @@ def place_of_nonlinear_term(kinematics: Kinematics, energies: Energies, motion: 
 def is_linear(kinematics: Kinematics, motion: Motion, force: ca.SX) -> bool:
     """In q, v and u, with coefficients that only time events change."""
     modes = kinematics.algebra.mode_symbols
-    moving, fixed = ca.vertcat(motion.q, motion.v, motion.u), ca.vertcat(motion.p, kinematics.symbols.tau)
+    felt = motion.felt.reactions if motion.felt else ca.SX(0, 1)
+    moving, fixed = ca.vertcat(motion.q, motion.v, motion.u, felt), ca.vertcat(motion.p, kinematics.symbols.tau)
     try:
         degrees = rewrite(ca.vertcat(*ca.sparsify(force).nonzeros()), moving, motion.t, modes, fixed).degrees
     except NotLinear:

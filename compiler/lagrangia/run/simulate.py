@@ -199,6 +199,10 @@ def explain(scene: Scene, failure: Failure, parameters: Sequence[float] = ()) ->
     kinetic = f"a kinetic energy that is negative for some motion ({places}), " if places else ""
     column = (scene.rates if failure.rate else scene.coordinates)[failure.index] if 0 <= failure.index < scene.n else None
     where = f" ({column.name})" if column else ""
+    if failure.status in (Status.NOT_FINITE, Status.STEP_TOO_SMALL) and scene.notes["felt"]:
+        return (f"the motion cannot be continued beyond t = {failure.time:.9g}: the friction that feels reactions "
+                f"({scene.notes['felt']}) presses by them more than it takes, so that there is no solution, or several "
+                f"(Painleve's paradox), or accelerations are not finite{where} for another reason; try less friction")
     if failure.status is Status.NOT_FINITE:
         zero = ", ".join(map("'{}'".format, zero_masses(scene, parameters)[:4])) if parameters else ""
         told = f" ({zero} {'are' if ',' in zero else 'is'} 0)" if zero else ""
