@@ -142,7 +142,7 @@ def _in_lanes(sweep: Sweep, now: int) -> str:
     """How many of the runs made now went on together, and how full the lanes were."""
     lanes = sweep.ledger.lanes
     if not lanes.room:
-        return "lanes: not used (too few runs, or something that they do not serve), or not counted (on a cluster)"
+        return "lanes: not used (too few runs, or something that they do not serve)"
     alone = f", {lanes.alone} of them made again alone" if lanes.alone else ""
     return f"lanes: {lanes.runs + lanes.alone} of {now} runs eight at a time{alone}; {100 * lanes.steps / lanes.room:.0f} % full"
 

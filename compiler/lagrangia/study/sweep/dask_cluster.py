@@ -16,7 +16,7 @@ from typing import Any
 from lagrangia.base.diagnostics import Error, RunError, fail
 from lagrangia.base.folders import data_folder
 from lagrangia.native.prebuilt import digest
-from lagrangia.run.batch import ABREAST, OUTCOME, Batch, Reduction, Sweep
+from lagrangia.run.batch import ABREAST, OUTCOME, Batch, Lanes, Reduction, Sweep
 from lagrangia.run.engines import Engine, load_engine
 from lagrangia.run.runtime import Settings, Solver
 from lagrangia.run.scene import from_json, to_json
@@ -37,17 +37,21 @@ _loading = threading.Lock()
 # -------------------------------------------------------------------- in the worker
 
 
-def run_there(text: str, runs: int, values: bytes) -> tuple[bytes, bytes, bytes, float]:
-    """Results, outcomes and kept rows of the runs with these values, and the seconds they took."""
+Answer = tuple[bytes, bytes, bytes, float, tuple[int, ...]]  # results, outcomes, kept rows, seconds, and how full lanes were
+
+
+def run_there(text: str, runs: int, values: bytes) -> Answer:
+    """What the runs with these values come to."""
     import numpy as np
 
     engine, sweep = _loaded(text)
     begin = time.perf_counter()
     with Batch(engine.runtime, engine.model, sweep) as batch:
         results, outcomes, rows = batch.advance(np.frombuffer(values, dtype="<f8").reshape(runs, len(sweep.varied)))
+        lanes = tuple(batch.lanes)
     seconds = time.perf_counter() - begin
     engine.look(seconds, 0.0)  # nobody knows here how many are left
-    return results.astype("<f8").tobytes(), outcomes.tobytes(), rows.astype("<f8").tobytes(), seconds
+    return results.astype("<f8").tobytes(), outcomes.tobytes(), rows.astype("<f8").tobytes(), seconds, lanes
 
 
 def _loaded(text: str) -> tuple[Engine, Sweep]:
@@ -185,7 +189,8 @@ class _Tasks:
             return
         for future in [future for future in self.flying if future.done()]:
             first, last = self.flying.pop(future)
-            results, outcomes, rows, seconds = self._result(future)
+            results, outcomes, rows, seconds, lanes = self._result(future)
+            self.ledger.lanes = self.ledger.lanes.plus(Lanes(*lanes))
             if self.keeper is not None and rows:
                 kept = np.frombuffer(rows, dtype="<f8")
                 self.keeper.keep(first, kept.reshape(last - first, len(self.job.sweep.row_times), -1))
@@ -193,13 +198,13 @@ class _Tasks:
                               np.frombuffer(outcomes, dtype=OUTCOME))
             self.pace.learn(last - first, seconds)
 
-    def _result(self, future: Any) -> tuple[bytes, bytes, bytes, float]:
+    def _result(self, future: Any) -> Answer:
         if future.status == "error":
             error = future.exception()
             raise RunError(f"the workers cannot run it: {type(error).__name__}: {error}") from None
         if future.status != "finished":
             raise RunError("the Dask cluster has gone away; the same command continues the sweep")
-        found: tuple[bytes, bytes, bytes, float] = future.result()
+        found: Answer = future.result()
         return found
 
     def cancel(self) -> None:
