@@ -68,7 +68,7 @@ static double next_row(const LagFollower *f)
     return f->next_row < f->sweep->n_rows ? f->sweep->row_times[f->next_row] : INFINITY;
 }
 
-double lag_follow_next(const LagFollower *f) { return lag_min(next_at(f), next_row(f)); }
+static void find_next(LagFollower *f) { f->next = lag_min(next_at(f), next_row(f)); }
 
 LagStatus lag_follow_hold(LagFollower *f)
 {
@@ -97,7 +97,8 @@ static LagStatus find_row(LagFollower *f, double when)
 LagStatus lag_follow_visit(LagFollower *f, double t)
 {
     const size_t width = (size_t)lag_run_row_width(f->model);
-    for (double when; (when = lag_follow_next(f)) <= t && when < INFINITY;) {
+    while (f->next <= t && f->next < INFINITY) {
+        const double when = f->next;
         LagStatus status = find_row(f, when);
         if (status != LAG_OK)
             return status;
@@ -105,6 +106,7 @@ LagStatus lag_follow_visit(LagFollower *f, double t)
             keep_at(f, f->row);
         for (; next_row(f) == when; ++f->next_row)
             memcpy(f->rows + (size_t)f->next_row * width, f->row, width * sizeof *f->row);
+        find_next(f);
         if ((status = lag_follow_hold(f)) != LAG_OK)
             return status;
     }
@@ -245,6 +247,7 @@ LagStatus lag_follow_run(LagFollower *f)
 void lag_follow_start(LagFollower *f)
 {
     f->next_at = f->next_row = 0;
+    find_next(f);
     f->row[0] = NAN;
     f->end = f->sweep->t_stop;
     f->n_pending = f->sweep->n_reductions - f->n_at;

@@ -36,6 +36,7 @@ typedef struct {
     double *row, *rows; /* a row; those that are kept */
     const double *held; /* inputs from each row to the next; NULL: as they are */
     int next_row;
+    double next; /* the time of the next reduction at a time, or of the next row */
     int is_led; /* steps are made elsewhere, and nothing that rows tell of them is asked for */
     double end; /* of the run: t_stop, or where a guard ends it */
     double deadline;
@@ -64,10 +65,8 @@ LagStatus lag_follow_begin(LagFollower *follower);
 LagStatus lag_follow_step(LagFollower *follower);
 LagStatus lag_follow_end(LagFollower *follower);
 
-/* And of a step: the time of the next reduction at a time, or kept row; those up to t, all within the latest step or at its end; a
- * glance at the step's ends, of which the later one is in the window's `end`, which says how many reductions ask for a look inside
- * it; and that look. */
-double lag_follow_next(const LagFollower *follower);
+/* And of a step: reductions at times and kept rows up to t, all within the latest step or at its end; a glance at the step's ends, of
+ * which the later one is in the window's `end`, which says how many reductions ask for a look inside it; and that look. */
 LagStatus lag_follow_visit(LagFollower *follower, double t);
 int lag_follow_glance(LagFollower *follower);
 LagStatus lag_follow_watch(LagFollower *follower, int open);

@@ -205,7 +205,7 @@ static int end_run(LagRunLanes *s, int lane, LagStatus status)
 static void set_due(LagRunLanes *s, int lane)
 {
     const LagFollower *f = &s->follower[lane];
-    s->due[lane] = f->n_pending > 0 || s->batch->model->n_roots > 0 ? -INFINITY : lag_min(lag_follow_next(f), s->taylor.stop[lane]);
+    s->due[lane] = f->n_pending > 0 || s->batch->model->n_roots > 0 ? -INFINITY : lag_min(f->next, s->taylor.stop[lane]);
 }
 
 /* Other inputs are in force from the present time of the lane on, or other modes. */
@@ -216,8 +216,9 @@ static LagStatus enter_segment(LagRunLanes *s, int lane)
     LagStatus status = LAG_OK;
     if (run->model->n_modes > 0)
         status = lag_segment_next(run);
-    else
+    else if (run->inputs.rows > 1)
         lag_segment_enter(run);
+    run->segment_over = 0;
     if (status != LAG_OK)
         return status;
     lag_wide_taylor_enter(&s->taylor, lane, run);
@@ -306,7 +307,7 @@ static int attend(LagRunLanes *s, int lane)
     const double t = s->taylor.t[lane];
     const int glances = s->taylor.steps[lane] >= (double)s->glance[lane], is_over = t >= s->batch->sweep.t_stop;
     const int has_event = !is_over && t >= s->taylor.stop[lane];
-    const int is_shown = glances || is_over || t > lag_follow_next(f) || (has_event && s->batch->model->n_modes > 0);
+    const int is_shown = glances || is_over || t > f->next || (has_event && s->batch->model->n_modes > 0);
     LagStatus status = LAG_OK;
     lag_wide_taylor_show(&s->taylor, lane, f->run, is_shown);
     if (lag_roots_suspect(f->run))
@@ -317,7 +318,7 @@ static int attend(LagRunLanes *s, int lane)
         if (lag_follow_is_over(f) || is_unfit(s, lane))
             return end_run(s, lane, LAG_PAUSED);
     }
-    if (t >= lag_follow_next(f))
+    if (t >= f->next)
         status = lag_follow_visit(f, t);
     if (status == LAG_OK && f->n_pending > 0)
         status = watch(s, lane, is_shown);
