@@ -133,6 +133,8 @@ Functions of your own:
     algorithm
       F := k*s/(1 + (s/0.1[m])^2);
     end soft;
+
+They take and give arrays and records, have several results, (a, b) = f(x), loops and branches: lag help reference.
 """
 
 _UNITS = """\

@@ -12,7 +12,7 @@ from lagrangia.language.component_library import library
 from lagrangia.language.dimensions import check_dimensions
 from lagrangia.language.flattening import flatten
 from lagrangia.language.syntax import parse
-from lagrangia.language.tree import ClassDefinition, Declaration, Syntax
+from lagrangia.language.tree import ClassDefinition, Declaration, Number, Syntax
 
 _LACKS_A_VALUE = "L0211"
 
@@ -35,7 +35,7 @@ def faults_beside(table: ClassTable, syntax: Syntax) -> list[Diagnostic]:
         found: dict[Diagnostic, None] = {}
         for definition in others:
             found |= dict.fromkeys(_faults(table, definition))
-        for stand_in in _stand_ins(syntax.source.name, own, used):
+        for stand_in in _stand_ins(table, syntax.source.name, own, used):
             place = stand_in.name_span.source
             found |= dict.fromkeys(d for d in _faults(table, stand_in) if d.span is not None and d.span.source is not place)
         return list(found)
@@ -48,7 +48,18 @@ def _faults(table: ClassTable, definition: ClassDefinition) -> Iterator[Diagnost
         yield from (diagnostic for diagnostic in error.diagnostics if diagnostic.code != _LACKS_A_VALUE)
 
 
-def _stand_ins(file: str, own: Sequence[ClassDefinition], used: set[str]) -> Iterator[ClassDefinition]:
+def _some(table: ClassTable, declaration: Declaration) -> str:
+    """What could be given to an input; "" where that is not known: records, and arrays of any size."""
+    found = table.found(declaration.type_name, declaration.type_span)
+    base = table.base_type(declaration.type_name, declaration.type_span) if found is None or found.kind == "type" else None
+    dimensions = (*declaration.dimensions, *(base.dimensions if base is not None else ()))
+    sizes = [size.value for size in dimensions if isinstance(size, Number)]
+    if base is None or len(sizes) < len(dimensions):
+        return ""
+    return f"fill(1, {', '.join(f'{size:g}' for size in sizes)})" if sizes else "1"
+
+
+def _stand_ins(table: ClassTable, file: str, own: Sequence[ClassDefinition], used: set[str]) -> Iterator[ClassDefinition]:
     """Models of which each calls a function of the file, or has a coordinate of a type that is not used."""
     for definition in own:
         name, line = definition.name_span.text, ""
@@ -56,7 +67,8 @@ def _stand_ins(file: str, own: Sequence[ClassDefinition], used: set[str]) -> Ite
             name = definition.name
         if definition.kind == "function":
             inputs = [e for e in definition.elements if isinstance(e, Declaration) and "input" in e.prefixes]
-            line = f"Real y = {name}({', '.join('1' for _ in inputs)});"
+            some = [_some(table, declaration) for declaration in inputs]
+            line = f"Real y = {name}({', '.join(some)});" if all(some) else ""
         elif definition.kind == "type" and definition.name_span.text not in used and not definition.literals:
             line = f"coordinate {name} q;"
         if line:

@@ -25,7 +25,7 @@ _BETWEEN_DECLARATIONS = ("parameter", "constant", "input", "output", "coordinate
 _IN_SECTIONS = {"equation": ("connect", "for", "if", "when", "initial equation", "energy", "drawing", "annotation", "end"),
                 "initial equation": ("equation", "energy", "drawing", "annotation", "end"),
                 "energy": ("kinetic", "potential", "dissipation", "work", "drawing", "annotation", "end"),
-                "algorithm": ("for", "if", "end"), "drawing": ("for", "if", "annotation", "end")}
+                "algorithm": ("for", "while", "if", "end"), "drawing": ("for", "if", "annotation", "end")}
 _OUTSIDE = ("model", "partial model", "function", "type", "import")
 
 

@@ -27,10 +27,10 @@ from lagrangia.frames.arrays import array_of, map_scalars, need_vectors, zip_sca
 from lagrangia.frames.expression_forms import sum_of_squares
 from lagrangia.frames.planar import cross, turned_vector
 from lagrangia.frames.table_values import lines_value, plane_value, table_of_points, table_value
-from lagrangia.language.algorithms import FlatFunction
 from lagrangia.language.consequences import name_of_constraint, side_of
 from lagrangia.language.events import contact_of, held_by, name_of_contact
 from lagrangia.language.flat import FlatModel
+from lagrangia.language.function_variables import FlatFunction
 from lagrangia.language.lookups import lookup_of, plane_of
 from lagrangia.language.tree import (
     Array,

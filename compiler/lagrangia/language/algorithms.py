@@ -1,105 +1,215 @@
-"""User functions -> FlatFunction: a list of assignments, loops unrolled and branches merged into if expressions."""
+"""User functions -> FlatFunctions: lists of assignments to numbers, loops unrolled and branches merged into if expressions."""
 
-from collections.abc import Mapping
-from typing import Any
+from collections.abc import Iterable, Mapping
 
-from lagrangia.base.diagnostics import Span, fail, suggest
-from lagrangia.base.records import dataclass
+from lagrangia.base.diagnostics import Span, fail
+from lagrangia.language.folding import fold
 from lagrangia.language.foreign_words import FOREIGN_WORDS
+from lagrangia.language.function_variables import (
+    Built,
+    FlatFunction,
+    Given,
+    Tree,
+    array_of,
+    dealt,
+    flat_of,
+    leaves_of,
+    part_of,
+)
 from lagrangia.language.instances import Instance, Scope
+from lagrangia.language.mentions import nodes
 from lagrangia.language.names import Names
 from lagrangia.language.tree import (
+    Argument,
+    Array,
     Assignment,
+    Boolean,
     Call,
+    CallEquation,
     ClassDefinition,
     Clause,
     Declaration,
+    Expression,
+    Field,
     Flat,
     ForBlock,
     IfBlock,
     IfExpression,
     Local,
+    Number,
     Ref,
     Reference,
+    Result,
     Results,
     Section,
     String,
+    WhileBlock,
+    Whole,
 )
 from lagrangia.language.units_written import read_unit
 
-
-@dataclass(frozen=True)
-class FlatFunction:
-    """output = the value of `output` after the steps, each an assignment to a local name."""
-
-    name: str
-    inputs: tuple[str, ...]
-    units: Mapping[str, str]  # declared unit of each variable, "" when none
-    steps: tuple[tuple[str, Flat], ...]
-    output: str
-    span: Span
-
-    def arrange(self, call: Call[Flat]) -> tuple[Any, ...]:
-        """The arguments of a call in the order of the inputs. Raises LagError L0215."""
-        given = dict(zip(self.inputs, call.arguments, strict=False))
-        if len(call.arguments) > len(self.inputs):
-            wanted = f"{len(self.inputs)} argument{'s' if len(self.inputs) != 1 else ''} ({', '.join(self.inputs)})"
-            fail("L0215", f"{self.name} takes {wanted}, not {len(call.arguments)}", call.span)
-        for name, value in call.named:
-            if name not in self.inputs or name in given:
-                fail("L0215", f"{self.name} has no other input '{name}'", call.span, *filter(None, [suggest(name, self.inputs)]))
-            given[name] = value
-        missing = [name for name in self.inputs if name not in given]
-        if missing:
-            fail("L0215", f"{self.name} also needs {', '.join(missing)}", call.span)
-        return tuple(given[name] for name in self.inputs)
+_MOST_PASSES = 100_000  # of one while loop
+_KINDS = ("Real", "Integer", "Boolean")
+_ASSIGN = "write: name := expression;"
 
 
-def flatten_function(definition: ClassDefinition, names: Names) -> FlatFunction:
-    """Raises LagError for a function that has no single output, or does what no formula can say."""
-    return _Builder(definition, names).build()
+class Functions:
+    """Those of a model, each made once for what calls give; `flat` has their results by names of their own."""
+
+    names: Names
+
+    def __init__(self) -> None:
+        self.flat: dict[str, FlatFunction] = {}
+        self._built: dict[tuple[str, str], Built] = {}
+        self._unfinished: list[str] = []
+
+    def define(self, definition: ClassDefinition, given: Given, span: Span) -> Built:
+        """For what a call at `span` gives. Raises LagError for a function that has no output, calls itself, or does what no
+        formula can say."""
+        name, key = definition.name, (definition.name, given.signature())
+        if name in self._unfinished:
+            chain = " > ".join([*self._unfinished, name])
+            fail("L0212", f"the function '{name}' calls itself", span, chain, "a loop in its algorithm may do the same")
+        if key not in self._built:
+            self._unfinished.append(name)
+            try:
+                self._built[key] = _Builder(definition, given, self.names, span).build()
+                self.flat.update(self._built[key].functions)
+            finally:
+                self._unfinished.pop()
+        return self._built[key]
 
 
 class _Builder:
-    def __init__(self, definition: ClassDefinition, names: Names) -> None:
-        self.definition, self.names = definition, names
-        if inherited := next((e for e in definition.elements if not isinstance(e, Declaration)), None):
-            fail("L0902", "not supported yet: a function that extends another one", inherited.span, "call it: y := other(x);")
+    def __init__(self, definition: ClassDefinition, given: Given, names: Names, span: Span) -> None:
+        self.definition, self.shapes, self.names, self.span = definition, given.shapes, names, span
+        self.constants_given = given.constants
         self.declarations = [e for e in definition.elements if isinstance(e, Declaration)]
-        self.inputs = tuple(d.name for d in self.declarations if "input" in d.prefixes)
+        self.inputs = [d for d in self.declarations if "input" in d.prefixes and d.name in given.shapes]
+        self.trees: dict[str, Tree] = {}
         self.units: dict[str, str] = {}
+        self.whole: set[str] = set()  # leaves of Integer and Boolean variables
+        self.constants: dict[str, Flat] = {}  # of those, while they are known
+        # under which name a leaf's value is found; its own, unless branches or arrays gave it
+        self.current: dict[str, str] = {}
+        self.given: set[str] = set()  # the names that have a value
         self.count = 0
-        for declaration in self.declarations:
-            base = names.table.base_type(declaration.type_name, declaration.type_span)
-            if base is None or base.builtin not in ("Real", "Integer") or declaration.dimensions or base.dimensions:
-                fail("L0902", "not supported yet: a function variable that is no scalar number", declaration.name_span)
-            units = [a.value.value for a in (*base.attributes, *declaration.arguments)
-                     if a.name == "unit" and isinstance(a.value, String)]
-            if units:
-                read_unit(units[-1], declaration.span)
-            self.units[declaration.name] = units[-1] if units else ""
-        # under which name a variable's value is found; its own, unless branches gave it
-        self.current = {name: name for name in self.units}
-        self.given = set(self.inputs)  # the names that have a value
+        self.steps: list[tuple[str, Flat]] = []
+        self._declare_all()
 
-    def build(self) -> FlatFunction:
+    # ------------------------------------------------------------ variables
+
+    def _declare_all(self) -> None:
+        """Inputs first, then what sizes may be made of."""
+        others = [d for d in self.declarations if d not in self.inputs]
+        plain = [d for d in others if not d.dimensions]
+        whole = [d for d in plain if d.type_name in ("Integer", "Boolean")]
+        for declaration in (*self.inputs, *plain):
+            self._declare(declaration)
+        self._start(whole)
+        for declaration in others:
+            if declaration.dimensions:
+                self._declare(declaration)
+        self._start([d for d in others if d not in whole])
+
+    def _start(self, declarations: list[Declaration]) -> None:
+        """Gives them the values that they begin with."""
+        for declaration in declarations:
+            if declaration.binding is not None:
+                self._give(self.trees[declaration.name], declaration.binding, self._scope(declaration.span), self.steps, False)
+
+    def _declare(self, declaration: Declaration) -> None:
+        constant = self.constants_given.get(declaration.name)
+        shape = self.shapes.get(declaration.name)
+        base = self.names.table.base_type(declaration.type_name, declaration.type_span)
+        sizes = self._sizes((*declaration.dimensions, *(base.dimensions if base else ())), shape, declaration)
+        tree = self._tree(declaration.name, declaration, sizes)
+        self.trees[declaration.name] = tree
+        self.current |= {leaf: leaf for leaf in leaves_of(tree)}
+        if constant is not None:
+            self.constants[declaration.name] = constant
+        elif shape is not None:
+            self.given.update(leaves_of(tree))
+
+    def _sizes(self, dimensions: tuple[Expression, ...], shape: tuple[int, ...] | None, declaration: Declaration
+               ) -> tuple[int, ...]:
+        """As they are declared, or given."""
+        what = f"'{declaration.name}' of {self.definition.name}"
+        if shape is not None and len(shape) != len(dimensions):
+            own, other = (f"an array of {n} dimension{'s' if n != 1 else ''}" if n else "a number"
+                          for n in (len(dimensions), len(shape)))
+            fail("L0303", f"{what} is {own}, and is given {other}", self.span)
+        found = []
+        for k, dimension in enumerate(dimensions):
+            if isinstance(dimension, Whole):
+                if shape is None:
+                    fail("L0214", f"the size of {what} is not said", declaration.name_span,
+                         "of inputs alone it may be ':'; write: Real y[size(x, 1)]")
+                found.append(shape[k])
+                continue
+            found.append(self._local().integer(dimension, self._scope(dimension.span), "the size of an array"))
+            if shape is not None and shape[k] != found[-1]:
+                fail("L0303", f"{what} is an array of {found[-1]}, and is given one of {shape[k]}", self.span)
+        return tuple(found)
+
+    def _tree(self, path: str, declaration: Declaration, sizes: tuple[int, ...]) -> Tree:
+        table = self.names.table
+        base = table.base_type(declaration.type_name, declaration.type_span)
+        if base is None and (record := table.lookup(declaration.type_name, declaration.type_span)).kind == "record":
+            return {name: self._tree(f"{path}.{name}", part, (*sizes, *self._sizes(part.dimensions, None, part)))
+                    for name, part in table.declared(record).items()}
+        if base is None or base.builtin not in _KINDS:
+            fail("L0902", "not supported yet: a function variable that is no number, array or record", declaration.name_span)
+        unit = self._unit(declaration, base.attributes)
+        tree = array_of(path, sizes, str)
+        for leaf in leaves_of(tree):
+            self.units[leaf] = unit
+            if base.builtin != "Real":
+                self.whole.add(leaf)
+        return tree
+
+    def _unit(self, declaration: Declaration, attributes: tuple[Argument, ...]) -> str:
+        units = [a.value.value for a in (*attributes, *declaration.arguments) if a.name == "unit" and isinstance(a.value, String)]
+        if units:
+            read_unit(units[-1], declaration.span)
+        return units[-1] if units else ""
+
+    # ------------------------------------------------------------ the whole
+
+    def build(self) -> Built:
         definition = self.definition
         outputs = [d for d in self.declarations if "output" in d.prefixes]
         if not outputs:
             fail("L0211", f"the function '{definition.name}' has no output", definition.name_span, "declare one: output Real y;")
-        if len(outputs) != 1:
-            fail("L0902", f"not supported yet: the function '{definition.name}' with {len(outputs)} outputs",
-                 definition.name_span)
-        steps: list[tuple[str, Flat]] = []
-        for declaration in self.declarations:
-            if declaration.binding is not None and "input" not in declaration.prefixes:
-                self._assign(declaration.name, self._flatten(declaration.binding, {}), steps, declaration.name)
         for section in definition.sections:
-            self._section(section, steps)
-        output = self.current[outputs[0].name]
-        if output not in {name for name, _ in steps}:
-            fail("L0211", f"the output '{outputs[0].name}' is never given a value", outputs[0].name_span)
-        return FlatFunction(definition.name, self.inputs, self.units, tuple(steps), output, definition.name_span)
+            self._section(section, self.steps)
+        for output in outputs:
+            for leaf in leaves_of(self.trees[output.name]):
+                if self.current[leaf] not in self.given:
+                    fail("L0211", f"the output '{leaf}' is never given a value", output.name_span)
+        return self._built(outputs, self.steps)
+
+    def _built(self, outputs: list[Declaration], steps: list[tuple[str, Flat]]) -> Built:
+        name = self.definition.name
+        inputs = {d.name: self.trees[d.name] for d in self.inputs if d.name not in self.constants_given}
+        cells = tuple(leaf for tree in inputs.values() for leaf in leaves_of(tree))
+        results = {d.name: self.trees[d.name] for d in outputs}
+        is_plain = len(results) == 1 and all(isinstance(tree, str) for tree in (*inputs.values(), *results.values())) and all(
+            d.name in inputs for d in self.declarations if "input" in d.prefixes)
+        if is_plain:
+            function = self._function(name, cells, tuple(steps), self.current[outputs[0].name])
+            return Built(inputs, {outputs[0].name: name}, {name: function})
+        stem = name + Given(self.shapes, self.constants_given).signature()
+        functions, named = {}, {}
+        for output_name, tree in results.items():
+            for leaf in leaves_of(tree):
+                full = f"{stem}.{leaf}"
+                functions[full] = self._function(full, cells, _needed(steps, self.current[leaf]), self.current[leaf])
+            named[output_name] = _renamed(tree, stem)
+        return Built(inputs, named, functions)
+
+    def _function(self, name: str, inputs: tuple[str, ...], steps: tuple[tuple[str, Flat], ...], output: str) -> FlatFunction:
+        return FlatFunction(name, inputs, self.units, steps, output, self.definition.name_span)
 
     def _section(self, section: Section, steps: list[tuple[str, Flat]]) -> None:
         if section.kind != "algorithm":
@@ -109,37 +219,108 @@ class _Builder:
         for clause in section.clauses:
             self._statement(clause, {}, steps)
 
-    def _flatten(self, expression: Any, iterators: Mapping[str, int]) -> Flat:
+    def _local(self) -> "_LocalNames":
+        return _LocalNames(self.names, self.trees, self.current, self.constants)
+
+    def _scope(self, span: Span, iterators: Mapping[str, int] | None = None) -> Scope:
         """Local names first: they are members of a stand-in instance whose variables flatten to Local."""
-        scope = Scope(Instance("", self.definition, expression.span), iterators)
-        return _LocalNames(self.names, self.current).flatten(expression, scope)
+        return Scope(Instance("", self.definition, span), iterators or {})
+
+    # ------------------------------------------------------------ statements
 
     def _statement(self, clause: Clause, iterators: Mapping[str, int], steps: list[tuple[str, Flat]], in_branch: bool = False
                    ) -> None:
+        scope = self._scope(clause.span, iterators)
         match clause:
-            case Assignment(Reference(parts, span), value, _):
-                name = parts[0].name
-                if name not in self.units or len(parts) > 1 or parts[0].subscripts:
-                    fail("L0204", f"'{span.text}' is no variable of {self.definition.name}", span)
-                self._assign(name, self._flatten(value, iterators), steps, self._fresh(name) if in_branch else name)
+            case Assignment(Reference() as target, value, _):
+                self._give(self._target(target, scope), value, scope, steps, in_branch)
+            case Assignment(Results(items, span), value, _):
+                self._give_several(items, value, span, scope, steps, in_branch)
             case ForBlock(loops, body, _):
-                for scope in self.names.loop(loops, Scope(Instance("", self.definition, clause.span), iterators), len(body)):
-                    for inner in body:
-                        self._statement(inner, scope.iterators, steps, in_branch)
+                for inner in self._local().loop(loops, scope, len(body)):
+                    for part in body:
+                        self._statement(part, inner.iterators, steps, in_branch)
+            case WhileBlock():
+                self._while(clause, iterators, steps, in_branch)
             case IfBlock(condition, then, otherwise, span):
-                self._branch(self._flatten(condition, iterators), then, otherwise, iterators, steps, span)
+                flat = self._local().flatten(condition, scope)
+                known = fold(flat)
+                if isinstance(known, bool):
+                    for part in then if known else otherwise:
+                        self._statement(part, iterators, steps, in_branch)
+                else:
+                    self._branch(flat, then, otherwise, iterators, steps, span)
             case _:
-                if (word := clause.span.text.rstrip(";").strip()) in FOREIGN_WORDS:
-                    fail("L0901", f"not of this language: {FOREIGN_WORDS[word][0]}", clause.span, FOREIGN_WORDS[word][1])
-                if isinstance(clause, Assignment) and isinstance(clause.target, Results):
-                    fail("L0901", "not supported yet: several results of a function", clause.span,
-                         "write a function for each of them")
-                fail("L0222", "this is no assignment", clause.span, "write: name := expression;")
+                self._refuse(clause)
 
-    def _assign(self, name: str, value: Flat, steps: list[tuple[str, Flat]], place: str) -> None:
+    def _refuse(self, clause: Clause) -> None:
+        if (word := clause.span.text.rstrip(";").strip()) in FOREIGN_WORDS:
+            fail("L0901", f"not of this language: {FOREIGN_WORDS[word][0]}", clause.span, FOREIGN_WORDS[word][1])
+        if isinstance(clause, CallEquation) and isinstance(clause.call, Call) and clause.call.function == "assert":
+            fail("L0902", "not supported yet: an assertion in a function", clause.span,
+                 "assert it where the function is called, among the equations of a model")
+        fail("L0222", "this is no assignment", clause.span, _ASSIGN)
+
+    def _target(self, target: Reference, scope: Scope) -> Tree:
+        """What is given a value. Raises LagError L0204."""
+        first = target.parts[0]
+        if first.name not in self.trees:
+            fail("L0204", f"'{target.span.text}' is no variable of {self.definition.name}", target.span)
+        if first.name in {d.name for d in self.inputs}:
+            fail("L0222", f"'{first.name}' is an input, which is what a call gives", target.span,
+                 f"declare a variable under `protected`: Real z = {first.name};")
+        return self._local().picked(target, scope)
+
+    def _give(self, tree: Tree, value: Expression, scope: Scope, steps: list[tuple[str, Flat]], in_branch: bool) -> None:
+        """All is computed before anything is given."""
+        found = list(self._values(tree, value, scope))
+        if isinstance(tree, str):
+            ((leaf, flat),) = found
+            self._assign(leaf, flat, steps, self._fresh(leaf) if in_branch else leaf)
+            return
+        for leaf, flat in found:
+            self._assign(leaf, flat, steps, self._fresh(leaf))
+
+    def _give_several(self, items: tuple[Expression | None, ...], value: Expression, span: Span, scope: Scope,
+                      steps: list[tuple[str, Flat]], in_branch: bool) -> None:
+        found: list[tuple[str, Flat]] = []
+        for k, item in enumerate(items):
+            if item is not None and not isinstance(item, Reference):
+                fail("L0222", "this is no variable", item.span, "write: (a, b) := f(x);")
+            if isinstance(item, Reference):
+                found += self._values(self._target(item, scope), Result(value, k, value.span), scope)
+        for leaf, flat in found:
+            self._assign(leaf, flat, steps, self._fresh(leaf))
+
+    def _values(self, tree: Tree, value: Expression, scope: Scope) -> Iterable[tuple[str, Flat]]:
+        if isinstance(tree, dict):
+            return [pair for name, part in tree.items() for pair in self._values(part, Field(value, name, value.span), scope)]
+        names = self._local()
+        flat = names.flatten(value, scope)
+        return dealt(flat, tree, names.size, "what is given a value")
+
+    def _while(self, clause: WhileBlock, iterators: Mapping[str, int], steps: list[tuple[str, Flat]], in_branch: bool) -> None:
+        for _ in range(_MOST_PASSES):
+            known = fold(self._local().flatten(clause.condition, self._scope(clause.span, iterators)))
+            if not isinstance(known, bool):
+                fail("L0902", "not supported yet: a while loop whose passes what is computed decides", clause.condition.span,
+                     "a loop has as many passes as is known when the scene is compiled, by Integer variables and sizes: "
+                     "for k in 1:20 loop ... end for; with an if in it for what the remaining passes do")
+            if not known:
+                return
+            self.names.work.spend(len(clause.body), clause.span)
+            for part in clause.body:
+                self._statement(part, iterators, steps, in_branch)
+        fail("L0209", f"a loop of more than {_MOST_PASSES} passes", clause.span)
+
+    def _assign(self, leaf: str, value: Flat, steps: list[tuple[str, Flat]], place: str) -> None:
+        self.constants.pop(leaf, None)
+        if leaf in self.whole and (known := fold(value)) is not None:
+            self.constants[leaf] = Boolean(known, value.span) if isinstance(known, bool) else (
+                Number(float(known), None, value.span, float(known).is_integer()))
         steps.append((place, value))
         self.given.add(place)
-        self.current[name] = place
+        self.current[leaf] = place
 
     def _fresh(self, name: str) -> str:
         self.count += 1
@@ -151,36 +332,106 @@ class _Builder:
                 steps: list[tuple[str, Flat]], span: Span) -> None:
         """Both branches with fresh names, then one if expression for each variable that either assigns, under a fresh name too:
         what the condition and the other values read stays as it was. What one branch alone gives a value has none behind them."""
-        before, ends = self.current, []
+        before, known, ends, kept = self.current, self.constants, [], []
         for clauses in (then, otherwise):
-            self.current = dict(before)
+            self.current, self.constants = dict(before), dict(known)
             for clause in clauses:
                 self._statement(clause, iterators, steps, in_branch=True)
             ends.append(self.current)
+            kept.append(self.constants)
         self.current = dict(before)
+        self.constants = {leaf: value for leaf, value in kept[0].items()
+                          if leaf in kept[1] and fold(kept[1][leaf]) == fold(value)}
         for name, old in before.items():
             places = [end[name] for end in ends]
             if places != [old, old] and self.given.issuperset(places):
                 taken, other = (Local(place, span) for place in places)
+                constant = self.constants.get(name)
                 self._assign(name, IfExpression(condition, taken, other, span), steps, self._fresh(name))
+                if constant is not None:
+                    self.constants[name] = constant
+
+
+def _needed(steps: list[tuple[str, Flat]], output: str) -> tuple[tuple[str, Flat], ...]:
+    """The assignments that a result follows from."""
+    wanted, found = {output}, []
+    for place, value in reversed(steps):
+        if place in wanted:
+            found.append((place, value))
+            wanted.remove(place)
+            wanted |= {node.name for node in nodes(value) if isinstance(node, Local)}
+    return tuple(reversed(found))
+
+
+def _renamed(tree: Tree, stem: str) -> Tree:
+    if isinstance(tree, str):
+        return f"{stem}.{tree}"
+    if isinstance(tree, dict):
+        return {name: _renamed(part, stem) for name, part in tree.items()}
+    return tuple(_renamed(part, stem) for part in tree)
 
 
 class _LocalNames(Names):
     """Name resolution inside a function: its own variables, and the functions and constants of the kernel."""
 
-    def __init__(self, names: Names, known: Mapping[str, str]) -> None:
-        super().__init__(names.table, names.report, names.functions, names.define, work=names.work,
+    def __init__(self, names: Names, trees: Mapping[str, Tree], current: Mapping[str, str], constants: Mapping[str, Flat]
+                 ) -> None:
+        super().__init__(names.table, names.report, names.define, work=names.work,
                          lookups=names.lookups, make_package=names.make_package,
-                         packages=names.packages)
-        self.known = known  # the name that each variable's value has
+                         packages=names.packages, space=names.space)
+        self.trees, self.current, self.constants = trees, current, constants
 
     def late(self, call: Call[Flat]) -> Ref:
         fail("L0901", "not supported yet: delay in a function", call.span, "delay what the function is given, or what it gives")
 
+    def fields(self, node: Expression, scope: Scope) -> list[str]:
+        if isinstance(node, Reference) and node.parts[0].name in self.trees:
+            tree = self.picked(node, scope)
+            return list(tree) if isinstance(tree, dict) else []
+        return super().fields(node, scope)
+
+    def picked(self, node: Reference, scope: Scope) -> Tree:
+        """The variable, or what of it is named. Raises LagError L0214, L0216."""
+        tree, subscripts = self.trees[node.parts[0].name], list(node.parts[0].subscripts)
+        for part in node.parts[1:]:
+            tree = part_of(tree, part.name, part.span)
+            subscripts += part.subscripts
+        return self._at(tree, subscripts, scope, node.span)
+
+    def _at(self, tree: Tree, subscripts: list[Expression], scope: Scope, span: Span) -> Tree:
+        if not subscripts:
+            return tree
+        if isinstance(tree, dict):
+            return {name: self._at(part, subscripts, scope, span) for name, part in tree.items()}
+        if isinstance(tree, str):
+            fail("L0214", f"'{span.text}' has more subscripts than dimensions", span)
+        picks = self._picks(subscripts[0], len(tree), scope)
+        for pick in [picks] if isinstance(picks, int) else picks:
+            if not 1 <= pick <= len(tree):
+                fail("L0214", f"there are {len(tree)} elements, not {pick}", span)
+        if isinstance(picks, int):
+            return self._at(tree[picks - 1], subscripts[1:], scope, span)
+        return tuple(self._at(tree[pick - 1], subscripts[1:], scope, span) for pick in picks)
+
+    def _picks(self, node: Expression, size: int, scope: Scope) -> int | list[int]:
+        if isinstance(node, Whole):
+            return list(range(1, size + 1))
+        inner = scope.bind("end", size)
+        flat = self.flatten(node, inner)
+        if not isinstance(flat, Array):
+            return self.integer(node, inner, "a subscript")
+        values = [fold(item) for item in flat.items]
+        if None in values:
+            fail("L0210", "subscripts must be known when the scene is compiled", node.span)
+        return [int(value or 0) for value in values]
+
     def resolve(self, node: Reference, scope: Scope) -> Flat:
         name = node.parts[0].name
-        if name in self.known and len(node.parts) == 1 and not node.parts[0].subscripts:
-            return Local(self.known[name], node.span)
+        if name in self.trees and name not in scope.iterators:
+            return flat_of(self.picked(node, scope), lambda leaf: self._leaf(leaf, node.span), node.span)
         if name == "time":
             fail("L0204", "a function knows no time", node.span, "pass it as an input")
         return super().resolve(node, scope)
+
+    def _leaf(self, leaf: str, span: Span) -> Flat:
+        return self.constants.get(leaf) or Local(self.current[leaf], span)

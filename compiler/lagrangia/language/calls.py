@@ -1,6 +1,6 @@
 """Calls of functions: of the kernel, of arrays, and people's own."""
 
-from typing import Any, Protocol
+from typing import Protocol
 
 from lagrangia.base.diagnostics import Span, fail, suggest
 from lagrangia.language.classes import ClassTable
@@ -8,31 +8,34 @@ from lagrangia.language.elements import element, length
 from lagrangia.language.foreign_words import FOREIGN_CALLS
 from lagrangia.language.frame_attributes import Space
 from lagrangia.language.frame_words import FRAME_WORDS, frame_call
+from lagrangia.language.function_calls import OwnCalls
 from lagrangia.language.functions import ALIASES, FUNCTIONS, REWRITTEN, SCALAR_FUNCTIONS
 from lagrangia.language.instances import Scope
 from lagrangia.language.lookups import Lookup, lookup_of, options_of, plane_of
 from lagrangia.language.loops import Loops
 from lagrangia.language.matrices import ARRAY_FUNCTIONS, cross_of_three
-from lagrangia.language.tree import Array, Call, ClassDefinition, Expression, Flat, Ref
+from lagrangia.language.tree import (
+    Array,
+    Call,
+    Comprehension,
+    Expression,
+    Field,
+    Flat,
+    IfExpression,
+    Part,
+    Ref,
+    Reference,
+    Result,
+)
 
 
-class Calls(Loops, Protocol):
+class Calls(Loops, OwnCalls, Protocol):
     """What names.py does with calls."""
 
     table: ClassTable
     space: Space
-    functions: dict[str, Any]
     lookups: dict[Lookup, Span]
     delays: dict[str, Call[Flat]]
-
-    def define_function(self, definition: ClassDefinition, span: Span) -> None:
-        """Makes sure that `functions` has it. Raises LagError for one that is wrong."""
-
-    def flatten(self, node: Expression, scope: Scope) -> Flat:
-        """An expression with full names. Raises LagError."""
-
-    def size(self, ref: Ref) -> int | None:
-        """Of the next dimension of a variable; None where it has none."""
 
     def call(self, node: Call[Expression], scope: Scope) -> Flat:
         """A call with its arguments flattened. Raises LagError L0204, L0215."""
@@ -41,13 +44,15 @@ class Calls(Loops, Protocol):
         if node.function == "sample":
             fail("L0215", "sample(...) is a condition of its own", node.span,
                  "write: when sample(0, 0.01) then u = ...; end when;")
+        if (own := self.table.function(node.function, node.span)) is not None:
+            return self.own_call(node, own, scope)
         arguments = tuple(self.flatten(a, scope) for a in node.arguments)
         named = tuple((name, self.flatten(a, scope)) for name, a in node.named)
-        if node.function in scope.instance.members and self.table.function(node.function, node.span) is None:
+        if node.function in scope.instance.members:
             fail("L0204", f"'{node.function}' is no function", node.span,
                  f"elements are picked with square brackets: {node.function}[1]")
         call = Call(node.function, arguments, named, node.span)
-        if node.function == "delay" and self.table.function("delay", node.span) is None:
+        if node.function == "delay":
             return self.late(call)
         return self.checked_call(call)
 
@@ -56,6 +61,25 @@ class Calls(Loops, Protocol):
         name = f"delay({len(self.delays) + 1})"
         self.delays[name] = call
         return Ref(name, (), call.span)
+
+    def part(self, record: Expression, name: str, span: Span) -> Expression:
+        """What a record has under a name, as an expression. Raises LagError L0302."""
+        match record:
+            case Reference(parts, place):
+                return Reference((*parts, Part(name, (), place)), place)
+            case IfExpression(condition, then, otherwise, place):
+                return IfExpression(condition, self.part(then, name, span), self.part(otherwise, name, span), place)
+            case Array(items, place):
+                return Array(tuple(self.part(item, name, span) for item in items), place)
+            case Comprehension("", body, iterators, place):
+                return Comprehension("", self.part(body, name, span), iterators, place)
+            case Field(inner, outer, _):
+                return self.part(self.part(inner, outer, span), name, span)
+            case Call() if self.own_of(record) is None:
+                return self.part_of_call(record, name)
+            case Call() | Result():
+                return Field(record, name, span)
+        fail("L0302", "this is no record", record.span, "a record is a name of one, or made by its constructor: R(a = 1, b = 2)")
 
     def part_of_call(self, call: Call[Expression], name: str) -> Expression:
         """What a record has under a name that its constructor makes. Raises LagError L0215, L0302."""
@@ -83,10 +107,6 @@ class Calls(Loops, Protocol):
 
     def checked_call(self, node: Call[Flat]) -> Flat:
         """A call whose arguments are flat already; array functions are written out. Raises LagError L0204, L0215, L0303."""
-        if (own := self.table.function(node.function, node.span)) is not None:
-            self.define_function(own, node.span)
-            function = self.functions[own.name]
-            return Call(own.name, function.arrange(node), (), node.span)
         if node.function in ARRAY_FUNCTIONS:
             return self._array_call(node)
         record = self.table.found(node.function, node.span) if node.function not in FUNCTIONS else None

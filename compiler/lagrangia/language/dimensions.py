@@ -11,12 +11,12 @@ from functools import cache
 
 from lagrangia.base.diagnostics import LagError, Report, Span, fail, suggest
 from lagrangia.base.records import dataclass
-from lagrangia.language.algorithms import FlatFunction
 from lagrangia.language.elements import length
 from lagrangia.language.figures import CHOICES, OPTIONS, WORDS
 from lagrangia.language.flat import Delay, Equation, Figure, FlatModel, Sampler, Variable, When, is_frame, places_of
 from lagrangia.language.folding import fold
 from lagrangia.language.frame_attributes import dimension_of, known_of
+from lagrangia.language.function_variables import FlatFunction
 from lagrangia.language.functions import FRAME_FUNCTIONS
 from lagrangia.language.lookups import lookup_of, plane_of
 from lagrangia.language.tree import (
@@ -468,7 +468,8 @@ class _Checker:
             found = self.quantity(argument, local)
             unit = function.units[name]
             if unit and not _fits(found, parse_unit(unit).dimension):
-                self.report.error("L0304", f"{node.function} wants '{name}' in {unit}, this is in {found.spell()}", argument.span)
+                called = node.function.partition("(")[0]
+                self.report.error("L0304", f"{called} wants '{name}' in {unit}, this is in {found.spell()}", argument.span)
             known[name] = _in_unit(unit) if unit else found
         key = function.name, *known.values()
         if key not in self.results:

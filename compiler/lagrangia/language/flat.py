@@ -6,8 +6,8 @@ from typing import Literal, TypeVar
 
 from lagrangia.base.diagnostics import Diagnostic, Span
 from lagrangia.base.records import dataclass
-from lagrangia.language.algorithms import FlatFunction
 from lagrangia.language.frame_attributes import Space
+from lagrangia.language.function_variables import FlatFunction
 from lagrangia.language.functions import FRAME_FUNCTIONS
 from lagrangia.language.lookups import Lookup, ReadPlane, ReadTable
 from lagrangia.language.spaces import Found

@@ -6,7 +6,7 @@ from functools import partial
 from typing import Any
 
 from lagrangia.base.diagnostics import Diagnostic, LagError, Report, Span, TooMuchError, fail, nearest
-from lagrangia.language.algorithms import FlatFunction, flatten_function
+from lagrangia.language.algorithms import Functions
 from lagrangia.language.alike_elements import Alike
 from lagrangia.language.assertions import ending_of, guard_of, refuse_ending
 from lagrangia.language.classes import ClassTable
@@ -81,6 +81,8 @@ from lagrangia.language.tree import (
     IfBlock,
     Number,
     Ref,
+    Result,
+    Results,
     String,
     Unary,
     WhenBlock,
@@ -107,9 +109,8 @@ def flatten(table: ClassTable, definition: ClassDefinition, structural: Mapping[
 class _Flattening:
     def __init__(self, table: ClassTable, definition: ClassDefinition, report: Report, found: Found) -> None:
         self.table, self.definition, self.report, self.found = table, definition, report, found
-        self.functions: dict[str, FlatFunction] = {}
-        self.unfinished_functions: list[str] = []
-        self.names = Names(table, report, self.functions, self._define_function, space=found.space)
+        self.functions = Functions()
+        self.names = self.functions.names = Names(table, report, self.functions.define, space=found.space)
         self.variables: dict[str, Variable] = {}
         self.frames: dict[str, Frame] = {}
         self.frame_equations: list[FrameEquation] = []
@@ -152,7 +153,7 @@ class _Flattening:
         self.report.raise_errors()
         model = FlatModel(
             definition.name, definition.description, self.variables, self.frames, tuple(self.frame_equations), bound,
-            tuple(self.energies), tuple(self.works), tuple(self.initial), tuple(self.whens), self.functions,
+            tuple(self.energies), tuple(self.works), tuple(self.initial), tuple(self.whens), self.functions.flat,
             self.structural,
             experiment_of(self.table, definition, self.names, Scope(root)), definition.name_span, (), tuple(self.figures),
             self.states, self.names.lookups, samplers=tuple(self.samplers), guards=tuple(self.guards), at_rest=self.at_rest,
@@ -187,18 +188,6 @@ class _Flattening:
     def _place(self, span: Span, owner: Instance | None) -> Span:
         """Where people look for what is declared at `span`: for the inside of a library component, its declaration."""
         return outside(self.table, span, owner)
-
-    def _define_function(self, definition: ClassDefinition, span: Span) -> None:
-        name = definition.name
-        if name in self.unfinished_functions:
-            chain = " > ".join([*self.unfinished_functions, name])
-            fail("L0212", f"the function '{name}' calls itself", span, chain, "a loop in its algorithm may do the same")
-        if name not in self.functions:
-            self.unfinished_functions.append(name)
-            try:
-                self.functions[name] = flatten_function(definition, self.names)
-            finally:
-                self.unfinished_functions.pop()
 
     # ------------------------------------------------------------ members
 
@@ -347,6 +336,11 @@ class _Flattening:
 
     def _add_equality(self, kind: str, clause: Equality, scope: Scope, place: Span) -> None:
         left, right = clause.left, clause.right
+        if isinstance(left, Results):
+            for k, item in enumerate(left.items):
+                if item is not None:
+                    self._clause(kind, Equality(item, Result(right, k, right.span), "", clause.span), scope)
+            return
         if fields := self.names.fields(left, scope) or self.names.fields(right, scope):
             for name in fields:
                 self._clause(kind, Equality(Field(left, name, left.span), Field(right, name, right.span), "", clause.span), scope)

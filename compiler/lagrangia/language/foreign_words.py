@@ -10,7 +10,7 @@ FOREIGN_WORDS: Mapping[str, tuple[str, str]] = {
     "flow": ("flow variables", _ENERGY),
     "stream": ("stream variables", "fluids are no part of this language: only positions are connected"),
     "external": ("external functions", "write the function as an algorithm, or give its values as a table of a file"),
-    "while": ("while loops", "a loop has as many passes as is known beforehand: for i in 1:n loop ... end for; with if in it"),
+    "while": ("while loops among equations", "they stand in the algorithms of functions; here: for i in 1:n loop ... end for;"),
     "break": ("break in loops", "let an if in the loop say what the remaining passes do"),
     "return": ("return in functions", "let an if say what the rest of the algorithm does"),
     "operator": ("operator classes", "write functions with names of their own: add(a, b)"),

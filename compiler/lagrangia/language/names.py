@@ -13,6 +13,7 @@ from lagrangia.language.elements import element, length
 from lagrangia.language.folding import fold, folded
 from lagrangia.language.frame_attributes import PLANE, REACTIONS, SPATIAL_ONLY, Space, frame_shape
 from lagrangia.language.frame_words import attribute_of
+from lagrangia.language.function_variables import Built, Given
 from lagrangia.language.functions import CONSTANTS, DIMENSIONS
 from lagrangia.language.instances import Bound, FrameSlot, Instance, Member, Scope, Slot, held_port
 from lagrangia.language.lookups import Lookup
@@ -35,10 +36,10 @@ from lagrangia.language.tree import (
     Last,
     Matrix,
     Number,
-    Part,
     Range,
     Ref,
     Reference,
+    Result,
     Results,
     String,
     Time,
@@ -57,8 +58,7 @@ class Names(Calls):
 
     table: ClassTable
     report: Report
-    functions: dict[str, Any]
-    define: Callable[[ClassDefinition, Span], None] = lambda definition, span: None
+    define: Callable[[ClassDefinition, Given, Span], Built]
     make_package: Callable[[ClassDefinition], Instance] | None = None  # an instance of constants alone
     root: Instance | None = None
     space: Space = PLANE
@@ -72,9 +72,9 @@ class Names(Calls):
     _dealt: dict[tuple[int, int], tuple[Bound, Flat]] = field(default_factory=dict)
     _elements: dict[tuple[int, int], ElementReference] = field(default_factory=dict)  # by the ids of nodes and instances
 
-    def define_function(self, definition: ClassDefinition, span: Span) -> None:
-        """Makes sure that `functions` has it. Raises LagError for one that is wrong."""
-        self.define(definition, span)
+    def define_function(self, definition: ClassDefinition, given: Given, span: Span) -> Built:
+        """The function for what a call gives it. Raises LagError for one that is wrong."""
+        return self.define(definition, given, span)
 
     def begin(self, root: Instance) -> None:
         """Names are looked up in an instance whose members are being made."""
@@ -207,8 +207,10 @@ class Names(Calls):
                 return Array(tuple(Number(float(v), None, node.span, True) for v in values), node.span)
             case Field():
                 return self._field(node, scope)
+            case Result():
+                return self.result(node, scope)
             case Results(_, span):
-                fail("L0901", "not supported yet: several results of a function", span, "write a function for each of them")
+                fail("L0302", "several results are taken by an equation of their own", span, "write: (a, b) = f(x);")
             case Whole(span):
                 fail("L0214", "':' stands only in subscripts", span)
 
@@ -259,6 +261,8 @@ class Names(Calls):
 
     def fields(self, node: Expression, scope: Scope) -> list[str]:
         """The names of what a record has that a name stands for; none for anything else."""
+        if (found := self.own_of(node)) is not None:
+            return self.fields_of_result(*found)
         if not isinstance(node, Reference):
             return []
         member: Any = scope.instance.members.get(node.parts[0].name)
@@ -271,24 +275,8 @@ class Names(Calls):
         return list(member.members) if isinstance(member, Instance) and member.definition.kind == "record" else []
 
     def _field(self, node: Field, scope: Scope) -> Flat:
-        return self.flatten(self._part(node.record, node.name, node.span), scope)
-
-    def _part(self, record: Expression, name: str, span: Span) -> Expression:
-        """What a record has under a name, as an expression. Raises LagError L0302."""
-        match record:
-            case Reference(parts, place):
-                return Reference((*parts, Part(name, (), place)), place)
-            case IfExpression(condition, then, otherwise, place):
-                return IfExpression(condition, self._part(then, name, span), self._part(otherwise, name, span), place)
-            case Array(items, place):
-                return Array(tuple(self._part(item, name, span) for item in items), place)
-            case Comprehension("", body, iterators, place):
-                return Comprehension("", self._part(body, name, span), iterators, place)
-            case Field(inner, outer, _):
-                return self._part(self._part(inner, outer, span), name, span)
-            case Call():
-                return self.part_of_call(record, name)
-        fail("L0302", "this is no record", record.span, "a record is a name of one, or made by its constructor: R(a = 1, b = 2)")
+        found = self.field_of_result(node, scope)
+        return self.flatten(self.part(node.record, node.name, node.span), scope) if found is None else found
 
     def _last(self, scope: Scope, span: Span) -> Flat:
         if "end" not in scope.iterators:

@@ -34,6 +34,7 @@ from lagrangia.language.tree import (
     Section,
     Syntax,
     WhenBlock,
+    WhileBlock,
     WorkTerm,
 )
 
@@ -295,6 +296,9 @@ class _Nodes(_ExpressionNodes):
 
     def for_block(self, meta: Place, children: list[Any]) -> ForBlock:
         return ForBlock(children[0], tuple(children[1:]), self._span(meta))
+
+    def while_block(self, meta: Place, children: list[Any]) -> WhileBlock:
+        return WhileBlock(children[0], tuple(children[1:]), self._span(meta))
 
     def else_if(self, meta: Place, children: list[Any]) -> tuple[Any, ...]:
         return "else if", children[0], tuple(children[1:]), self._span(meta)

@@ -134,6 +134,15 @@ class Results:
 
 
 @dataclass(frozen=True, slots=True)
+class Result:
+    """One of the results of a call, counted from 0: made where several are taken."""
+
+    call: "Expression"
+    output: int
+    span: Span
+
+
+@dataclass(frozen=True, slots=True)
 class Field:
     """What a record has under a name: made where a record is given as a whole."""
 
@@ -232,7 +241,8 @@ class Time:
 
 
 Node: TypeAlias = Number | String | Boolean | EnumerationLiteral | Unary[E] | Binary[E] | IfExpression[E] | Call[E] | Array[E]
-Expression: TypeAlias = (Node["Expression"] | Reference | Comprehension | Range | Whole | Matrix | Results | Field | Last)
+Expression: TypeAlias = (
+    Node["Expression"] | Reference | Comprehension | Range | Whole | Matrix | Results | Result | Field | Last)
 Flat: TypeAlias = Node["Flat"] | Ref | FrameRef | Local | Time
 
 # ------------------------------------------------------------------ declarations
@@ -350,6 +360,15 @@ class ForBlock:
 
 
 @dataclass(frozen=True, slots=True)
+class WhileBlock:
+    """while condition loop ... end while, in functions."""
+
+    condition: Expression
+    body: tuple["Clause", ...]
+    span: Span
+
+
+@dataclass(frozen=True, slots=True)
 class IfBlock:
     """`if c then ... elseif ... else ... end if`; elseif branches are nested in `otherwise`."""
 
@@ -369,7 +388,7 @@ class WhenBlock:
     otherwise: "WhenBlock | None" = None  # elsewhen
 
 
-Clause: TypeAlias = Equality | CallEquation | EnergyTerm | WorkTerm | Assignment | ForBlock | IfBlock | WhenBlock
+Clause: TypeAlias = Equality | CallEquation | EnergyTerm | WorkTerm | Assignment | ForBlock | WhileBlock | IfBlock | WhenBlock
 
 
 @dataclass(frozen=True, slots=True)

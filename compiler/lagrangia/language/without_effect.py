@@ -54,7 +54,8 @@ def find_without_effect(model: FlatModel, root: Instance, table: ClassTable) -> 
             _look_at_each(element, report)
     _look_at_attributes(instances, model, table, report)
     _look_at_structural(own, report)
-    _look_at_functions([table.user[name] for name in model.functions if name in table.user], report)
+    called = dict.fromkeys(name.partition("(")[0] for name in model.functions)
+    _look_at_functions([table.user[name] for name in called if name in table.user], report)
     _look_at_joints(model, table, report)
     for when in model.whens:
         for reset in when.resets:

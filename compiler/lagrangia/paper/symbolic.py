@@ -27,11 +27,11 @@ from lagrangia.frames.evaluation import Evaluator, Value, scalars_of
 from lagrangia.frames.kinematics import Dependent, Kinematics, Symbols
 from lagrangia.frames.planar import ANGLES, LENGTHS, Pose
 from lagrangia.frames.steps import Step
-from lagrangia.language.algorithms import FlatFunction
 from lagrangia.language.consequences import place_of_contact_forces
 from lagrangia.language.events import level_of, position_of
 from lagrangia.language.flat import Variable, When
 from lagrangia.language.frame_attributes import COMPONENTS
+from lagrangia.language.function_variables import FlatFunction
 from lagrangia.language.mentions import nodes
 from lagrangia.language.tree import Array, Flat, Number, Ref, Unary
 

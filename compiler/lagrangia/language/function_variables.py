@@ -1,0 +1,103 @@
+"""Variables of functions: numbers, arrays of them, and records, as trees whose leaves have names of their own.
+
+An array is a tuple of its elements; a record has a tree for each of its parts, which is an array where the record is one.
+"""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import TypeAlias
+
+from lagrangia.base.diagnostics import Span, fail, suggest
+from lagrangia.base.records import dataclass
+from lagrangia.language.elements import Size, element, length
+from lagrangia.language.tree import Array, Flat
+
+Tree: TypeAlias = "str | tuple[Tree, ...] | dict[str, Tree]"  # leaves: names
+Values: TypeAlias = "Flat | tuple[Values, ...] | dict[str, Values]"
+
+
+@dataclass(frozen=True)
+class FlatFunction:
+    """A result, the value of `output` after the steps, each an assignment to a local name; of numbers."""
+
+    name: str
+    inputs: tuple[str, ...]
+    units: Mapping[str, str]  # declared unit of each variable, "" when none
+    steps: tuple[tuple[str, Flat], ...]
+    output: str
+    span: Span
+
+
+@dataclass(frozen=True)
+class Given:
+    """What a call gives a function, as far as the function is another one by it: the shapes of what it gives, and the values of
+    Integer and Boolean inputs that are known."""
+
+    shapes: Mapping[str, tuple[int, ...]]
+    constants: Mapping[str, Flat]
+
+    def signature(self) -> str:
+        """Of functions of the same name."""
+        texts = [f"{name}={','.join(map(str, shape))}{getattr(self.constants.get(name), 'value', '')}"
+                 for name, shape in self.shapes.items()]
+        return f"({'; '.join(texts)})"
+
+
+@dataclass(frozen=True)
+class Built:
+    """A function for what is given: its results' trees have names of `functions`, which take the leaves of `inputs`."""
+
+    inputs: Mapping[str, Tree]
+    outputs: Mapping[str, Tree]
+    functions: Mapping[str, FlatFunction]
+
+
+def leaves_of(tree: Tree) -> Iterator[str]:
+    """All names, in their order."""
+    if isinstance(tree, str):
+        yield tree
+    else:
+        for part in tree.values() if isinstance(tree, dict) else tree:
+            yield from leaves_of(part)
+
+
+def array_of(path: str, sizes: Sequence[int], leaf: Callable[[str], Tree], index: tuple[int, ...] = ()) -> Tree:
+    """An array of so many elements in each dimension, called path[1,1], ..."""
+    if not sizes:
+        return leaf(f"{path}[{','.join(map(str, index))}]" if index else path)
+    return tuple(array_of(path, sizes[1:], leaf, (*index, k)) for k in range(1, sizes[0] + 1))
+
+
+def flat_of(tree: Tree, leaf: Callable[[str], Flat], span: Span) -> Flat:
+    """An expression of numbers and arrays. Raises LagError L0216 of a record."""
+    if isinstance(tree, str):
+        return leaf(tree)
+    if isinstance(tree, dict):
+        fail("L0216", "this is a record, not a value", span, f"name one of its parts: {', '.join(tree)}")
+    return Array(tuple(flat_of(part, leaf, span) for part in tree), span)
+
+
+def dealt(value: Flat, tree: Tree, size: Size, what: str) -> Iterator[tuple[str, Flat]]:
+    """The leaves of an array, or a number, with what an expression has for each. Raises LagError L0303."""
+    if isinstance(tree, dict):
+        fail("L0302", f"{what} is a record, this is none", value.span,
+             "a record is a name of one, or made by its constructor: R(a = 1)")
+    count = length(value, size)
+    if isinstance(tree, str):
+        if count is not None:
+            fail("L0303", f"{what} is a number, this is an array of {count}", value.span)
+        yield tree, value
+        return
+    if count != len(tree):
+        given = "a number" if count is None else f"an array of {count}"
+        fail("L0303", f"{what} is an array of {len(tree)}, this is {given}", value.span)
+    for k, part in enumerate(tree, 1):
+        yield from dealt(element(value, k, size), part, size, what)
+
+
+def part_of(tree: Tree, name: str, span: Span) -> Tree:
+    """What a record has under a name. Raises LagError L0216."""
+    if not isinstance(tree, dict):
+        fail("L0216", f"this is no record, and has no '{name}'", span)
+    if name not in tree:
+        fail("L0216", f"the record has no '{name}'", span, *filter(None, [suggest(name, list(tree))]))
+    return tree[name]
