@@ -205,10 +205,8 @@ class Names(Calls):
             case Range():
                 values = self._range(node, scope)
                 return Array(tuple(Number(float(v), None, node.span, True) for v in values), node.span)
-            case Field():
-                return self._field(node, scope)
-            case Result():
-                return self.result(node, scope)
+            case Field() | Result():
+                return self._field(node, scope) if isinstance(node, Field) else self.result(node, scope)
             case Results(_, span):
                 fail("L0302", "several results are taken by an equation of their own", span, "write: (a, b) = f(x);")
             case Whole(span):
