@@ -247,7 +247,7 @@ PLANAR = {"frames/planar", "frames/planar_joints", "frames/planar_inertia"}
 # Who asks what a frame is in the plane: what a frame of another kind has to answer, too.
 ASK_THE_KIND = """
     frames/closures frames/edges frames/evaluation frames/geometry
-    dynamics/elimination dynamics/forces
+    dynamics/elimination
     draw/scenery draw/values view/mechanism study/pictures study/probes paper/points paper/symbolic
     paper/virtual_steps
 """.split()

@@ -144,7 +144,8 @@ class CasadiAlgebra:
 
     def call(self, function: str, *arguments: Scalar) -> Scalar:
         """CasADi's function of that name; floor, ceil and signs become modes where time decides on them."""
-        self.index.asked.add(function)
+        if function != "sqrt" or not isinstance(arguments[0], ca.SX) or not self._is_steady(arguments[0]):
+            self.index.asked.add(function)
         if function in ("floor", "ceil"):
             inner = arguments[0] if function == "floor" else -arguments[0]
             crossing = self._crossing(inner)
@@ -161,6 +162,10 @@ class CasadiAlgebra:
         if function == "abs" and (inner := _of_sign(arguments[0])) is not arguments[0]:
             return self.compare("<>", inner, 0.0)
         return _SX_FUNCTIONS[function](*arguments)
+
+    def _is_steady(self, x: ca.SX) -> bool:
+        """Whether it follows from parameters alone, as the length of an axis does."""
+        return (self.changing | symbols_in(self.time)).isdisjoint(symbols_in(x))
 
     def compare(self, operator: str, a: Scalar, b: Scalar) -> Scalar:
         """Of numbers 0 or 1; a mode where time decides, else CasADi's condition."""

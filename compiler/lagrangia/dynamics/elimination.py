@@ -98,6 +98,11 @@ class ArticulatedBodies:
         """How many coordinates there are."""
         return len(self.kinematics.graph.coordinates)
 
+    @property
+    def masses(self) -> list[Scalar]:
+        """Of the bodies, kg."""
+        return [cluster.inertia[0][0] for cluster in self.clusters.values()]
+
     def _inertias(self) -> dict[str, list[Vector]]:
         return {name: [row[:] for row in cluster.inertia] for name, cluster in self.clusters.items()}
 
@@ -168,8 +173,6 @@ class ArticulatedBodies:
 def articulate(kinematics: Kinematics, bodies: Bodies) -> ArticulatedBodies | None:
     """None when the scene is no tree of rigid bodies: a coordinate that moves several joints, none, or no mass of its own, or a
     kinetic term that couples several bodies or is no body's."""
-    if kinematics.geometry.by_rates:
-        return None  # in space M is dense
     clusters = _clusters(kinematics, bodies)
     try:
         return ArticulatedBodies(kinematics, bodies, clusters) if clusters is not None else None
@@ -214,28 +217,31 @@ def _joined(kinematics: Kinematics, bodies: Bodies) -> dict[str, Cluster]:
     return clusters
 
 
-class _OneMoves:
+class OneMoves:
     """Leaves of an evaluator in which a single coordinate moves, at rate 1."""
 
     def __init__(self, kinematics: Kinematics, mover: str) -> None:
         self.kinematics, self.mover = kinematics, mover
 
     def symbol(self, name: str, level: int) -> Value | None:
+        """A coordinate with its rate at level 1; all else as the kinematics know it."""
         positions = self.kinematics.symbols.positions
         if name not in positions:
             return self.kinematics.symbol(name, level)
         return Dual(positions[name], 1.0 if name == self.mover else 0.0) if level else positions[name]
 
     def time(self, level: int) -> Scalar:
+        """It stands still."""
         return self.kinematics.symbols.time
 
     def frame(self, name: str, attribute: str, level: int) -> Value:
+        """Is not asked for."""
         raise AssertionError("a joint depends on no frame")
 
 
 def _direction(kinematics: Kinematics, edge: Edge, mover: str) -> Vector:
     """Twist of the edge's child when its parent rests and one coordinate moves at rate 1."""
-    evaluator = Evaluator(kinematics.graph.model, kinematics.algebra, _OneMoves(kinematics, mover))
+    evaluator = Evaluator(kinematics.graph.model, kinematics.algebra, OneMoves(kinematics, mover))
     if len(edge.steps) == 1 and stays(edge.steps[0]):
         return turning(edge.steps[0], evaluator.value(edge.steps[0].amount, 1))
     pose = kinematics.follow(edge, kinematics.pose(edge.parent, 0), 1, evaluator)

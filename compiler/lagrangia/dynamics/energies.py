@@ -13,7 +13,7 @@ from lagrangia.frames.alike import evaluate_all
 from lagrangia.frames.evaluation import Value
 from lagrangia.frames.kinematics import Kinematics
 from lagrangia.language.flat import Energy, Work
-from lagrangia.language.tree import FrameRef
+from lagrangia.language.tree import Flat, FrameRef
 
 
 @dataclass(frozen=True)
@@ -38,6 +38,11 @@ class Load:
     position: tuple[Scalar, ...]
     statement: Work
     is_by_rate: bool = False
+
+    @property
+    def moved(self) -> Flat:
+        """What the position is read off."""
+        return _moved(self.statement)
 
 
 @dataclass(frozen=True)
@@ -95,11 +100,16 @@ def evaluate_energies(kinematics: Kinematics) -> Energies:
     return Energies(tuple(terms["kinetic"]), tuple(terms["potential"]), tuple(terms["dissipation"]), tuple(loads))
 
 
-def _load(work: Work, value: Callable[..., Value], report: Report) -> Load:
+def _moved(work: Work) -> Flat:
+    """Of an attitude, the angular velocity."""
     is_by_rate = isinstance(work.position, FrameRef) and work.position.attribute == "attitude"
-    moved = replace(work.position, attribute="w") if isinstance(work.position, FrameRef) and is_by_rate else work.position
+    return replace(work.position, attribute="w") if isinstance(work.position, FrameRef) and is_by_rate else work.position
+
+
+def _load(work: Work, value: Callable[..., Value], report: Report) -> Load:
+    is_by_rate = _moved(work) is not work.position
     try:
-        force, position = value(work.force), value(moved)
+        force, position = value(work.force), value(_moved(work))
     except LagError as error:
         raise error.placed(work.span) from None
     if isinstance(force, tuple) != isinstance(position, tuple) or (isinstance(force, tuple) and len(force) != len(position)):

@@ -21,7 +21,6 @@ from lagrangia.dynamics.energies import Energies, Term
 from lagrangia.frames.alike import evaluate_all
 from lagrangia.frames.evaluation import Evaluator, Value, scalars_of
 from lagrangia.frames.kinematics import Kinematics, displacement
-from lagrangia.frames.planar import SIZE
 
 
 @dataclass(frozen=True)
@@ -89,15 +88,27 @@ class _Apart:
         if name not in self.movable:
             return value
         if name not in self.frames:
-            made = self.algebra.new_symbols(2 * SIZE)
-            self.frames[name] = made[:SIZE], made[SIZE:]
+            size = self.kinematics.geometry.size
+            made = self.algebra.new_symbols(2 * size)
+            self.frames[name] = made[:size], made[size:]
         shift, rate = self.frames[name]
+        if self.kinematics.geometry.by_rates:
+            return self._displaced(name, attribute, level)
         known = self.kinematics.graph.model.space.attributes[attribute]
         if known.kind == "place":
             moved = tuple(displacement((shift[k], rate[k]), level) for k in known.components)
         else:
             moved = tuple(displacement((rate[k],), level) for k in known.components)
         return tuple(a + b for a, b in zip(value, moved, strict=True)) if isinstance(value, tuple) else value + moved[0]
+
+    def _displaced(self, name: str, attribute: str, level: int) -> Value:
+        """In space, where an attitude has no numbers that displacements add to."""
+        kinematics, (shift, rate) = self.kinematics, self.frames[name]
+        self.is_whole &= attribute != "Q"
+        at = level + 1 if kinematics.graph.model.space.attributes[attribute].kind == "velocity" else level
+        moved = [displacement(pair, at) for pair in zip(shift, rate, strict=True)]
+        pose = kinematics.pose(name, at).displaced(moved, kinematics.evaluator.algebras[at])
+        return kinematics.geometry.attribute_of(pose, attribute)
 
 
 def find_forces(kinematics: Kinematics, energies: Energies) -> Forces | None:
@@ -115,24 +126,29 @@ def find_forces(kinematics: Kinematics, energies: Energies) -> Forces | None:
         return energies.total(tuple(Term(x, term.statement) for x, term in zip(values, terms, strict=True)))
 
     potential, dissipation = total(energies.potential), total(energies.dissipation)
-    positions, forces = [potential], [1.0]
+    positions, forces, spins, torques = [potential], [1.0], list[Scalar](), list[Scalar]()
     for load in energies.loads:
-        positions += scalars_of(value(load.statement.position))
-        forces += [-force for force in load.force]
+        moved, acting = (spins, torques) if load.is_by_rate else (positions, forces)
+        moved += scalars_of(value(load.moved))
+        acting += [-force for force in load.force]
     if not apart.is_whole:
         return None
     places = [*apart.frames.values(), *(([shift], [rate]) for shift, rate in apart.coordinates.values())]
     shifts, rates = (ca.vertcat(ca.SX(0, 1), *[x for place in places for x in place[k]]) for k in range(2))
     total = ca.jtimes(ca.vertcat(*positions), shifts, ca.vertcat(*forces), True) + gradient_by_rates(dissipation, rates)
+    if spins:
+        total += ca.jtimes(ca.vertcat(*spins), rates, ca.vertcat(*torques), True)
     found = scalars_in(ca.densify(ca.substitute([total], [shifts, rates], [ca.SX.zeros(shifts.numel())] * 2)[0]))
-    on_frames = {name: found[SIZE * k : SIZE * (k + 1)] for k, name in enumerate(apart.frames)}
-    return Forces(on_frames, dict(zip(apart.coordinates, found[SIZE * len(on_frames) :], strict=True)))
+    size = kinematics.geometry.size
+    on_frames = {name: found[size * k : size * (k + 1)] for k, name in enumerate(apart.frames)}
+    return Forces(on_frames, dict(zip(apart.coordinates, found[size * len(on_frames) :], strict=True)))
 
 
 def forces_of_loops(kinematics: Kinematics, rows: Sequence[Row]) -> list[Forces | None]:
     """What each row asks for at a multiplier of 1: the forces on the frames that a closure joins. None for other rows."""
     names = dict.fromkeys(name for row in rows if row.loop for name in (row.loop.a, row.loop.b))
-    shifts, rates = ({name: ca.SX.sym(f"{kind}_{name}", SIZE) for name in names} for kind in ("shift", "rate"))
+    size = kinematics.geometry.size
+    shifts, rates = ({name: ca.SX.sym(f"{kind}_{name}", size) for name in names} for kind in ("shift", "rate"))
     apart = kinematics.displaced({}, {name: (shifts[name], rates[name]) for name in names})
     moving = ca.vertcat(ca.SX(0, 1), *rates.values())
     still = [ca.vertcat(ca.SX(0, 1), *shifts.values()), moving, kinematics.symbols.tau]
@@ -143,7 +159,7 @@ def forces_of_loops(kinematics: Kinematics, rows: Sequence[Row]) -> list[Forces 
             continue
         force = ca.gradient(ca.SX(row.rate(apart)), moving)
         force = ca.substitute([force], still, [ca.SX.zeros(moving.numel()), ca.SX.zeros(moving.numel()), ca.SX(1)])[0]
-        parts = zip(names, ca.vertsplit(ca.densify(force), SIZE), strict=True)
+        parts = zip(names, ca.vertsplit(ca.densify(force), size), strict=True)
         found.append(Forces({name: scalars_in(x) for name, x in parts if name in (row.loop.a, row.loop.b)}, {}))
     return found
 

@@ -115,8 +115,9 @@ def _is_rigid(ends: Ends, bodies: Mapping[str, str]) -> bool:
     return "" not in names and bodies.get(names[0], names[0]) == bodies.get(names[1], names[1])
 
 
-def _length(vectors: ca.DM) -> Vector:
-    found: Vector = np.hypot(*np.array(vectors).reshape(-1, 2).T)
+def _lengths(vectors: ca.DM, count: int) -> Vector:
+    """Of so many vectors, one behind the other."""
+    found: Vector = np.hypot.reduce(np.array(vectors).reshape(count, -1), axis=1)
     return found
 
 
@@ -133,9 +134,9 @@ class _Places:
         between = [self._between(pair) for pair in ends]
         apart = ca.Function("apart", [self.q, p], at_start(kinematics, [ca.vertcat(*between)]))
         random, others = np.random.default_rng(1), usual_parameters(kinematics)[1]
-        looks = np.array([_length(apart(random.uniform(0.4, 1.6, self.start.size), others)) for _ in range(_LOOKS)])
+        looks = np.array([_lengths(apart(random.uniform(0.4, 1.6, self.start.size), others), len(ends)) for _ in range(_LOOKS)])
         stays = [not ca.depends_on(r, kinematics.symbols.time) and np.ptp(looks[:, k]) < _NOTHING for k, r in enumerate(between)]
-        now = _length(apart(self.start, values))
+        now = _lengths(apart(self.start, values), len(ends))
         self.rigid = {pair for k, pair in enumerate(ends) if stays[k]}
         self.one = {pair for k, pair in enumerate(ends) if stays[k] and looks[0, k] < _NOTHING}
         self.now = {pair for k, pair in enumerate(ends) if now[k] < _NOTHING}

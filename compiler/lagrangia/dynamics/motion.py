@@ -21,11 +21,11 @@ from lagrangia.base.later import Later
 from lagrangia.base.records import dataclass
 from lagrangia.constraints.partition import Partition
 from lagrangia.constraints.rows import Constraints
+from lagrangia.dynamics.along_tree import Tree, articulate
 from lagrangia.dynamics.bodies import Bodies, find_bodies
 from lagrangia.dynamics.collected_inertia import MOST_COORDINATES, Collected, blocks_of, collect, split_weights
 from lagrangia.dynamics.constrained_motion import ConstrainedMotion, FreeMotion, bring_down, constrain, constraint_rows
 from lagrangia.dynamics.dissipation import gradient_by_rates
-from lagrangia.dynamics.elimination import ArticulatedBodies, articulate
 from lagrangia.dynamics.energies import Energies, generalised_force
 from lagrangia.dynamics.forces import forces_of_loops
 from lagrangia.dynamics.impacts import Impacts
@@ -353,7 +353,7 @@ def _hold(kinematics: Kinematics, bodies: Bodies, energies: Energies, constraint
     return best, nodes
 
 
-def _along(tree: ArticulatedBodies, energies: Energies, inertial: Later[ca.SX]) -> ca.SX:
+def _along(tree: Tree, energies: Energies, inertial: Later[ca.SX]) -> ca.SX:
     """The accelerations of the tree itself."""
     found = tree.accelerate(energies)
     if found is None:

@@ -16,7 +16,7 @@ import casadi as ca
 
 from lagrangia.algebra.duals import is_zero
 from lagrangia.base.records import dataclass
-from lagrangia.dynamics.elimination import ArticulatedBodies
+from lagrangia.dynamics.along_tree import Tree
 from lagrangia.dynamics.forces import Forces
 from lagrangia.dynamics.kkt import DOUBTFUL, SMALL, count_operations
 
@@ -33,7 +33,7 @@ _HEAVIER = 1e3
 class FreeTree:
     """The tree, of which some coordinates, that act on no others, are looked at."""
 
-    bodies: ArticulatedBodies
+    bodies: Tree
     acceleration: ca.SX  # -M^-1 h of these coordinates, (n,)
     forces: Sequence[Forces | None]  # of their constraints, where it is known what bodies they act on, (m,)
     chosen: Sequence[int]  # their places among all
@@ -52,7 +52,7 @@ class FreeTree:
     def balance(self) -> ca.SX:
         """Above 1 where no body is so much lighter than another one that what the tree would do alone is nearly all taken back by
         the constraints, and its digits with it."""
-        masses = [ca.SX(x.inertia[0][0]) for x in self.bodies.clusters.values() if not is_zero(x.inertia[0][0])]
+        masses = [ca.SX(x) for x in self.bodies.masses if not is_zero(x)]
         return _HEAVIER * reduce(ca.fmin, masses) / reduce(ca.fmax, masses) if masses else ca.SX(0)
 
     def part(self, among: Sequence[int], rows: Sequence[int]) -> "FreeTree":
