@@ -36,6 +36,7 @@ ROOMS = """
     study
     paper
     draw
+    solids
     fmu
     play
     editor
@@ -51,7 +52,7 @@ RESERVED = {"grammar", "runtime", "models"}  # folders of data in a wheel
 HEAVY_HOMES = {
     "lark": {"language"},
     "casadi": {"algebra", "frames", "constraints", "dynamics", "needs", "compile", "study", "fmu", "model", "bench",
-               "command/scene_export", "draw"},
+               "command/scene_export", "draw", "solids"},
     "pygls": {"editor/server", "editor/protocol", "command/server"},
     "sympy": {"algebra/with_sympy", "algebra/normal_form", "paper"},
     "matplotlib": {"view/curves", "study/pictures", "study/sweep/pictures", "bench/plot", "draw/paint"},

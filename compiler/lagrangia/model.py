@@ -61,9 +61,9 @@ def loads(text: str, *, model: str | None = None, **structural: Any) -> "Model":
 
 
 def _animate(run: Trajectory, path: str | os.PathLike[str] | None, **asked: Any) -> str:
-    from lagrangia.draw.film import animate_run
+    from lagrangia.solids.showing import animate_any
 
-    return animate_run(run, path, **asked)
+    return animate_any(run, path, **asked)
 
 
 class Model(Analysed, Swept):
@@ -370,13 +370,14 @@ class Model(Analysed, Swept):
         return write_equations(self.path, request, self.model, self.structural)
 
     def draw(self, path: str | os.PathLike[str] | None = None, *, at: float | None = None, names: Mapping[str, str] | None = None,
-             parameters: Given = None, initial: Given = None, inputs: Any = None) -> str:
+             parameters: Given = None, initial: Given = None, inputs: Any = None, view: tuple[float, float] | None = None) -> str:
         """The scene as a textbook draws it, at the start or at the time `at` (s): an SVG's text; a path (.svg, .pdf, .png) is
-        written as well. `names` maps names of the model to symbols, {"tilt.phi": "theta"}. Raises LagError, RunError."""
-        from lagrangia.draw.drawing import draw_scene
+        written as well. `names` maps names of the model to symbols, {"tilt.phi": "theta"}; `view` is the azimuth and elevation,
+        degrees, from where a scene in space is seen. Raises LagError, RunError."""
+        from lagrangia.solids.showing import draw_any
 
         request = Request(at=None if at is None else [at], parameters=parameters, initial=initial, inputs=inputs)
-        return draw_scene(self, path, request, names or {})
+        return draw_any(self, path, request, names or {}, view=view)
 
     def _repr_html_(self) -> str:
         return self.draw()

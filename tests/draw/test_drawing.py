@@ -19,8 +19,9 @@ from lagrangia.draw.film import reel_of
 from lagrangia.draw.page import FONT, Page
 from lagrangia.draw.strokes import SHAPES, Given
 from lagrangia.draw.tikz import write_tikz
-from lagrangia.language.figures import WORDS
+from lagrangia.language.figures import OF_SPACE, WORDS
 from lagrangia.run.request import Request
+from lagrangia.solids.seen import WORDS_IN_SPACE
 
 EXAMPLES = data_folder("models") / "examples"
 TEXTBOOK = ("suspended_bar", "disc_and_block", "disc_and_block_damped")
@@ -55,7 +56,8 @@ def crossings(page: Page, low: np.ndarray, high: np.ndarray) -> int:
 
 
 def test_every_word_has_its_shape() -> None:
-    assert SHAPES.keys() == WORDS.keys() - {"trace"}, "a trace is made of many moments"
+    assert SHAPES.keys() == WORDS.keys() - {"trace"} - OF_SPACE, "a trace is made of many moments"
+    assert WORDS.keys() - {"trace", "text", "gears", "belt"} == WORDS_IN_SPACE
 
 
 @pytest.mark.parametrize(("name", "expected"), [

@@ -5,12 +5,22 @@ from argparse import Namespace
 
 from lagrangia.base.checked_values import a_count_within
 from lagrangia.base.diagnostics import RunError
-from lagrangia.command.arguments import keep_inputs, keep_other, load_asked, named_pairs, names_once, tell_inputs, titles
+from lagrangia.command.arguments import (
+    keep_inputs,
+    keep_other,
+    load_asked,
+    named_pairs,
+    names_once,
+    tell_inputs,
+    titles,
+    view_asked,
+)
 from lagrangia.command.beside import requests_beside
 from lagrangia.draw.drawing import require_picture
-from lagrangia.draw.film import MOST_POSITIONS, animate_run, draw_stroboscope, require_film
+from lagrangia.draw.film import MOST_POSITIONS
 from lagrangia.model import Model
 from lagrangia.run.request import Request, plan
+from lagrangia.solids.showing import animate_any, require_any, stroboscope_of_any
 from lagrangia.view.trajectory import Trajectory
 
 
@@ -25,11 +35,11 @@ def animate_command(options: Namespace) -> int:
     beside = {label: model.run(other) for label, other in others}
     traces = names_once(options.trace, "--trace")
     if options.stroboscope is not None:
-        draw_stroboscope(run, options.stroboscope, target, traces)
+        stroboscope_of_any(run, options.stroboscope, target, traces)
     else:
-        animate_run(run, target, names=named_pairs(options.names or "", "--names"), traces=traces, beside=beside,
+        animate_any(run, target, names=named_pairs(options.names or "", "--names"), traces=traces, beside=beside,
                     quantities=names_once(options.curves, "--curves"), tell=_tell if sys.stderr.isatty() else None,
-                    note=lambda text: print(f"note: {text}", file=sys.stderr))
+                    note=lambda text: print(f"note: {text}", file=sys.stderr), view=view_asked(options.view))
     print(f"written to {target}")
     if failure is not None:
         raise RunError(f"{failure}\nwhat was computed before is shown in {target}")
@@ -52,7 +62,7 @@ def _target(options: Namespace) -> str:
         a_count_within("number of positions", options.stroboscope, 1, MOST_POSITIONS)
         require_picture(target)
     else:
-        require_film(target)
+        require_any(target)
     keep_inputs(options, target)
     return target
 

@@ -8,6 +8,7 @@ from argparse import Namespace
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from html import escape
+from math import isfinite
 from pathlib import Path
 from typing import Any
 
@@ -152,6 +153,17 @@ def number(text: str, option: str) -> float:
         return float(text)
     except ValueError:
         fail("L0706", f"'{text}' after {option} is no number")
+
+
+def view_asked(text: str | None) -> tuple[float, float] | None:
+    """Azimuth and elevation after --view, degrees. Raises LagError L0706."""
+    if text is None:
+        return None
+    found = [number(part, "--view") for part in text.split(",")]
+    if len(found) != 2 or not all(isfinite(x) for x in found) or abs(found[1]) > 90:
+        fail("L0706", f"--view {text}: an azimuth and an elevation from -90 to 90 are needed, in degrees", None,
+             "--view=-60,22 is the usual one, --view=-90,0 from the front, --view=-90,90 from above")
+    return found[0], found[1]
 
 
 def asked(options: Namespace, parameters: Mapping[str, Any], initial: Mapping[str, Any], inputs: Any,

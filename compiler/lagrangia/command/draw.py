@@ -4,8 +4,9 @@ import sys
 from argparse import Namespace
 
 from lagrangia.base.result_files import is_device
-from lagrangia.command.arguments import keep_inputs, keep_other, load_asked, named_pairs, number, titles
-from lagrangia.draw.drawing import draw_scene, require_picture
+from lagrangia.command.arguments import keep_inputs, keep_other, load_asked, named_pairs, number, titles, view_asked
+from lagrangia.draw.drawing import require_picture
+from lagrangia.solids.showing import draw_any
 
 
 def draw_command(options: Namespace) -> int:
@@ -18,7 +19,7 @@ def draw_command(options: Namespace) -> int:
         number(options.at, "--at")  # one
     model, request = load_asked(options)
     keep_other(options, target, *titles(model))
-    text = draw_scene(model, None if target == "-" else target, request, named_pairs(options.names or "", "--names"),
-                      lambda text: print(f"note: {text}", file=sys.stderr))
+    text = draw_any(model, None if target == "-" else target, request, named_pairs(options.names or "", "--names"),
+                    lambda text: print(f"note: {text}", file=sys.stderr), view_asked(options.view))
     print(text.rstrip() if target == "-" else f"written to {target}")
     return 0

@@ -37,6 +37,12 @@ light or dark; times are those of the run's rows (--interval). --stroboscope N p
 (from:to:step, or linspace(1,5,9)), --beside FILE.csv those of a table, such as `lag sweep` writes. Impacts and switches have rows
 of their own. Films are .gif, .webp, .mp4 (pip install imageio-ffmpeg) and .svg, which browsers play as they show any picture.
 
+Scenes in space are drawn by solids: circles are thin discs, rings where they have no fill, or balls where they are symbols; boxes
+are as high as they are deep; `along` is the axis of a cylinder. cuboid, cylinder, cone (about its centre of mass) and ball are of
+space alone. --view=AZIMUTH,ELEVATION says from where it is seen, in degrees: up is against gravity. The page of `lag animate` is
+turned by dragging, shifted by two fingers or with shift, zoomed by the wheel or by pinching; 0 1 2 3 are the usual views.
+-o NAME.glb is binary glTF with the whole motion, for Blender, three.js and other viewers.
+
 `lag play` writes one HTML file that computes, from the same tape by the same run time, compiled to WebAssembly: sliders for
 parameters, start values and inputs, parts that can be dragged to where the motion starts, events at their exact times, and the
 digits of `lag simulate` at the same --tolerance. Inputs of -u FILE.csv go on over time, until their slider is moved. Space runs,

@@ -11,6 +11,7 @@ def add_draw(parser: ArgumentParser) -> None:
     add_start(parser)
     add("--at", metavar="T", help="the time at which it is drawn; the start by default")
     add("--names", metavar="NAME=SYMBOL,...", help="symbols of your own: --names tilt.phi=theta,guide.s=x")
+    add("--view", metavar="AZIMUTH,ELEVATION", help="from where a scene in space is seen, degrees: --view=-60,22")
     add("-o", "--output", metavar="FILE",
         help="the picture (.svg, .pdf, .png, .tex: TikZ; - for the SVG on standard output); by default NAME.svg here")
 
@@ -29,7 +30,9 @@ def add_animate(parser: ArgumentParser) -> None:
         help="another run by thin lines, with these values; several with k=1:5:1, or those of a table")
     add("--stroboscope", type=int, metavar="N", help="so many positions in one picture (.svg, .pdf, .png)")
     add("--names", metavar="NAME=SYMBOL,...", help="symbols of your own: --names tilt.phi=theta,guide.s=x")
-    add("-o", "--output", metavar="FILE", help="the page or film (.html, .svg, .gif, .webp, .mp4); by default NAME.html here")
+    add("--view", metavar="AZIMUTH,ELEVATION", help="from where a scene in space is seen in a film, degrees: --view=-60,22")
+    add("-o", "--output", metavar="FILE",
+        help="the page or film (.html, .svg, .gif, .webp, .mp4; in space .glb: glTF); by default NAME.html here")
 
 
 def add_play(parser: ArgumentParser) -> None:

@@ -12,10 +12,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from lagrangia.draw.page import Words
 from lagrangia.draw.reel import Caption, Moving, Reel, in_order
 
 Vector = NDArray[np.float64]
 _GONE, _LAST = 65535, 65534  # of sixteen bits: nothing there; the far corner
+PLAYER = [Path(__file__).with_suffix(suffix) for suffix in (".css", ".html", ".js")]  # of what is played; its scene comes after
 _COMMON = ("page.css", "page.js", "captions.js", "graphs.js")  # of all pages
 _LITTLE = 1e-3  # of its values, a curve that is told above a base
 _MOST_MARKS = 1000  # of events
@@ -34,9 +36,8 @@ class Curve:
 def write_animation(reel: Reel, title: str, curves: Sequence[Curve], energies: Sequence[Curve],
                     events: Vector | None = None) -> str:
     """The whole file; `events` are times that curves mark, s."""
-    marks = [] if events is None else _plain(events[:_MOST_MARKS])
-    parts = [Path(__file__).with_suffix(suffix) for suffix in (".css", ".html", ".js")]
-    return written(parts, title, {**_data(reel, curves, energies), "events": marks})
+    return written([*PLAYER, Path(__file__).with_name("flat.js")], title,
+                   {**played(reel.t, curves, energies, events), **_seen(reel)})
 
 
 def written(parts: Sequence[Path], title: str, data: Mapping[str, Any]) -> str:
@@ -51,20 +52,26 @@ def written(parts: Sequence[Path], title: str, data: Mapping[str, Any]) -> str:
     return re.sub("@(TITLE|DATA)@", lambda place: escape(title) if place[1] == "TITLE" else told, text)
 
 
-def _data(reel: Reel, curves: Sequence[Curve], energies: Sequence[Curve]) -> dict[str, Any]:
-    span = float(np.max(reel.high - reel.low)) or 1.0
+def played(t: Vector, curves: Sequence[Curve], energies: Sequence[Curve], events: Vector | None) -> dict[str, Any]:
+    """What all players take: times, curves, bars of energies, marks."""
     least = [float(np.nanmin(curve.values, initial=0.0)) for curve in energies]
-    total = sum((curve.values - low for curve, low in zip(energies, least, strict=True)), np.zeros(len(reel.t)))
-    length = float(reel.t[-1] - reel.t[0]) if len(reel.t) > 1 else 0.0
+    total = sum((curve.values - low for curve, low in zip(energies, least, strict=True)), np.zeros(len(t)))
+    length = float(t[-1] - t[0]) if len(t) > 1 else 0.0
     return {
-        "t": _text(reel.t.astype("<f8")), "low": _plain(reel.low), "high": _plain(reel.high), "span": span, "symbol": reel.symbol,
-        "speed": speed_of(length),
+        "t": as_text(t.astype("<f8")), "speed": speed_of(length), "curves": [_curve(curve) for curve in curves],
+        "energies": [{**_curve(curve), "least": low} for curve, low in zip(energies, least, strict=True)],
+        "most": float(np.nanmax(total, initial=0.0)) if len(energies) else 0.0,
+        "events": [] if events is None else _plain(events[:_MOST_MARKS]),
+    }
+
+
+def _seen(reel: Reel) -> dict[str, Any]:
+    span = float(np.max(reel.high - reel.low)) or 1.0
+    return {
+        "low": _plain(reel.low), "high": _plain(reel.high), "span": span, "symbol": reel.symbol,
         "strokes": [_stroke(moving, reel, span) for moving in in_order(reel)],
         "captions": [_caption(caption, reel, span) for caption in reel.captions],
         "traces": [{"name": name, "at": _small(points, reel, span)} for name, points in reel.traces],
-        "curves": [_curve(curve) for curve in curves],
-        "energies": [{**_curve(curve), "least": low} for curve, low in zip(energies, least, strict=True)],
-        "most": float(np.nanmax(total, initial=0.0)) if len(energies) else 0.0,
     }
 
 
@@ -74,8 +81,13 @@ def speed_of(length: float) -> float:
 
 
 def _caption(caption: Caption, reel: Reel, span: float) -> dict[str, Any]:
-    return {"words": [[text, int(is_italic), int(is_lowered)] for text, is_italic, is_lowered in caption.words.pieces],
-            "at": _small(caption.at, reel, span), "side": _text(np.nan_to_num(caption.aside).astype("<f4"))}
+    return {"words": spelt(caption.words),
+            "at": _small(caption.at, reel, span), "side": as_text(np.nan_to_num(caption.aside).astype("<f4"))}
+
+
+def spelt(words: Words) -> list[list[Any]]:
+    """As captions.js takes them."""
+    return [[text, int(is_italic), int(is_lowered)] for text, is_italic, is_lowered in words.pieces]
 
 
 def _stroke(moving: Moving, reel: Reel, span: float) -> dict[str, Any]:
@@ -84,24 +96,25 @@ def _stroke(moving: Moving, reel: Reel, span: float) -> dict[str, Any]:
     if moving.points is not None:
         return found | {"n": moving.points.shape[1], "points": _small(moving.points, reel, span)}
     found["p"] = _plain(s.points.ravel())
-    return found if moving.poses is None else found | {"poses": _text(moving.poses.astype("<f4"))}
+    return found if moving.poses is None else found | {"poses": as_text(moving.poses.astype("<f4"))}
 
 
 def _small(points: Vector, reel: Reel, span: float) -> str:
     """Places in sixteen bits each: a step is a 65534th of the scene's size."""
     scaled = np.clip(np.round((points - reel.low) / span * _LAST), 0, _LAST)
-    return _text(np.where(np.isfinite(points), scaled, _GONE).astype("<u2"))
+    return as_text(np.where(np.isfinite(points), scaled, _GONE).astype("<u2"))
 
 
 def _curve(curve: Curve) -> dict[str, Any]:
     """By numbers of four bytes; above a base where it varies so little that these would not tell it."""
     known = curve.values[np.isfinite(curve.values)]
     base = float(known[0]) if known.size and np.ptp(known) < _LITTLE * np.abs(known).max() else 0.0
-    told = {"name": curve.name, "unit": curve.unit, "y": _text((curve.values - base).astype("<f4"))}
+    told = {"name": curve.name, "unit": curve.unit, "y": as_text((curve.values - base).astype("<f4"))}
     return told | ({"base": base} if base else {})
 
 
-def _text(values: Any) -> str:
+def as_text(values: Any) -> str:
+    """Numbers as they lie in memory, in letters."""
     return base64.b64encode(np.ascontiguousarray(values).tobytes()).decode()
 
 

@@ -79,12 +79,13 @@ def page_of(model: Drawable, request: Request, names: Mapping[str, str]) -> tupl
     begin = model.scene.start if request.at is None else request.at[-1]
     asked = Request(at=[begin], parameters=request.parameters, initial=request.initial, inputs=request.inputs)
     model = model.fitting(request.parameters)
-    run, failure = _run_until(model, asked, begin)
+    run, failure = run_until(model, asked, begin)
     values = check_values(model.scene, request.parameters, request.initial, request.inputs)
     return draw_page(model.compilation, figures_of(model), states_of(model, run, values), names), failure
 
 
-def _run_until(model: Drawable, asked: Request, end: float) -> tuple[Trajectory, RunError | None]:
+def run_until(model: Drawable, asked: Request, end: float) -> tuple[Trajectory, RunError | None]:
+    """A run to its last time, or as far as it goes, and what stopped it. Raises RunError where nothing was computed."""
     try:
         return model.run(asked), None
     except RunError:
@@ -101,7 +102,7 @@ def _run_until(model: Drawable, asked: Request, end: float) -> tuple[Trajectory,
 
 
 def figures_of(model: Located) -> tuple[Figure, ...]:
-    """All figures of a scene, those of the library as well. Raises LagError."""
+    """All figures of a scene of the plane, those of the library as well. Raises LagError."""
     flat = flatten_file(model.path, model.model, model.structural, is_drawn=True)[1]
     refuse_in_space(flat, "pictures")
     return check_dimensions(flat).figures

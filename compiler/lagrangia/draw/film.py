@@ -3,6 +3,7 @@
 import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -15,8 +16,8 @@ from lagrangia.draw.animation import Curve, write_animation
 from lagrangia.draw.drawing import Drawable, figures_of, require_picture, save_page, states_of
 from lagrangia.draw.frames import save_frames
 from lagrangia.draw.moving_svg import write_moving_svg
-from lagrangia.draw.page import build_page, view_of, weight_of
-from lagrangia.draw.reel import Reel, build_reel, strokes_at
+from lagrangia.draw.page import Page, build_page, view_of, weight_of
+from lagrangia.draw.reel import Reel, build_reel, strokes_at, ways_until
 from lagrangia.draw.several import joined, labelled
 from lagrangia.draw.strokes import ARROWS, Shape, Stroke
 from lagrangia.draw.svg import write_svg
@@ -87,8 +88,8 @@ def animate_run(run: Trajectory, path: str | os.PathLike[str] | None = None, *, 
     if path is not None:
         require_film(path)
     labels = [*(beside or {})]
-    whole = _with_events([run, *(beside or {}).values()])
-    most = _frames_of(whole, note)
+    whole = with_events([run, *(beside or {}).values()])
+    most = frames_of(whole, note)
     first, *others = [thinned(one, most) for one in whole]
     reel = joined(reel_of(first, names or {}, traces), [reel_of(other, {}, traces) for other in others])
     curves = curves_of(first, quantities)
@@ -110,10 +111,17 @@ def save_reel(reel: Reel, text: str, path: Path, tell: Callable[[int, int], None
     elif suffix == ".svg":
         write_text(path, write_moving_svg(reel))
     else:
-        save_frames(reel, path, tell)
+        save_frames(reel.t, partial(_picture, reel), path, tell)
 
 
-def _with_events(runs: list[Trajectory]) -> list[Trajectory]:
+def _picture(reel: Reel, moment: int) -> Page:
+    """One of a film: all of them are as large."""
+    view = view_of([Stroke(np.array([reel.low, reel.high]), 0)], np.inf)
+    ways = [Stroke(way, ARROWS, "thin") for way in ways_until(reel, moment)]
+    return build_page([(Shape([*strokes_at(reel, moment), *ways]), None)], view, weight=weight_of(view.scale * reel.symbol))
+
+
+def with_events(runs: list[Trajectory]) -> list[Trajectory]:
     """The same runs with rows at their events, too, where these are no more than can be told from each other."""
     times = runs[0].time
     if any(one.show is None or one.progress.seconds > _QUICK or not np.array_equal(one.time, times) for one in runs):
@@ -134,7 +142,7 @@ def _again(run: Trajectory, times: Vector) -> Trajectory:
     return found
 
 
-def _frames_of(runs: Sequence[Trajectory], note: Callable[[str], None] | None) -> int:
+def frames_of(runs: Sequence[Trajectory], note: Callable[[str], None] | None) -> int:
     """How many rows are shown: fewer of what is large, which is told."""
     moving = sum(3 * len(shown_by(run).model.compilation.flat.frames) for run in runs)
     most = max(_FEWEST_FRAMES, min(MOST_FRAMES, _MOST_NUMBERS // max(1, moving)))

@@ -1,4 +1,4 @@
-"""A reel -> GIF, WebP or MP4: one grey picture after another."""
+"""Pictures of moments -> GIF, WebP or MP4: one grey one after another."""
 
 import math
 import tempfile
@@ -11,35 +11,36 @@ from PIL import Image
 
 from lagrangia.base.result_files import Target
 from lagrangia.draw.animation import speed_of
-from lagrangia.draw.page import Page, build_page, view_of, weight_of
+from lagrangia.draw.page import Page
 from lagrangia.draw.raster import rasterise
-from lagrangia.draw.reel import Reel, strokes_at, ways_until
-from lagrangia.draw.strokes import ARROWS, Shape, Stroke
 
+Vector = NDArray[np.float64]
+Picture = Callable[[int], Page]
 _MOST = 150  # pictures of a GIF or WebP
 _RATE = 25  # pictures a second of an MP4
 _SCALE = 8.0  # pixels a mm
 _SHORTEST = 20  # ms that viewers keep to
 
 
-def save_frames(reel: Reel, path: Path, tell: Callable[[int, int], None] | None) -> None:
-    """Writes the file; `tell` hears how many pictures of how many are made. Raises LagError L0004."""
-    length = float(reel.t[-1] - reel.t[0])
-    seen = (reel.t - reel.t[0]) / speed_of(length)  # s
+def save_frames(t: Vector, picture: Picture, path: Path, tell: Callable[[int, int], None] | None) -> None:
+    """Writes the file: `picture` makes pages of one size of the moments t (T,), s; `tell` hears how many of how many are made.
+    Raises LagError L0004."""
+    length = float(t[-1] - t[0])
+    seen = (t - t[0]) / speed_of(length)  # s
     with Target(path, binary=True) as target:
         if path.suffix.lower() == ".mp4":
-            target.stream.write(_mp4(reel, seen, tell))
+            target.stream.write(_mp4(picture, seen, tell))
             return
         kept = np.unique(np.linspace(0, len(seen) - 1, min(len(seen), _MOST)).round().astype(int))
-        first, *others = _pictures(reel, kept.tolist(), tell)
+        first, *others = _pictures(picture, kept.tolist(), tell)
         gaps = np.diff(seen[kept]) * 1000
         each = [max(_SHORTEST, round(x)) for x in (*gaps, gaps.mean() if gaps.size else 1000.0)]
         first.save(target.stream, format=path.suffix[1:].upper(), save_all=True, append_images=others, duration=each, loop=0)
 
 
-def _pictures(reel: Reel, moments: list[int], tell: Callable[[int, int], None] | None) -> Iterator[Image.Image]:
+def _pictures(picture: Picture, moments: list[int], tell: Callable[[int, int], None] | None) -> Iterator[Image.Image]:
     for k, moment in enumerate(moments):
-        page = _page(reel, moment)
+        page = picture(moment)
         yield rasterise(page, _SCALE, size=(_even(page.width), _even(page.height)))
         if tell is not None:
             tell(k + 1, len(moments))
@@ -50,14 +51,7 @@ def _even(length: float) -> int:
     return 2 * math.ceil(length * _SCALE / 2)
 
 
-def _page(reel: Reel, moment: int) -> Page:
-    """One picture: all of them are as large."""
-    view = view_of([Stroke(np.array([reel.low, reel.high]), 0)], np.inf)
-    ways = [Stroke(way, ARROWS, "thin") for way in ways_until(reel, moment)]
-    return build_page([(Shape([*strokes_at(reel, moment), *ways]), None)], view, weight=weight_of(view.scale * reel.symbol))
-
-
-def _mp4(reel: Reel, seen: NDArray[np.float64], tell: Callable[[int, int], None] | None) -> bytes:
+def _mp4(picture: Picture, seen: Vector, tell: Callable[[int, int], None] | None) -> bytes:
     """At an even rate: each picture shows the row that is nearest to its time."""
     import imageio_ffmpeg
 
@@ -66,12 +60,12 @@ def _mp4(reel: Reel, seen: NDArray[np.float64], tell: Callable[[int, int], None]
     with tempfile.TemporaryDirectory(prefix="lagrangia-") as folder:
         made = Path(folder) / "film.mp4"
         writer = None
-        for picture in _pictures(reel, moments, tell):
+        for image in _pictures(picture, moments, tell):
             if writer is None:
-                writer = imageio_ffmpeg.write_frames(str(made), picture.size, pix_fmt_in="gray", fps=_RATE, codec="libx264",
+                writer = imageio_ffmpeg.write_frames(str(made), image.size, pix_fmt_in="gray", fps=_RATE, codec="libx264",
                                                      macro_block_size=2, quality=None, output_params=["-crf", "20"])
                 writer.send(None)
-            writer.send(picture.tobytes())
+            writer.send(image.tobytes())
         if writer is not None:
             writer.close()
         return made.read_bytes()

@@ -152,7 +152,7 @@ def _item(model: FlatModel, rows: _Rows, figure: Figure, lost: set[str]) -> Item
     options = {name: _sized(rows, node, 2 if name == "along" else 1) for name, node in given.items()}
     choices = {name: node.value for name, node in figure.options.items() if name in CHOICES and isinstance(node, String)}
     frames, starts = ((), ()) if is_lost else (tuple(name for name, _ in places), tuple(row for _, row in places))
-    return Item(figure, frames, starts, tuple(numbers), options, choices, _measure(model, figure))
+    return Item(figure, frames, starts, tuple(numbers), options, choices, measure_of(model, figure))
 
 
 def _sized(rows: _Rows, node: Flat, size: int) -> tuple[int, ...]:
@@ -162,7 +162,8 @@ def _sized(rows: _Rows, node: Flat, size: int) -> tuple[int, ...]:
     return found
 
 
-def _measure(model: FlatModel, figure: Figure) -> str:
+def measure_of(model: FlatModel, figure: Figure) -> str:
+    """Of an arrow: force, torque, length or direction; of a curved one angle."""
     if figure.word not in ("arrow", "curved_arrow") or len(figure.arguments) < 2:
         return ""
     found = dimension_of_value(model, figure.arguments[1])

@@ -9,9 +9,7 @@ import numpy as np
 
 from lagrangia.base.records import dataclass
 from lagrangia.compile.pipeline import Compilation
-from lagrangia.draw.drawing import figures_of
 from lagrangia.draw.page import LINES
-from lagrangia.draw.picture import draw_page
 from lagrangia.draw.raster import rasterise
 from lagrangia.draw.strokes import Stroke
 from lagrangia.draw.svg import write_svg
@@ -19,6 +17,7 @@ from lagrangia.draw.values import States
 from lagrangia.fmu.variables import Exportable
 from lagrangia.language.flat import Figure
 from lagrangia.run.input_pieces import held_at_first
+from lagrangia.solids.showing import all_figures_of, icon_of
 
 _PIXELS, _MARGIN, _LINE = 128, 2, 1.5  # of the icon, at its borders, and of a line
 _MOST_FRAMES, _MOST_FIGURES = 400, 400  # shown in a picture
@@ -41,7 +40,7 @@ def draw_icon(model: Exportable, start: tuple[float, ...]) -> Icon:
     given = [*(known.value or 0.0 for known in scene.inputs), *held_at_first(scene, list(map(float, parameters)))]
     columns = ([scene.start], start[:n], start[n:], given, parameters)
     states = States(*(np.array(column, dtype=float).reshape(-1, 1) for column in columns))
-    page = draw_page(model.compilation, _told_apart(figures_of(model)), states, {}, is_named=False)
+    page = icon_of(model.compilation, _told_apart(all_figures_of(model)), states)
     if not page.paths:  # a scene of energies alone, whose components have no drawing: a box, as of any block
         page = replace(page, paths=(Stroke(_BOX, 0, "normal", "none", True),))
     scale = (_PIXELS - 2 * _MARGIN) / max(page.width, page.height)

@@ -9,11 +9,10 @@ from dataclasses import replace
 from fractions import Fraction
 from functools import cache
 
-from lagrangia.base.diagnostics import LagError, Report, Span, fail, suggest
+from lagrangia.base.diagnostics import LagError, Report, Span
 from lagrangia.base.records import dataclass
-from lagrangia.language.elements import length
-from lagrangia.language.figures import CHOICES, OPTIONS, WORDS
-from lagrangia.language.flat import Delay, Equation, Figure, FlatModel, Sampler, Variable, When, is_frame, places_of
+from lagrangia.language.figure_checks import check_figure
+from lagrangia.language.flat import Delay, Equation, FlatModel, Sampler, Variable, When
 from lagrangia.language.folding import fold
 from lagrangia.language.frame_attributes import dimension_of, known_of
 from lagrangia.language.function_variables import FlatFunction
@@ -91,7 +90,7 @@ def check_dimensions(model: FlatModel) -> FlatModel:
     for work in (work for work in model.news(model.works) if not work.is_signal):
         checker.guard(checker.check_work, work.force, work.position, work.span, place=work.span)
     for figure in model.figures:
-        checker.guard(checker.check_figure, figure)
+        checker.guard(check_figure, checker, figure)
     checker.report.raise_errors()
     return replace(model, warnings=(*model.warnings, *checker.report.diagnostics))
 
@@ -200,68 +199,6 @@ class _Checker:
         if not _fits(product, _JOULE):
             self.report.error("L0304", f"force times position is in {product.spell()}, not in J", span,
                               "a force in N works on a length, a torque in N.m on an angle")
-
-    def check_figure(self, figure: Figure) -> None:
-        """The arguments and options of a word of a drawing section."""
-        word = WORDS[figure.word]
-        kinds, given = word.takes, figure.arguments
-        is_found = not given and "of" in figure.options and kinds == ("place", "place")
-        if (len(given) < word.least and not is_found) or (len(given) > len(kinds) and not word.goes_on):
-            fail("L0215", f"{figure.word} does not take {len(given)} argument{'s' if len(given) != 1 else ''}", figure.span,
-                 f"write: {word.usage}")
-        for k, node in enumerate(given):
-            self._check_argument(figure.word, kinds[min(k, len(kinds) - 1)], node, word.goes_on)
-        for name, node in figure.options.items():
-            if name not in OPTIONS:
-                fail("L0229", f"what is drawn has no '{name}'", node.span,
-                     suggest(name, OPTIONS) or f"it has {', '.join(OPTIONS)}")
-            self._check_argument(name, OPTIONS[name], node)
-
-    def _check_argument(self, what: str, kind: str, node: Flat, may_be_many: bool = False) -> None:
-        if kind == "text":
-            self._check_text(what, node)
-        elif kind == "place":
-            for place in places_of(node) if may_be_many else (node,):
-                self._check_place(place)
-        elif kind == "vector":
-            if self._length(node) != 2:
-                fail("L0303", "a vector of two components is needed here", node.span, "write {x, y}")
-            self.quantity(node)
-        else:
-            if self._length(node) is not None:
-                fail("L0303", "one number is needed here", node.span)
-            told = {"length": (_METRE, "a length"), "angle": (ONE, "an angle"),
-                    "number": (ONE, f"'{what}', in sizes of a symbol,")}
-            if kind in told:
-                self.expect(node, *told[kind])
-            self.quantity(node)
-
-    def _length(self, node: Flat) -> int | None:
-        def size(ref: Ref) -> int | None:
-            return dict(enumerate(self.model.variables[ref.name].shape)).get(len(ref.index))
-
-        return None if is_frame(node) else length(node, size)
-
-    def _check_place(self, node: Flat) -> None:
-        if is_frame(node):
-            self.check_frame(node)
-        elif self._length(node) != 2:
-            fail("L0221", "a place is a frame, or a position of two components", node.span,
-                 "as bar.a, bar.a.r or shift(bar.a, {x, y})")
-        else:
-            self.expect(node, _METRE, "a position")
-
-    def _check_text(self, what: str, node: Flat) -> None:
-        """A text of one's own, or names whose symbols are written; a fixed word, where one is chosen."""
-        if what in CHOICES:
-            if not isinstance(node, String) or node.value not in CHOICES[what]:
-                fail("L0229", f"'{what}' is one of {', '.join(CHOICES[what])}", node.span,
-                     f'write: {what} = "{CHOICES[what][-1]}"')
-            return
-        for item in node.items if isinstance(node, Array) else (node,):
-            if not isinstance(item, String | Ref | FrameRef | Number):
-                fail("L0229", "a label is a text, or the name of what it stands for", item.span,
-                     'write: label = "P", or label = k')
 
     def expect(self, node: Flat, wanted: Dimension, what: str, unit: str = "") -> None:
         if isinstance(node, Array):

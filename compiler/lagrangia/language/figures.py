@@ -1,7 +1,7 @@
 """What can be drawn: the words of a drawing section, what they take, and their options.
 
-A place is a frame, or a position of two components. Sizes are lengths; those that are left out are symbols, as large as the
-picture wants them.
+A place is a frame, or a position of two components, in space of three. Sizes are lengths; those that are left out are symbols, as
+large as the picture wants them.
 """
 
 from collections.abc import Mapping
@@ -41,7 +41,13 @@ WORDS: Mapping[str, Word] = {
     "belt": _word("belt(a, r_a, b, r_b)", "place length place length"),
     "trace": _word("trace(at)", "place"),
     "text": _word("text(at, words)", "place text"),
+    "cuboid": _word("cuboid(center, x, y, z)", "place length length length"),
+    "cylinder": _word("cylinder(center, r, height)", "place length length", 1),
+    "cone": _word("cone(at, r, height)", "place length length"),
+    "ball": _word("ball(center, r)", "place length", 1),
 }
+
+OF_SPACE = frozenset({"cuboid", "cylinder", "cone", "ball"})
 
 # What may follow by name, and of which kind it is.
 OPTIONS: Mapping[str, str] = {

@@ -203,8 +203,7 @@ class _Flattening:
             if name not in instance.outer:
                 self._visit_member(member, instance)
         for kind, clause in instance.clauses:
-            if not (kind == "drawing" and self.found.space.is_spatial):  # where pictures are refused
-                self._clause(kind, clause, Scope(instance))
+            self._clause(kind, clause, Scope(instance))
 
     def _visit_member(self, member: Member, owner: Instance) -> None:
         if isinstance(member, list):

@@ -12,7 +12,7 @@ NOT_YET: Mapping[str, tuple[str, str]] = {
     "attitude": ("bodies that float with an attitude", "hinges turn them: three of them, or a Universal and a Revolute"),
     "loops": ("closed loops", "cut one joint open"),
     "events": ("events and contacts of frames", "events of coordinates are there: when hinge.phi < 0 then ..."),
-    "pictures": ("pictures and films", "frames as columns: --outputs bar.b.r"),
+    "pictures": ("pages that compute, and films of modes,", "lag draw and lag animate show it"),
     "drives": ("reactions of joints that are driven", "the force of the drive is there: constraint_force(x)"),
     "massless": ("places without mass beside torques on attitudes", "give what moves there a mass"),
     "equations": ("written equations", "lag simulate, lag linearize, --to python and --to casadi have them"),
