@@ -17,6 +17,7 @@ def find_idle_statements(graph: ComponentGraph, told: Iterable[Diagnostic] = ())
     """L0224 for components, and for single statements of the scene itself, but where `told` speaks of them; what a joint holds
     has its weight for the reaction."""
     report, model = Report(), graph.model
+    _find_lonely(graph, report)
     if not graph.coordinates:
         return report
     known, grounded = {warning.span for warning in told}, _grounded(graph)
@@ -36,6 +37,17 @@ def find_idle_statements(graph: ComponentGraph, told: Iterable[Diagnostic] = ())
         report.warning("L0224", f"{name} does nothing: it speaks of {' and of '.join(sorted(why))}", span,
                        "give it another place, or leave it out")
     return report
+
+
+def _find_lonely(graph: ComponentGraph, report: Report) -> None:
+    """Frames of the scene itself that nothing places, and nothing is joined to."""
+    told = set[str]()
+    for name in graph.unused_frames:
+        stem = name.partition("[")[0]
+        if "." not in name and stem not in told:
+            told.add(stem)
+            report.warning("L0224", f"nothing uses the frame '{stem}', and it is nowhere", graph.model.frames[name].span,
+                           f"say where it is, Frame {stem} = shift(world, {{1, 0}}), and join something to it; or leave it out")
 
 
 def _all(model: FlatModel) -> tuple[Statement, ...]:

@@ -12,13 +12,13 @@ def warn_of_both(first: Flat, other: Flat, block: WhenBlock, report: Report) -> 
     span = block.condition.span
     if are_alike(first, other):
         report.error("L0225", "this never happens: the condition is that of the branch before", span, "leave the branch out")
-    elif not _exclude(first, other):
+    elif not exclude(first, other):
         report.warning("L0237", "where this and the condition before come true at one instant, both happen", span,
                        "in Modelica the first one alone does; conditions that exclude each other, as x > 1 and x < -1, are safe")
 
 
-def _exclude(a: Flat, b: Flat) -> bool:
-    """Whether one number is above what another condition keeps it below."""
+def exclude(a: Flat, b: Flat) -> bool:
+    """Whether two conditions cannot be true at once: one number is above what another condition keeps it below."""
     if not (isinstance(a, Binary) and isinstance(b, Binary) and a.operator in COMPARED and b.operator in COMPARED):
         return False
     for (small, large), (low, high) in ((_sides(a), _sides(b)), (_sides(b), _sides(a))):

@@ -11,6 +11,7 @@ from lagrangia.language.flat import FlatModel, Reset
 from lagrangia.language.idle import expressions_of
 from lagrangia.language.instances import Instance, Slot
 from lagrangia.language.mentions import nodes, reached
+from lagrangia.language.never import find_never
 from lagrangia.language.spaces import ANNOTATION
 from lagrangia.language.tree import (
     Argument,
@@ -53,7 +54,7 @@ def find_without_effect(model: FlatModel, root: Instance, table: ClassTable) -> 
         for element in definition.elements:
             _look_at_each(element, report)
     _look_at_attributes(instances, model, table, report)
-    _look_at_structural(own, report)
+    _look_at_structural(own, table, report)
     called = dict.fromkeys(name.partition("(")[0] for name in model.functions)
     _look_at_functions([table.user[name] for name in called if name in table.user], report)
     _look_at_joints(model, table, report)
@@ -61,6 +62,7 @@ def find_without_effect(model: FlatModel, root: Instance, table: ClassTable) -> 
         for reset in when.resets:
             if _is_idle(reset) and reset.span.source not in table.library_sources:
                 report.warning(CODE, "this sets a rate to what it is: nothing happens", reset.span, "give another value")
+    find_never(model, report, CODE)
     if any("virtual" in source.text for source in {c.name_span.source for c in own}):
         _look_at_virtual(model, table, report)
     return report
@@ -163,16 +165,24 @@ def _look_at_attributes(instances: Iterable[Instance], model: FlatModel, table: 
             report.warning(CODE, f"'{name}' of '{slot.path}' has no effect", place, *[_WHY[name]] if name in _WHY else [])
 
 
-def _look_at_structural(own: Sequence[ClassDefinition], report: Report) -> None:
+def _look_at_structural(own: Sequence[ClassDefinition], table: ClassTable, report: Report) -> None:
     """Constants and structural parameters whose names stand nowhere."""
     mentioned = {word for definition in own for word in _words((definition.elements, definition.sections))}
     for definition in own:
         for element in definition.elements:
             is_structural = isinstance(element, Declaration) and ("constant" in element.prefixes or (
-                "parameter" in element.prefixes and element.type_name in ("Integer", "Boolean", "String")))
+                "parameter" in element.prefixes and _decides(element, table)))
             if is_structural and isinstance(element, Declaration) and element.name not in mentioned:
                 what = "constant" if "constant" in element.prefixes else "parameter"
                 report.warning(CODE, f"nothing reads the {what} '{element.name}'", element.name_span, "leave it out")
+
+
+def _decides(declaration: Declaration, table: ClassTable) -> bool:
+    """Whether a parameter is structural by its type."""
+    if declaration.type_name in ("Integer", "Boolean", "String"):
+        return True
+    found = table.found(declaration.type_name, declaration.type_span)
+    return found is not None and bool(found.literals)
 
 
 def _look_at_functions(functions: Iterable[ClassDefinition], report: Report) -> None:

@@ -1,0 +1,130 @@
+"""Conditions that can never come true, or never be false, by the bounds of what they compare: sines, squares, lengths, limits."""
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from itertools import combinations
+
+from lagrangia.base.diagnostics import Report
+from lagrangia.language.elsewhen import exclude
+from lagrangia.language.events import COMPARED, parts_of
+from lagrangia.language.flat import Experiment, FlatModel
+from lagrangia.language.mentions import nodes
+from lagrangia.language.tree import Binary, Boolean, Call, Flat, Number, Ref, Time, Unary
+
+Bounds = tuple[float, float]
+_ANY: Bounds = (-math.inf, math.inf)
+_DEEPEST = 20  # bindings of bindings
+_OF_CALLS: Mapping[str, Bounds] = {
+    **dict.fromkeys(("sin", "cos", "tanh", "sign"), (-1.0, 1.0)), **dict.fromkeys(("abs", "sqrt", "exp"), (0.0, math.inf)),
+    **dict.fromkeys(("asin", "atan"), (-math.pi / 2, math.pi / 2)), "acos": (0.0, math.pi), "atan2": (-math.pi, math.pi),
+    "cosh": (1.0, math.inf),
+}
+
+
+def find_never(model: FlatModel, report: Report, code: str) -> None:
+    """A warning for each event that never comes, and each assertion that always holds."""
+    bounding = _Bounding(model)
+    conditions = [(when.condition, when.span) for when in model.whens]
+    conditions += [(guard.condition, guard.span) for guard in model.guards if guard.kind == "end"]
+    for condition, span in conditions:
+        can_be_true, can_be_false = bounding.truth(condition)
+        if can_be_true and can_be_false:
+            continue
+        late = any(isinstance(node, Time) for node in nodes(condition)) and model.experiment.stop != Experiment.stop
+        hints = [f"the run ends at StopTime = {model.experiment.stop:g} s"] if late else []
+        why = "is never true" if not can_be_true else "is true from the start on"
+        report.warning(code, f"this event never comes: '{condition.span.text}' {why}", span, *hints or ["leave it out"])
+    for guard in model.guards:
+        if guard.kind != "end" and not bounding.truth(guard.condition)[1]:
+            report.warning(code, f"this holds whatever happens: '{guard.condition.span.text}'", guard.span, "leave it out")
+
+
+class _Bounding:
+    def __init__(self, model: FlatModel) -> None:
+        self.model = model
+        self.stop = model.experiment.stop if model.experiment.stop != Experiment.stop else math.inf
+
+    def truth(self, node: Flat) -> tuple[bool, bool]:
+        """Whether a condition can be true, and whether it can be false."""
+        match node:
+            case Boolean(value):
+                return value, not value
+            case Unary("not", operand):
+                can_be_true, can_be_false = self.truth(operand)
+                return can_be_false, can_be_true
+            case Binary("and"):
+                parts = list(parts_of(node))
+                found = list(map(self.truth, parts))
+                fight = any(exclude(a, b) for a, b in combinations(parts, 2))
+                return all(x for x, _ in found) and not fight, any(x for _, x in found)
+            case Binary("or", left, right):
+                one, other = self.truth(left), self.truth(right)
+                return one[0] or other[0], one[1] and other[1]
+            case Binary(operator, left, right) if operator in COMPARED:
+                if operator in (">", ">="):
+                    left, right = right, left
+                (low, high), (least, most) = self.of(left), self.of(right)
+                return (low < most, high >= least) if "=" not in operator else (low <= most, high > least)
+        return True, True
+
+    def of(self, node: Flat, depth: int = 0) -> Bounds:
+        """The least and the largest value that a number may have."""
+        if depth > _DEEPEST:
+            return _ANY
+        match node:
+            case Number(value):
+                return value, value
+            case Time():
+                return -math.inf, self.stop
+            case Ref(name, ()):
+                variable = self.model.variables[name]
+                if variable.kind == "variable" and variable.binding is not None and not variable.shape:
+                    return self.of(variable.binding, depth + 1)
+                if variable.kind != "parameter":
+                    return _ANY
+                return (-math.inf if variable.minimum is None else variable.minimum,
+                        math.inf if variable.maximum is None else variable.maximum)
+            case Unary("-", operand):
+                low, high = self.of(operand, depth + 1)
+                return -high, -low
+            case Binary(operator, left, right) if operator in _OPERATED:
+                return _OPERATED[operator](self.of(left, depth + 1), self.of(right, depth + 1))
+            case Call(function, arguments, (), _):
+                return self._of_call(function, [self.of(x, depth + 1) for x in arguments])
+        return _ANY
+
+    def _of_call(self, function: str, arguments: Sequence[Bounds]) -> Bounds:
+        if function in ("min", "max") and len(arguments) > 1:
+            choose = min if function == "min" else max
+            return choose(low for low, _ in arguments), choose(high for _, high in arguments)
+        return _OF_CALLS.get(function, _ANY)
+
+
+def _sum(a: Bounds, b: Bounds) -> Bounds:
+    return _known(a[0] + b[0], a[1] + b[1])
+
+
+def _difference(a: Bounds, b: Bounds) -> Bounds:
+    return _known(a[0] - b[1], a[1] - b[0])
+
+
+def _product(a: Bounds, b: Bounds) -> Bounds:
+    found = [0.0 if 0 in (x, y) else x * y for x in a for y in b]
+    return _known(min(found), max(found))
+
+
+def _quotient(a: Bounds, b: Bounds) -> Bounds:
+    return _product(a, (1 / b[1], 1 / b[0])) if b[0] > 0 or b[1] < 0 else _ANY
+
+
+def _power(a: Bounds, b: Bounds) -> Bounds:
+    is_even = b[0] == b[1] and b[0] > 0 and b[0] % 2 == 0
+    return (0.0, math.inf) if is_even or (a[0] >= 0 and b[0] == b[1]) else _ANY
+
+
+def _known(low: float, high: float) -> Bounds:
+    return (-math.inf if math.isnan(low) else low, math.inf if math.isnan(high) else high)
+
+
+_OPERATED: Mapping[str, Callable[[Bounds, Bounds], Bounds]] = {
+    "+": _sum, "-": _difference, "*": _product, "/": _quotient, "^": _power}

@@ -1,0 +1,65 @@
+"""Events that never come, assertions that always hold, and frames that are nowhere are warned of; what may come is not."""
+
+from collections.abc import Callable
+
+import pytest
+
+import lagrangia as lag
+
+Write = Callable[[str], lag.Model]
+SCENE = """type E = enumeration(a, b);
+model M
+  parameter Stiffness k(min = 0) = 1; parameter Real few(min = 1, max = 3) = 2; parameter Real any = 2;
+  Real z = abs(b.s)/1[m] + 1;
+  Block b(m = 1, base = world, s(start = 1)); Spring s(k = k, stretch = b.s);
+  output Real shown = few + any;
+STATED
+  annotation(experiment(StopTime = 5));
+end M;"""
+NEVER = (
+    "sin(b.s/1[m]) > 2", "b.s^2 < 0", "abs(b.v) < 0", "b.s > 1 and b.s < 0", "time > 5", "z < 1", "few*abs(b.s) < 0",
+    "k < -b.s^2*1[N/m3]", "2 + cos(1[rad/s]*time) <= 0.5", "max(b.s, 1) < 1", "not b.s^2 >= 0", "b.s^2 >= 0", "b.s^2/few < 0",
+    "sqrt(abs(b.s)/1[m]) < 0 or time > 7", "few + b.s^2/1[m2] < 1", "exp(b.s/1[m]) < 0", "few > 0.5 or b.s > 1")
+MAY = (
+    "sin(b.s/1[m]) > 0.9", "b.s^2 < 1", "b.s < 0", "b.s > 0 and b.s < 1", "time > 4", "z < 1.5", "few*b.s < 0", "any < b.s/1[m]",
+    "b.s > 1 or b.s < 0", "b.s^3 < 0", "k < b.s*1[N/m2]", "b.s/few < 0", "min(b.s, 1) < 0.5", "few > 2.5 + b.s/1[m]",
+    "atan2(b.s, b.v*1[s]) > 3")
+
+
+def told(model: lag.Model) -> list[str]:
+    return [d.message for d in model.compilation.flat.warnings if d.code == "L0224"]
+
+
+@pytest.mark.parametrize("condition", NEVER)
+def test_what_never_comes_is_told(condition: str, scene: Write) -> None:
+    (said,) = told(scene(SCENE.replace("STATED", f'equation when {condition} then terminate("x"); end when;')))
+    assert said.startswith("this event never comes")
+
+
+@pytest.mark.parametrize("condition", MAY)
+def test_what_may_come_is_not(condition: str, scene: Write) -> None:
+    stated = f'equation when {condition} then terminate("x"); end when; assert({condition}, "x");'
+    assert told(scene(SCENE.replace("STATED", stated))) == []
+
+
+def test_assertions_that_always_hold_are_told(scene: Write) -> None:
+    text = SCENE.replace("STATED", 'equation assert(b.s^2 >= 0, "x"); assert(few < 4, "x"); assert(b.s^2 > 0, "x");')
+    assert told(scene(text)) == ["this holds whatever happens: 'b.s^2 >= 0'", "this holds whatever happens: 'few < 4'"]
+    assert scene(text.replace("experiment(", 'allow = "L0224", experiment(')).warnings == []
+
+
+def test_events_of_parts_in_arrays_and_subclasses_are_told(scene: Write) -> None:
+    part = """model Part Block b(m = 1, base = world); equation when b.s^2 < 0 then reinit(b.v, 0); end when; end Part;
+      model Sub extends Part; end Sub; package P model In extends Sub; end In; end P; model M PARTS end M;"""
+    for parts, count in (("Part p[3];", 1), ("Sub p;", 1), ("P.In p[9];", 1)):
+        assert len(told(scene(part.replace("PARTS", parts)))) == count
+
+
+def test_frames_that_are_nowhere_are_told_once(scene: Write) -> None:
+    model = scene("model M Block b(m = 1, base = world); Frame f[3]; Frame g if true; Frame h = shift(b.center, {1, 0}); end M;")
+    found = [text for text in model.warnings if "nothing uses the frame" in text]
+    assert len(found) == 2 and "'f'" in found[0] and "'g'" in found[1]
+
+
+def test_enumerations_that_nothing_reads_are_told(scene: Write) -> None:
+    assert told(scene(SCENE.replace("STATED", "parameter E e = E.a;"))) == ["nothing reads the parameter 'e'"]
