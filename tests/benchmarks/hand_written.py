@@ -13,9 +13,9 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-from rhs_clock import Clock, state
 
 import lagrangia as lag
+from lagrangia.bench.clock import Clock, state
 from lagrangia.native.build import build
 from lagrangia.native.tapes import Op
 from lagrangia.run.engines import load_engine

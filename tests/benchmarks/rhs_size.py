@@ -14,7 +14,8 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import numpy as np
-from rhs_clock import Clock, state
+
+from lagrangia.bench.clock import Clock, state
 
 CHAIN = Path(__file__).resolve().parents[2] / "models" / "examples" / "chain.lag"
 ROPE = Path(__file__).resolve().parent / "scenes" / "rope.lag"

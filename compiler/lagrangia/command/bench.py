@@ -16,7 +16,12 @@ _TABLES = (".csv", ".json")
 
 
 def bench_command(options: Namespace) -> int:
-    """Measures, prints the table, writes what is asked for. Raises LagError, RunError."""
+    """What is asked for. Raises LagError, RunError."""
+    return _right_hand_sides(options) if options.rhs else _work_and_precision(options)
+
+
+def _work_and_precision(options: Namespace) -> int:
+    """Measures, prints the table, writes what is asked for."""
     from lagrangia.bench.measure import TOLERANCES, Point, Skipped, all_solvers, measure
     from lagrangia.bench.problem import build_problem
     from lagrangia.bench.reference import NoReference, find_reference
@@ -53,6 +58,30 @@ def bench_command(options: Namespace) -> int:
     _clear_progress()
     print("\n".join(as_text(found, ours, reference.error)))
     _write(options, found, ours, reference, {s.name: s.version for s in solvers}, model.name)
+    return 0
+
+
+def _right_hand_sides(options: Namespace) -> int:
+    """Prints a line for each; exit code 1 where the scene is none that can be measured so. Raises LagError, RunError."""
+    from lagrangia.bench.right_hand_sides import Side, measure_sides
+    from lagrangia.bench.tree_peers import Unfit
+
+    if find_compiler() is None:
+        fail("L0901", "not supported yet: a benchmark without a C compiler, which compiles all that is measured", None,
+             "pip install ziglang brings one")
+    model = load_model(options, assignments(options.parameter, "-p"), ())
+    n = model.scene.n
+    try:
+        print(f"{model.name}: {n} coordinates; accelerations at one state, the shortest of many calls")
+        print(f"  {'':18} {'a call':>12} {'a coordinate':>14}  {'difference':>10}")
+        for side in measure_sides(model.compilation):
+            if isinstance(side, Side):
+                told = f"{side.seconds * 1e9:9.0f} ns {side.seconds * 1e9 / n:11.1f} ns  {side.difference:10.1e}"
+                print(f"  {side.name:18} {told}  {side.how}", flush=True)
+            else:
+                print(f"  skipped {side[0]}: {side[1]}")
+    except Unfit as reason:
+        raise RunError(f"these right-hand sides are not measured: {reason}") from None
     return 0
 
 

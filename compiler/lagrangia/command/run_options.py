@@ -59,6 +59,7 @@ def add_bench(parser: ArgumentParser) -> None:
     add("--repeat", type=int, default=15, metavar="N", help="runs whose median counts (15)")
     add("-o", "--output", metavar="FILE", help="the points as a table (.csv, .json)")
     add("--plot", metavar="FILE", type=Path, help="a picture (.png, .svg, .pdf)")
+    add("--rhs", action="store_true", help="the accelerations of a tree in space alone, beside Pinocchio and MuJoCo")
 
 
 def add_sweep(parser: ArgumentParser) -> None:

@@ -2,11 +2,13 @@
 
 import ctypes
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
 from lagrangia.base.folders import data_folder
 from lagrangia.native.build import build
+from lagrangia.run.interpret import evaluate
 from lagrangia.run.scene import Scene
 
 CLOCK = """
@@ -46,8 +48,9 @@ class Clock:
         self.library = ctypes.CDLL(str(build("clock", CLOCK, include=[data_folder("runtime")])))
         self.library.clock_calls.restype = ctypes.c_double
 
-    def seconds(self, function: ctypes.Structure, tape_run: object, inputs: Sequence[np.ndarray], outputs: Sequence[np.ndarray],
+    def seconds(self, function: ctypes.Structure, tape_run: Any, inputs: Sequence[np.ndarray], outputs: Sequence[np.ndarray],
                 n_work: int, repeats: int = 200) -> float:
+        """Of a call; `outputs` holds the results afterwards."""
         work = np.zeros(max(1, n_work))
         pointers = [(Vector * len(x))(*(y.ctypes.data_as(Vector) for y in x)) for x in (inputs, outputs)]
         run = ctypes.cast(tape_run, ctypes.c_void_p) if tape_run is not None else None
@@ -61,13 +64,11 @@ class Clock:
 
 def state(scene: Scene, seed: int = 0) -> list[np.ndarray]:
     """t, q, v, u, d and c of a scene at a general place, its parameters as declared."""
-    from lagrangia.run.interpret import evaluate
-
     random = np.random.default_rng(seed)
     given = [parameter.value if parameter.value is not None else 0.0 for parameter in scene.parameters]
     mask = [float(parameter.value is not None) for parameter in scene.parameters]
     (p,) = evaluate(scene.tapes["parameters"], given, mask)
     (c,) = evaluate(scene.tapes["hoist"], p)
     _, n, _, u, d, _ = scene.tapes["rhs"].in_sizes
-    parts = [[0.3], random.uniform(0.1, 1, n), random.uniform(0.1, 1, n), np.zeros(u), np.zeros(d), c]
+    parts: list[Any] = [[0.3], random.uniform(0.1, 1, n), random.uniform(0.1, 1, n), np.zeros(u), np.zeros(d), c]
     return [np.array([*part, 0.0]) for part in parts]  # never empty

@@ -1,0 +1,87 @@
+"""The accelerations of a tree in space, as they are compiled, beside what peers take for those of the same tree at one state.
+
+All are timed by the shortest of many calls. What is called from Python carries about 0.3 us of that; ours is called from C.
+"""
+
+import ctypes
+import time
+from collections.abc import Callable, Iterator
+from typing import TYPE_CHECKING, Any
+
+import casadi as ca
+import numpy as np
+
+from lagrangia.base.records import dataclass
+from lagrangia.bench.clock import Clock, state
+from lagrangia.bench.tree_peers import Tree, Unfit, in_numbers, peers_of
+from lagrangia.compile.pipeline import Compilation
+from lagrangia.constraints.parameters import default_parameters
+from lagrangia.dynamics.spatial_tree import SpatialBodies, articulate_in_space
+from lagrangia.native.c_code import usual_rhs
+from lagrangia.run.engines import load_engine
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+_LARGEST_COMPILED = 100  # coordinates: the C compiler takes minutes for thousands
+
+@dataclass(frozen=True)
+class Side:
+    """One right-hand side. `difference`: largest of an acceleration from ours, relative to the largest acceleration."""
+
+    name: str
+    how: str
+    seconds: float
+    difference: float
+
+
+def measure_sides(made: Compilation) -> Iterator[Side | tuple[str, str]]:
+    """Ours first, then the peers; a name and the reason of those that cannot take it. Raises Unfit."""
+    tree = articulate_in_space(made.kinematics, made.motion.bodies) if made.kinematics.geometry.by_rates else None
+    if tree is None:
+        raise Unfit("only trees in space are measured so: chains of the plane by tests/benchmarks/rhs_size.py")
+    own, how, seconds, inputs = _ours(made)
+    yield Side("lagrangia", f"{how}, {made.scene.notes['acceleration_nodes']} operations", seconds, 0.0)
+    for peer in peers_of(_in_numbers(made, tree, inputs)):
+        if isinstance(peer, tuple):
+            yield peer
+            continue
+        found = peer.accelerations()
+        yield Side(peer.name, "from Python", _shortest(peer.call), float(np.abs(found - own).max() / np.abs(own).max()))
+
+
+def _ours(made: Compilation) -> "tuple[NDArray[np.float64], str, float, list[NDArray[np.float64]]]":
+    scene = made.scene
+    engine = load_engine(scene, native=scene.n <= _LARGEST_COMPILED)
+    assert engine is not None  # there is a C compiler: the command asked
+    tape, inputs = usual_rhs(scene.tapes), state(scene)
+    function = getattr(engine.model.struct, "rhs" if tape is scene.tapes["rhs"] else "regular")
+    outputs = [np.zeros(max(1, size)) for size in tape.out_sizes]
+    interpreter = ctypes.cast(engine.runtime.library.lag_tape_run, ctypes.c_void_p)
+    seconds = Clock().seconds(function, interpreter, inputs, outputs, tape.n_work)
+    return outputs[0][: scene.n], engine.how, seconds, inputs
+
+
+def _in_numbers(made: Compilation, tree: SpatialBodies, inputs: "list[NDArray[np.float64]]") -> Tree:
+    p, values = default_parameters(made.kinematics)
+    field, left = tree.field(made.energies)
+    if left:
+        raise Unfit("peers are given joints, bodies and their weight: without springs, dampers and loads")
+
+    def value(x: Any) -> float:
+        return float(ca.evalf(ca.substitute(ca.SX(x), p, ca.SX(values)))) if isinstance(x, ca.SX) else float(x)
+
+    n = made.scene.n
+    joints = in_numbers(tree.joints, value)
+    return Tree(joints, n, inputs[1][:n], inputs[2][:n], np.array([value(x) for x in field]))
+
+
+def _shortest(call: Callable[[], object], seconds: float = 0.3) -> float:
+    """What others do on the machine only adds."""
+    found, end = float("inf"), time.perf_counter() + seconds
+    while time.perf_counter() < end:
+        begin = time.perf_counter()
+        for _ in range(20):
+            call()
+        found = min(found, (time.perf_counter() - begin) / 20)
+    return found

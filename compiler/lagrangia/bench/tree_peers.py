@@ -1,0 +1,173 @@
+"""Peers for the accelerations of trees of rigid bodies: Pinocchio's ABA and MuJoCo's forward dynamics, called from Python.
+
+Each gets the same joints in numbers, and the weight.
+"""
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import replace
+from importlib.metadata import PackageNotFoundError, version
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from lagrangia.base.records import dataclass
+from lagrangia.dynamics.spatial_axes import SpatialJoint
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+_NAMES = {"pinocchio": "pin", "mujoco": "mujoco"}
+_STILL = 1e-15  # kg or kg.m2: MuJoCo wants more of all that moves
+
+
+class Unfit(Exception):
+    """The peer cannot represent the tree, with the reason."""
+
+
+@dataclass(frozen=True)
+class Tree:
+    """Joints in numbers, parents first, at one state; of each turn and shift one coordinate that its amount is."""
+
+    joints: Sequence[SpatialJoint]
+    size: int
+    positions: "NDArray[np.float64]"  # (n,)
+    rates: "NDArray[np.float64]"
+    gravity: "NDArray[np.float64]"  # (3,), m/s2
+
+
+@dataclass(frozen=True)
+class Peer:
+    """What is timed, and what it gives."""
+
+    name: str
+    accelerations: Callable[[], "NDArray[np.float64]"]  # (n,)
+    call: Callable[[], object]
+
+
+def peers_of(tree: Tree) -> Iterator[Peer | tuple[str, str]]:
+    """Those that can take it; a name and the reason of each other."""
+    for name, make in (("pinocchio", _pinocchio), ("mujoco", _mujoco)):
+        try:
+            version(_NAMES[name])
+            yield make(tree)
+        except PackageNotFoundError:
+            yield name, f"not installed: pip install {_NAMES[name]}"
+        except Unfit as reason:
+            yield name, str(reason)
+
+
+def _single(joint: SpatialJoint) -> int:
+    if len(joint.coordinates) != 1 or joint.kind == "rotation":
+        raise Unfit("only hinges and sliders are given to peers so far")
+    return joint.coordinates[0]
+
+
+# -------------------------------------------------------------------- Pinocchio
+
+
+def _pinocchio_model(tree: Tree) -> tuple[Any, list[int]]:
+    """The model, and where each of its coordinates stands among ours."""
+    import pinocchio as pin
+
+    model, ids, places = pin.Model(), list[int](), list[int]()
+    model.gravity.linear = tree.gravity
+    for k, joint in enumerate(tree.joints):
+        places.append(_single(joint))
+        made = pin.JointModelRevoluteUnaligned if joint.kind == "turn" else pin.JointModelPrismaticUnaligned
+        axis = np.array(joint.axis if joint.kind == "turn" else joint.slopes[0], float)
+        parent = ids[joint.parent] if joint.parent is not None else 0
+        ids.append(model.addJoint(parent, made(axis), pin.SE3(np.array(joint.R, float), np.array(joint.origin, float)), f"j{k}"))
+        if joint.body is not None:
+            m, center, about = _about_center(joint)
+            model.appendBodyToJoint(ids[-1], pin.Inertia(m, center, about), pin.SE3.Identity())
+    order = np.argsort([model.joints[i].idx_v for i in ids])
+    return model, [places[k] for k in order]
+
+
+def _about_center(joint: SpatialJoint) -> "tuple[float, NDArray[np.float64], NDArray[np.float64]]":
+    body = joint.body
+    assert body is not None
+    b, J = np.array(body.moment, float), np.array(body.second_moment, float)
+    if body.mass == 0:
+        return 0.0, np.zeros(3), J
+    c = b / body.mass
+    return float(body.mass), c, J - body.mass * (c @ c * np.eye(3) - np.outer(c, c))
+
+
+def _pinocchio(tree: Tree) -> Peer:
+    import pinocchio as pin
+
+    model, places = _pinocchio_model(tree)
+    data, q, v = model.createData(), tree.positions[places], tree.rates[places]
+    tau = np.zeros(len(places))
+
+    def found() -> "NDArray[np.float64]":
+        return _back(pin.aba(model, data, q, v, tau), places)
+
+    return Peer("pinocchio", found, lambda: pin.aba(model, data, q, v, tau))
+
+
+def _back(found: "NDArray[np.float64]", places: Sequence[int]) -> "NDArray[np.float64]":
+    result = np.empty(len(found))
+    result[list(places)] = found
+    return result
+
+
+# -------------------------------------------------------------------- MuJoCo
+
+
+def _mujoco(tree: Tree) -> Peer:
+    import mujoco
+
+    below: dict[int | None, list[int]] = {}
+    for k, joint in enumerate(tree.joints):
+        below.setdefault(joint.parent, []).append(k)
+        light = joint.body is None or joint.body.mass < _STILL or np.linalg.eigvalsh(_about_center(joint)[2]).min() < _STILL
+        if light:
+            raise Unfit("it wants mass and three moments of inertia of every body that moves")
+    order: list[int] = []
+
+    def text(k: int) -> str:
+        joint = tree.joints[k]
+        order.append(_single(joint))
+        m, center, J = _about_center(joint)
+        axis, kind = (joint.axis, "hinge") if joint.kind == "turn" else (joint.slopes[0], "slide")
+        inner = "".join(text(child) for child in below.get(k, []))
+        x, y = (_row([row[i] for row in joint.R]) for i in range(2))
+        return (f"<body pos='{_row(joint.origin)}' xyaxes='{x} {y}'>"
+                f"<joint type='{kind}' axis='{_row(axis)}'/><inertial pos='{_row(center)}' mass='{m!r}' fullinertia='"
+                f"{_row([J[0, 0], J[1, 1], J[2, 2], J[0, 1], J[0, 2], J[1, 2]])}'/>{inner}</body>")
+
+    bodies = "".join(text(k) for k in below.get(None, []))
+    model = mujoco.MjModel.from_xml_string(
+        "<mujoco><compiler angle='radian' inertiafromgeom='false' balanceinertia='false'/>"
+        f"<option gravity='{_row(tree.gravity)}'/>"
+        f"<worldbody>{bodies}</worldbody></mujoco>")
+    data = mujoco.MjData(model)
+    data.qpos[:], data.qvel[:] = tree.positions[order], tree.rates[order]
+
+    def found() -> "NDArray[np.float64]":
+        mujoco.mj_forward(model, data)
+        return _back(data.qacc, order)
+
+    return Peer("mujoco", found, lambda: mujoco.mj_forward(model, data))
+
+
+def _row(values: Iterable[Any]) -> str:
+    return " ".join(repr(float(x)) for x in values)
+
+
+def in_numbers(joints: Sequence[SpatialJoint], value: Callable[[Any], float]) -> list[SpatialJoint]:
+    """Joints with numbers in the place of expressions of parameters. Raises Unfit."""
+    found = []
+    for joint in joints:
+        if joint.kind == "turn" and [value(x) for x in joint.slopes] != [1.0]:
+            raise Unfit("hinges that turn by more than one coordinate, or a multiple of it, are not given to peers")
+        body = joint.body
+        if body is not None:
+            J = [[value(body.second_moment[min(i, j)][max(i, j)]) for j in range(3)] for i in range(3)]
+            body = replace(body, mass=value(body.mass), moment=[value(x) for x in body.moment], second_moment=J)
+        slopes = joint.slopes if joint.kind == "turn" else [[value(x) for x in slope] for slope in joint.slopes]
+        found.append(replace(joint, R=[[value(x) for x in row] for row in joint.R], origin=[value(x) for x in joint.origin],
+                             axis=[value(x) for x in joint.axis], slopes=slopes, body=body))
+    return found

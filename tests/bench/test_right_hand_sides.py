@@ -1,0 +1,34 @@
+"""`lag bench --rhs`: the accelerations of trees in space beside those of peers; those not installed are skipped with a word."""
+
+from pathlib import Path
+
+import pytest
+
+from lagrangia.command.cli import main
+
+ARM = """model Arm
+  World world(gravity = {0, 0, -9.81});
+  Revolute waist(a = world), shoulder(a = waist.b, axis = {0, 1, 0});
+  Prismatic reach(a = shoulder.b, along = {1, 0.2, 0});
+  Body upper(center = shift(waist.b, {0, 0, 0.3}), m = 1, I = {0.1, 0.12, 0.14});
+  Body fore(center = shift(shoulder.b, {0.1, 0, 0}), m = 1, I = {0.1, 0.12, 0.14});
+  Body hand(center = reach.b, m = 1, I = {{0.1, 0.01, 0}, {0.01, 0.12, 0}, {0, 0, 0.14}});
+end Arm;
+"""
+
+
+def test_a_line_for_each(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "arm.lag").write_text(ARM, encoding="utf-8")
+    assert main(["bench", str(tmp_path / "arm.lag"), "--rhs"]) == 0
+    told = capsys.readouterr().out
+    assert "Arm: 3 coordinates" in told and " operations" in told
+    for peer, package in (("pinocchio", "pin"), ("mujoco", "mujoco")):
+        line = next(line for line in told.splitlines() if peer in line)
+        assert f"pip install {package}" in line or float(line.split()[5]) < 1e-13
+
+
+def test_what_is_no_tree_in_space_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    damped = ARM.replace("end Arm;", "energy\n  dissipation 3*waist.w^2;\nend Arm;")
+    (tmp_path / "arm.lag").write_text(damped, encoding="utf-8")
+    assert main(["bench", str(tmp_path / "arm.lag"), "--rhs"]) == 1
+    assert "without springs, dampers and loads" in capsys.readouterr().err
