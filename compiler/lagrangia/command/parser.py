@@ -50,7 +50,7 @@ COMMANDS = (
     _Command("format", "lay texts out in the one style of the language", "format:format_command", f"{_EDITS}:add_format"),
     _Command("lint", "look for what could be written better", "lint:lint_command", f"{_TEXTS}:add_check"),
     _Command("server", "answer an editor: the language server", "server:server_command", f"{_EDITS}:add_server"),
-    _Command("import", "make a .lag file of a Modelica file", "modelica_import:import_command", f"{_EDITS}:add_import"),
+    _Command("import", "make a .lag file of Modelica or of a robot", "modelica_import:import_command", f"{_EDITS}:add_import"),
     _Command("doc", "write the library and your files as pages to be read", "doc:doc_command", f"{_EDITS}:add_doc"),
     _Command("new", "begin a project: part, scene, test", "new:new_command", f"{_EDITS}:add_new"),
     _Command("test", "run models that test others, and compare with stored tables", "test:test_command", f"{_EDITS}:add_test"),

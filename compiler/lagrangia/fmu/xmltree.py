@@ -58,7 +58,7 @@ class Element:
 
 def read_xml(name: str, content: bytes) -> Element:
     """The root. `name` is what people call the file. Raises LagError L0730 for what is no XML, or has a document type: entities
-    that unfold to gigabytes come with one, and FMI has none."""
+    that unfold to gigabytes come with one, and neither FMI nor URDF has any."""
     source = Source(name, _decoded(name, content))
     builder = _Builder(source)
     parser = expat.ParserCreate("utf-8")
@@ -98,7 +98,7 @@ class _Builder:
 
     def refuse(self, *declaration: object) -> None:
         offset = self._place()
-        fail("L0730", "FMI knows no document types and entities", Span(self.source, offset, offset + 1))
+        fail("L0730", "document types and entities are not read", Span(self.source, offset, offset + 1))
 
     def _place(self) -> int:
         """The character at which the parser is; bytes are counted on from the last one."""
