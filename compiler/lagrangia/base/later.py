@@ -17,3 +17,8 @@ class Later(Generic[T]):
     def value(self) -> T:
         """What was promised."""
         return self._make()
+
+    @property
+    def is_known(self) -> bool:
+        """Whether somebody has asked for it."""
+        return "value" in self.__dict__

@@ -16,10 +16,15 @@ _FIRST, _LOOKS = 4, 16
 SIZE = 16  # bytes of an instruction
 
 
-def read_instructions(function: ca.Function) -> bytes:
-    """Four numbers (int32) each, as runtime/model/arrange.h reads them."""
-    count = function.n_instructions()
-    return (_read_kept(function, count) if count > _FEW else None) or b"".join(map(_asked(function), range(count)))
+def read_instructions(*functions: ca.Function) -> list[bytes]:
+    """Of each function, four numbers (int32) each, as runtime/model/arrange.h reads them. Expressions that several functions share
+    are written down once."""
+    counts = [function.n_instructions() for function in functions]
+    serializer = ca.StringSerializer()
+    serializer.pack([function for function, count in zip(functions, counts, strict=True) if count > _FEW])
+    text = serializer.encode() if max(counts, default=0) > _FEW else ""
+    return [(_read_kept(text, function, count) if count > _FEW else None) or b"".join(map(_asked(function), range(count)))
+            for function, count in zip(functions, counts, strict=True)]
 
 
 def _asked(function: ca.Function):  # type: ignore[no-untyped-def]
@@ -37,8 +42,7 @@ def _asked(function: ca.Function):  # type: ignore[no-untyped-def]
     return ask
 
 
-def _read_kept(function: ca.Function, count: int) -> bytes | None:
-    text = function.serialize()
+def _read_kept(text: str, function: ca.Function, count: int) -> bytes | None:
     ask = _asked(function)
     first = b"".join(map(ask, range(_FIRST)))
     for place in _places(text, _letters(first)):

@@ -13,7 +13,7 @@ import casadi as ca
 from lagrangia.base.records import dataclass
 from lagrangia.compile.casadi_instructions import read_instructions
 from lagrangia.compile.functions import Functions
-from lagrangia.compile.instructions import KINDS, arranged, kind_of, tape_of
+from lagrangia.compile.instructions import KINDS, arranged, kind_of, tapes_together
 from lagrangia.native.tapes import Op, Tape
 from lagrangia.run.arranging import BINARY, COMMUTES, OP, take_out
 from lagrangia.run.library import find_runtime
@@ -26,23 +26,25 @@ def tapes_of(functions: Functions) -> dict[str, Tape]:
     """All tapes. Raises NotImplementedError for an operation that the run time lacks."""
     table, hoist = functions.table, functions.table["hoist"]
     if functions.settled == hoist.numel_out(0):
-        return {name: tape_of(function) for name, function in table.items()}
+        return dict(zip(table, tapes_together([*table.values()]), strict=True))
     reading = ["hoist", *(name for name, function in table.items() if "c" in function.name_in())]
     arguments = [0, *(table[name].index_in("c") for name in reading[1:])]
-    read, runtime = [read_instructions(table[name]) for name in reading], find_runtime()
+    others = [name for name in table if name not in reading]
+    everything, runtime = read_instructions(*(table[name] for name in (*reading, *others))), find_runtime()
+    read = everything[: len(reading)]
     if runtime is not None and runtime.is_ready:
         made, count = take_out(runtime, read, arguments, functions.settled, KINDS)
     else:
         made, count = _taken_out(read, arguments, functions.settled)
-    programs = dict(zip(reading, made, strict=True))
-    return {name: _tape(function, programs[name], count, name == "hoist") if name in programs else tape_of(function)
+    programs = dict(zip((*reading, *others), (*made, *everything[len(reading) :]), strict=True))
+    return {name: _tape(function, programs[name], count if name in reading else None, name == "hoist")
             for name, function in table.items()}
 
 
-def _tape(function: ca.Function, program: bytes, count: int, is_hoist: bool) -> Tape:
-    """With so many hoisted values."""
-    sizes_in = [count if name == "c" else function.numel_in(k) for k, name in enumerate(function.name_in())]
-    return arranged(program, sizes_in, [count] if is_hoist else [function.numel_out(k) for k in range(function.n_out())])
+def _tape(function: ca.Function, program: bytes, count: int | None, is_hoist: bool) -> Tape:
+    """With so many hoisted values, where it reads or gives some."""
+    sizes_in = [count if name == "c" and count is not None else function.numel_in(k) for k, name in enumerate(function.name_in())]
+    return arranged(program, sizes_in, [count] if is_hoist and count is not None else [function.numel_out(k) for k in range(function.n_out())])
 
 
 @dataclass

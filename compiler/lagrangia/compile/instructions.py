@@ -36,9 +36,13 @@ def tape_of(function: ca.Function) -> Tape:
 
     Raises NotImplementedError for an operation that the run time lacks.
     """
-    sizes_in = [function.numel_in(i) for i in range(function.n_in())]
-    sizes_out = [function.numel_out(i) for i in range(function.n_out())]
-    return arranged(read_instructions(function), sizes_in, sizes_out)
+    return tapes_together([function])[0]
+
+
+def tapes_together(functions: Sequence[ca.Function]) -> list[Tape]:
+    """Of each. Raises NotImplementedError as `tape_of` does."""
+    sizes = ((f, [f.numel_in(i) for i in range(f.n_in())], [f.numel_out(i) for i in range(f.n_out())]) for f in functions)
+    return [arranged(read, *own) for read, (_, *own) in zip(read_instructions(*functions), sizes, strict=True)]
 
 
 def arranged(read: bytes, sizes_in: Sequence[int], sizes_out: Sequence[int]) -> Tape:

@@ -14,6 +14,7 @@ from lagrangia.needs.waves import NotAWave
 
 # Beyond so many states only products with sparse matrices are formed, and of a mass matrix with more entries a row no factors.
 _MOST_DENSE, _DENSEST_ROW = 200, 24
+_UNEVEN = "its mass matrix is not constant"
 _POWERS = "not supported yet: the powers of its energy account, as they are written,"
 
 
@@ -32,6 +33,11 @@ def find_linear_form(kinematics: Kinematics, motion: Motion) -> LinearForm | str
         return "nothing in it moves"
     if motion.constrained is not None:
         return "it is held by constraints that are not substituted away"
+    n = motion.q.numel()
+    if n > _MOST_DENSE and not motion.inertial.is_known:  # before h is made, which nobody else asked for
+        sums = ca.jtimes(motion.momentum, motion.v, ca.SX.ones(n))
+        if ca.depends_on(sums, motion.q):
+            return _UNEVEN
     modes = kinematics.algebra.mode_symbols
     powers = ca.vertcat(motion.dissipated_power, motion.source_power)
     has_forms = 2 * motion.q.numel() <= _MOST_DENSE and not powers.is_zero()
@@ -60,7 +66,7 @@ def _check(kinematics: Kinematics, motion: Motion, rewritten: Rewritten, modes: 
     if ca.jacobian_sparsity(motion.momentum, motion.v).nnz() > max(_MOST_DENSE**2 // 4, _DENSEST_ROW * motion.q.numel()):
         raise NotLinear("not supported yet: so large a mass matrix that is full")
     if ca.depends_on(mass_matrix(motion), ca.vertcat(motion.q, motion.v, motion.u, motion.t, modes)):
-        raise NotLinear("its mass matrix is not constant")
+        raise NotLinear(_UNEVEN)
 
 
 class _Builder:
