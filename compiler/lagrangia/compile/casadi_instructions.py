@@ -17,8 +17,8 @@ SIZE = 16  # bytes of an instruction
 
 
 def read_instructions(*functions: ca.Function) -> list[bytes]:
-    """Of each function, four numbers (int32) each, as runtime/model/arrange.h reads them. Expressions that several functions share
-    are written down once."""
+    """Of each function, four numbers (int32) each, as runtime/model/arrange.h reads them. What several functions share is written
+    down once."""
     counts = [function.n_instructions() for function in functions]
     serializer = ca.StringSerializer()
     serializer.pack([function for function, count in zip(functions, counts, strict=True) if count > _FEW])

@@ -44,7 +44,8 @@ def tapes_of(functions: Functions) -> dict[str, Tape]:
 def _tape(function: ca.Function, program: bytes, count: int | None, is_hoist: bool) -> Tape:
     """With so many hoisted values, where it reads or gives some."""
     sizes_in = [count if name == "c" and count is not None else function.numel_in(k) for k, name in enumerate(function.name_in())]
-    return arranged(program, sizes_in, [count] if is_hoist and count is not None else [function.numel_out(k) for k in range(function.n_out())])
+    sizes_out = [count] if is_hoist and count is not None else [function.numel_out(k) for k in range(function.n_out())]
+    return arranged(program, sizes_in, sizes_out)
 
 
 @dataclass

@@ -11,14 +11,16 @@ Source: Featherstone, Rigid Body Dynamics Algorithms (2008), chapter 7.
 """
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import field
 from functools import cached_property
+from itertools import pairwise, zip_longest
 
 import casadi as ca
 
 from lagrangia.algebra.duals import Dual, Scalar, dot, is_zero, minus, plus, times
 from lagrangia.algebra.scalars import scalars_in
+from lagrangia.algebra.scans import scan
 from lagrangia.base.records import dataclass
 from lagrangia.dynamics.bodies import Bodies
 from lagrangia.dynamics.energies import Energies
@@ -29,15 +31,19 @@ from lagrangia.frames.kinematics import Kinematics
 from lagrangia.frames.planar import HERE, SIZE, Pose, stays, turning
 from lagrangia.frames.planar_inertia import (
     NOTHING,
+    PLACE,
+    UPPER,
     Inertia,
     Vector,
     about,
     add_inertia,
     add_moved,
+    from_upper,
     inertial_force,
     momentum,
     moved_twist,
     no_inertia,
+    upper,
 )
 from lagrangia.language.frame_attributes import COMPONENTS
 
@@ -87,11 +93,21 @@ class ArticulatedBodies:
         self.joints: dict[str, list[_Joint]] = {}  # by the cluster they move, leaf to root
         signals = {state.coordinate for state in kinematics.graph.model.states.values()}
         self.alone = [k for k, c in enumerate(kinematics.graph.coordinates) if c.name in signals]  # of inertia 1
+        self.ways = _ways(clusters)
         reduced = self._inertias()
-        for name, cluster in reversed(clusters.items()):
-            self.joints[name] = [_reduce(reduced[name], index, s) for index, s in reversed(cluster.directions)]
-            if cluster.parent is not None and not cluster.parent.is_ground:
-                add_moved(reduced[cluster.parent.frame], reduced[name], cluster.joint)
+        for way in self.ways:
+            inputs = [[*(x for _, s in cluster.directions for x in s), *cluster.joint, *upper(reduced[ahead.frame])]
+                      for cluster, ahead in pairwise(way)]
+            last, found = scan(_give_way, upper(reduced[way[0].frame]), inputs)
+            for cluster, values in zip(way, found, strict=False):
+                parts = (values[k : k + 2 * SIZE + 1] for k in range(0, len(values), 2 * SIZE + 1))
+                self.joints[cluster.frame] = [
+                    _Joint(index, s, part[:SIZE], part[SIZE], part[SIZE + 1 :])
+                    for (index, s), part in zip(reversed(cluster.directions), parts, strict=True)]
+            I, end = from_upper(last), way[-1]
+            self.joints[end.frame] = [_reduce(I, index, s) for index, s in reversed(end.directions)]
+            if end.parent is not None and not end.parent.is_ground:
+                add_moved(reduced[end.parent.frame], I, end.joint)
 
     @property
     def size(self) -> int:
@@ -147,27 +163,36 @@ class ArticulatedBodies:
         return self._solve([minus(0.0, forces.on_coordinates.get(c.name, 0.0)) for c in self.kinematics.graph.coordinates], loads)
 
     def _solve(self, r: Vector, loads: dict[str, Vector]) -> ca.SX:
-        p = {name: loads.get(name, [*NOTHING]) for name in self.clusters}
-        left: dict[int, Scalar] = {}  # u
-        for name, cluster in reversed(self.clusters.items()):
-            for joint in self.joints[name]:
-                left[joint.index] = minus(r[joint.index], dot(joint.direction, p[name]))
-                p[name] = _passed_on(joint, p[name], r[joint.index], left[joint.index])
-            parent = cluster.parent
-            if parent is not None and not parent.is_ground:
-                p[parent.frame] = _sum(p[parent.frame], about(p[name], cluster.joint))
+        left = self._left(r, {name: loads.get(name, [*NOTHING]) for name in self.clusters})
         acceleration: list[Scalar] = [0.0] * len(r)
         for k in self.alone:
             acceleration[k] = r[k]
         twists: dict[str, Vector] = {}
-        for name, cluster in self.clusters.items():
-            twist = moved_twist(twists[cluster.parent.frame], cluster.joint) if cluster.parent else [*NOTHING]
-            for joint in reversed(self.joints[name]):
-                a = times(minus(left[joint.index], dot(joint.momentum, twist)), joint.inverse)
-                acceleration[joint.index] = a
-                twist = _sum(twist, [times(x, a) for x in joint.direction])
-            twists[name] = twist
+        for way in reversed(self.ways):
+            first = way[-1]
+            twist = twists[first.parent.frame] if first.parent else [*NOTHING]
+            joints = [self.joints[cluster.frame][::-1] for cluster in reversed(way)]
+            inputs = [[*cluster.joint, *(x for j in own for x in (*j.direction, *j.momentum, left[j.index], j.inverse))]
+                      for cluster, own in zip(reversed(way), joints, strict=True)]
+            twists[way[0].frame], found = scan(_follow, twist, inputs)
+            for own, values in zip(joints, found, strict=True):
+                for joint, a in zip(own, values, strict=True):
+                    acceleration[joint.index] = a
         return ca.vertcat(*acceleration)
+
+    def _left(self, r: Vector, p: dict[str, Vector]) -> dict[int, Scalar]:
+        """u by the places of coordinates, of forces r and loads p, which are passed on."""
+        left: dict[int, Scalar] = {}
+        for way in self.ways:
+            inputs = [[*(x for j in self.joints[cluster.frame] for x in (*j.direction, *j.share, r[j.index])), *cluster.joint,
+                       *(p[ahead.frame] if ahead is not None else NOTHING)] for cluster, ahead in zip_longest(way, way[1:])]
+            last, found = scan(_pass_on, p[way[0].frame], inputs)
+            for cluster, values in zip(way, found, strict=True):
+                left |= {joint.index: u for joint, u in zip(self.joints[cluster.frame], values, strict=True)}
+            parent = way[-1].parent
+            if parent is not None and not parent.is_ground:
+                p[parent.frame] = _sum(p[parent.frame], last)
+        return left
 
 
 def articulate(kinematics: Kinematics, bodies: Bodies) -> ArticulatedBodies | None:
@@ -251,6 +276,60 @@ def _direction(kinematics: Kinematics, edge: Edge, mover: str) -> Vector:
 # -------------------------------------------------------------------- elimination
 
 
+def _ways(clusters: Mapping[str, Cluster]) -> list[list[Cluster]]:
+    """The bodies in rows, each towards the root of the tree: all but the first carry the one before, and no other. What hangs on
+    the first of a row has rows of its own, before it."""
+    carried = Counter(cluster.parent.frame for cluster in clusters.values() if cluster.parent is not None)
+    found: list[list[Cluster]] = []
+    done: set[str] = set()
+    for cluster in reversed([*clusters.values()]):
+        if cluster.frame not in done:
+            way = [cluster]
+            while (ahead := way[-1].parent) is not None and carried[ahead.frame] == 1 and not ahead.is_ground:
+                way.append(ahead)
+            done |= {member.frame for member in way}
+            found.append(way)
+    return found
+
+
+# Steps of recursions (algebra/scans.py): what is handed on, and the inputs of a body.
+
+
+def _give_way(state: Vector, inputs: Vector) -> tuple[Vector, Vector]:
+    """Of an inertia, to that of the body ahead: U, 1/D and U/D of each coordinate. Inputs: the directions, where the body sits in
+    the one ahead, and its inertia."""
+    I, ahead = from_upper(state), from_upper(inputs[-UPPER:])
+    place = inputs[-UPPER - PLACE : -UPPER]
+    directions = [inputs[k : k + SIZE] for k in range(0, len(inputs) - UPPER - PLACE, SIZE)]
+    joints = [_reduce(I, 0, s) for s in reversed(directions)]
+    add_moved(ahead, I, place)
+    return upper(ahead), [x for joint in joints for x in (*joint.momentum, joint.inverse, *joint.share)]
+
+
+def _pass_on(state: Vector, inputs: Vector) -> tuple[Vector, Vector]:
+    """Of a load, to that of the body ahead: u of each coordinate. Inputs: directions, U/D and r of these, where the body sits in
+    the one ahead, and what acts on that."""
+    p, left = state, list[Scalar]()
+    own, place, more = inputs[: -SIZE - PLACE], inputs[-SIZE - PLACE : -SIZE], inputs[-SIZE:]
+    for k in range(0, len(own), 2 * SIZE + 1):
+        s, share, r = own[k : k + SIZE], own[k + SIZE : k + 2 * SIZE], own[k + 2 * SIZE]
+        left.append(minus(r, dot(s, p)))
+        p = _passed_on(s, share, p, r, left[-1])
+    return _sum(more, about(p, place)), left
+
+
+def _follow(state: Vector, inputs: Vector) -> tuple[Vector, Vector]:
+    """Of a twist, to that of a body behind: the accelerations of its coordinates. Inputs: where it sits in the one before it,
+    directions, U, u and 1/D of these."""
+    twist, found = moved_twist(state, inputs[:PLACE]), list[Scalar]()
+    for k in range(PLACE, len(inputs), 2 * SIZE + 2):
+        s, U, (u, inverse) = inputs[k : k + SIZE], inputs[k + SIZE : k + 2 * SIZE], inputs[k + 2 * SIZE : k + 2 * SIZE + 2]
+        a = times(minus(u, dot(U, twist)), inverse)
+        found.append(a)
+        twist = _sum(twist, [times(x, a) for x in s])
+    return twist, found
+
+
 def _reduce(I: list[Vector], index: int, s: Vector) -> _Joint:
     """Takes from the inertia what the coordinate gives way to; along an axis nothing is left."""
     U = momentum(I, s)
@@ -262,10 +341,10 @@ def _reduce(I: list[Vector], index: int, s: Vector) -> _Joint:
     return _Joint(index, s, U, inverse, share)
 
 
-def _passed_on(joint: _Joint, p: Vector, r: Scalar, u: Scalar) -> Vector:
+def _passed_on(s: Vector, share: Vector, p: Vector, r: Scalar, u: Scalar) -> Vector:
     """The load that is left for what carries the joint; along an axis it is exactly what r says."""
-    axis = _axis(joint.direction)
-    return [r if k == axis else plus(x, times(part, u)) for k, (x, part) in enumerate(zip(p, joint.share, strict=True))]
+    axis = _axis(s)
+    return [r if k == axis else plus(x, times(part, u)) for k, (x, part) in enumerate(zip(p, share, strict=True))]
 
 
 def _axis(s: Vector) -> int | None:

@@ -12,11 +12,12 @@ import casadi as ca
 from lagrangia.algebra.duals import Scalar, dot, minus, plus, rate_of, times, value_of
 from lagrangia.algebra.scalars import scalars_in, symbol
 from lagrangia.base.records import dataclass
-from lagrangia.frames.planar import SIZE, Pose, Value
+from lagrangia.frames.planar import HERE, SIZE, Pose, Value
 
 Vector = list[Scalar]  # (SIZE,): vx, vy, w or fx, fy, torque
 NOTHING: tuple[Scalar, ...] = (0.0,) * SIZE
 _ENTRIES = [(i, j) for i in range(SIZE) for j in range(i, SIZE)]  # of the upper triangle: xx, xy, xw, yy, yw, ww
+UPPER, PLACE = len(_ENTRIES), len(HERE.origin)  # how many numbers an inertia and a place have
 
 
 @dataclass(frozen=True)
@@ -108,6 +109,19 @@ def inertial_reaction(inertia: Inertia, place: Pose, pose: Pose) -> list[tuple[S
 def no_inertia() -> list[Vector]:
     """A matrix of zeros."""
     return [[*NOTHING] for _ in range(SIZE)]
+
+
+def upper(I: list[Vector]) -> Vector:
+    """The numbers of an inertia, (UPPER,)."""
+    return [I[i][j] for i, j in _ENTRIES]
+
+
+def from_upper(values: Sequence[Scalar]) -> list[Vector]:
+    """The inertia that has these."""
+    I = no_inertia()
+    for (i, j), value in zip(_ENTRIES, values, strict=True):
+        I[i][j] = value
+    return I
 
 
 def add_inertia(I: list[Vector], inertia: Inertia, local: Pose, turn: Pose) -> None:
