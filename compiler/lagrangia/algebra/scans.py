@@ -6,15 +6,17 @@ what is handed on, differ in what is a number among them, each is a step of its 
 """
 
 from collections.abc import Callable, Sequence
+from math import inf, nan
 from typing import TypeAlias
 
 import casadi as ca
 
 from lagrangia.algebra.duals import Scalar
-from lagrangia.algebra.scalars import Expression, as_expression, symbol
+from lagrangia.algebra.scalars import Expression, symbol
 from lagrangia.base.records import dataclass
 
 _FEWEST = 24  # elements: a Function for fewer takes longer than it saves
+_AT_ONCE = 8  # elements in one call; to make a Function of all takes as long as they do
 Numbers: TypeAlias = "tuple[float | None, ...]"  # of scalars; None for expressions
 Step: TypeAlias = "Callable[[list[Scalar], list[Scalar]], tuple[list[Scalar], list[Scalar]]]"
 
@@ -57,19 +59,24 @@ class _Stamp:
     function: ca.Function  # of what are expressions among the state and the inputs, and of the results
     state: Numbers
     inputs: Numbers
-    results: Numbers
+    row: Callable[[list[Expression], int, list[Scalar]], list[Scalar]]  # of what was made, where an element begins, its inputs
 
     def along(self, state: list[Scalar], inputs: Sequence[list[Scalar]]) -> tuple[list[Scalar], list[list[Scalar]]]:
         """The state behind the last element, and the results of each."""
-        count = len(inputs)
+        count, width = len(inputs), self.inputs.count(None)
         given = [x for values in inputs for x, number in zip(values, self.inputs, strict=True) if number is None]
+        table = ca.reshape(ca.vertcat(ca.SX(0, 1), *given), width, count)
         begin = ca.vertcat(*(x for x, number in zip(state, self.state, strict=True) if number is None))
-        whole = self.function.mapaccum("along", count)
-        states, found = whole.call([begin, ca.reshape(ca.vertcat(ca.SX(0, 1), *given), -1, count)])
-        rest = iter(_scalars(found))
-        results = [[next(rest) if number is None else number for number in self.results] for _ in range(count)]
-        last = iter(_scalars(states[:, -1]))
-        return [next(last) if number is None else number for number in self.state], results
+        found: list[Expression] = []
+        many = self.function.mapaccum("along", _AT_ONCE)
+        for columns in ca.horzsplit(table, _AT_ONCE):
+            together = many if columns.size2() == _AT_ONCE else self.function.mapaccum("along", columns.size2())
+            states, made = together.call([begin, columns])
+            begin = states[:, -1]
+            found += _scalars(made)
+        size, rest = self.function.numel_out(1), iter(_scalars(begin))
+        results = [self.row(found, k * size, values) for k, values in enumerate(inputs)]
+        return [next(rest) if number is None else number for number in self.state], results
 
 
 def _scalars(matrix: ca.SX) -> list[Expression]:
@@ -86,5 +93,13 @@ def _stamp(step: Step, state: Numbers, inputs: Numbers) -> _Stamp | None:
     after, results = step(*values)
     if _numbers(after) != state or None not in state or None not in inputs:
         return None
-    made = [ca.vertcat(ca.SX(0, 1), *(as_expression(x) for x in part if isinstance(x, ca.SX))) for part in (after, results)]
-    return _Stamp(ca.Function("step", arguments, [ca.densify(x) for x in made]), state, inputs, _numbers(results))
+    texts = {id(x): f"own[{k}]" for k, x in enumerate(values[1]) if isinstance(x, ca.SX)}
+    found: list[Scalar] = []
+    for x in results:
+        if isinstance(x, ca.SX) and id(x) not in texts:
+            texts[id(x)] = f"made[at+{len(found)}]"
+            found.append(x)
+    columns = [ca.vertcat(ca.SX(0, 1), *(x for x in part if isinstance(x, ca.SX))) for part in (after, found)]
+    text = ", ".join(texts.get(id(x)) or repr(float(x)) for x in results)
+    row = eval(f"lambda made, at, own: [{text}]", {"inf": inf, "nan": nan})
+    return _Stamp(ca.Function("step", arguments, [ca.densify(x) for x in columns]), state, inputs, row)

@@ -24,6 +24,7 @@ from lagrangia.frames.geometry import Geometry, Pose, geometry_of
 from lagrangia.frames.graph import ComponentGraph
 from lagrangia.frames.quaternions import quaternion_along
 from lagrangia.frames.space_checks import require_about_z
+from lagrangia.frames.stamped_poses import FEWEST, Placed, place_way, ways
 from lagrangia.frames.steps import Step
 from lagrangia.frames.vectors_on_a_line import line_of
 from lagrangia.language.compiled_numbers import compiled_numbers
@@ -85,7 +86,8 @@ class Kinematics:
     forces: dict[str, ca.SX] = field(default_factory=dict)  # the same of equations: language/consequences.py
     evaluator: Evaluator = field(init=False)
     declared: tuple[ca.SX, ca.DM] | None = None  # once somebody asked: constraints/parameters.py
-    _poses: list[dict[str, Pose]] = field(default_factory=lambda: [{}, {}, {}])
+    _poses: list[dict[str, Pose]] = field(default_factory=lambda: [{}, {}, {}])  # that were asked for, by levels
+    _places: list[dict[str, Placed]] = field(default_factory=lambda: [{}, {}, {}])
     _still: "Kinematics | None" = None
     _amounts: dict[int, Value] = field(default_factory=dict)  # of steps that never change, by the ids of their expressions
 
@@ -252,34 +254,62 @@ class Kinematics:
 
     def pose(self, name: str, level: int) -> Pose:
         """Raises LagError L0401 for a frame that is joined to nothing."""
-        if level == 0:
-            if name not in self._poses[0]:
-                self._poses[0][name] = self.pose(name, 1).lowered
-            return self._poses[0][name]
-        pose = self.poses(level).get(name)
+        pose = self._poses[level].get(name)
         if pose is None:
-            fail("L0401", f"the frame '{name}' is joined to nothing", self.graph.model.frames[name].span)
-        return self._displaced(pose, self.moved[name], level) if name in self.moved else pose
+            pose = self._poses[level][name] = self._placed(name, level)
+        return self._displaced(pose, self.moved[name], level) if level and name in self.moved else pose
 
     def poses(self, level: int) -> Mapping[str, Pose]:
         """Of all frames; the level is 1 or 2."""
-        if not self._poses[level]:
-            self._place_all(level)
-        return self._poses[level]
+        placed = (*(root.frame for root in self.graph.roots), *(edge.child for edge in self.graph.edges))
+        return {name: self.pose(name, level) for name in placed}
 
-    def _place_all(self, level: int) -> None:
-        poses = self._poses[level]
+    def _placed(self, name: str, level: int) -> Pose:
+        """A pose that was not asked for before."""
+        if level == 0:
+            return self.pose(name, 1).lowered
         if level == 1 and len(self.evaluator.algebras) > 2 and not (self.released or self.moved):
             # the inertial forces need the second level in any case, and it has the first one in it
-            poses |= {name: pose.lowered for name, pose in self.without_accelerations().poses(2).items()}
-            return
+            return self.without_accelerations().pose(name, 2).lowered
+        if not self._places[level]:
+            self._place_all(level)
+        place = self._places[level].get(name)
+        if place is None:
+            fail("L0401", f"the frame '{name}' is joined to nothing", self.graph.model.frames[name].span)
+        return place() if callable(place) else place
+
+    def _place_all(self, level: int) -> None:
         self._measure_rigid()
+        poses: dict[str, Pose] = {}
         for root in self.graph.roots:
             poses[root.frame] = self._root_pose(root.frame, root.attributes, level)
+        self._places[level].update(poses)
+        if self._place_ways(level):
+            return
         for edge in self.graph.edges:
             poses[edge.child] = self.follow(edge, poses[edge.parent], level)
             if edge.child in self.released:
                 poses[edge.child] = self._displaced(poses[edge.child], self.released[edge.child], level)
+        self._places[level].update(poses)
+
+    def _place_ways(self, level: int) -> bool:
+        """Whether that was done along ways: of many frames of the plane, where nothing is displaced; what is wrong is told one by
+        one."""
+        edges, places = self.graph.edges, self._places[level]
+        is_other = self.graph.model.space.is_spatial or not isinstance(self.algebra, CasadiAlgebra)
+        if len(edges) < FEWEST or self.released or self.moved or is_other:
+            return False
+        with suppress(LagError):
+            found = dict(places)
+            for way in ways(edges):
+                amounts = [[self._amount(step, level, None) for step in edge.steps] for edge in way]
+                begin = found[way[0].parent]
+                placed = place_way(way, amounts, begin() if callable(begin) else begin,
+                                   lambda step, amount, pose: self.along(step, amount, pose, level))
+                found.update(zip((edge.child for edge in way), placed, strict=True))
+            places |= found
+            return True
+        return False
 
     def _measure_rigid(self) -> None:
         """The amounts of all steps within rigid bodies, together; what is wrong with one of them is told when it is its turn."""
@@ -309,11 +339,12 @@ class Kinematics:
 
     def step(self, step: Step, pose: Pose, level: int, evaluator: Evaluator | None = None) -> Pose:
         """The pose behind a step that begins at another one."""
-        amount = self._amounts.get(id(step.amount)) if evaluator is None else None
-        if amount is None:
-            amount = (evaluator or self.evaluator).value(step.amount, level)
         axis = self.evaluator.value(step.axis) if step.axis is not None else None
-        return self.along(step, amount, pose, level, axis)
+        return self.along(step, self._amount(step, level, evaluator), pose, level, axis)
+
+    def _amount(self, step: Step, level: int, evaluator: Evaluator | None) -> Value:
+        amount = self._amounts.get(id(step.amount)) if evaluator is None else None
+        return (evaluator or self.evaluator).value(step.amount, level) if amount is None else amount
 
     def along(self, step: Step, amount: Value, pose: Pose, level: int, axis: Value | None = None) -> Pose:
         """The pose after a step of this amount."""
