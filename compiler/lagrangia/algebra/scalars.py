@@ -68,6 +68,11 @@ def as_expression(x: Any) -> Expression:
     return _wrapped(x)
 
 
+def column(*values: Any) -> ca.SX:
+    """Numbers and expressions, one below the other; (0, 1) of none. Of what wraps expressions, CasADi looks at each twice."""
+    return ca.vertcat(*(x.this if isinstance(x, ca.SX) else as_expression(x).this for x in values)) if values else ca.SX(0, 1)
+
+
 def scalars_in(column: ca.SX) -> list[Any]:
     """The elements of a column: Expressions, and the float 0 for what is identically zero."""
     return [0.0 if x.is_zero() else as_expression(x) for x in column.elements()]

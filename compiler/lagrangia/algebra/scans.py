@@ -12,7 +12,7 @@ from typing import TypeAlias
 import casadi as ca
 
 from lagrangia.algebra.duals import Scalar
-from lagrangia.algebra.scalars import Expression, symbol
+from lagrangia.algebra.scalars import Expression, column, symbol
 from lagrangia.base.records import dataclass
 
 _FEWEST = 24  # elements: a Function for fewer takes longer than it saves
@@ -65,8 +65,8 @@ class _Stamp:
         """The state behind the last element, and the results of each."""
         count, width = len(inputs), self.inputs.count(None)
         given = [x for values in inputs for x, number in zip(values, self.inputs, strict=True) if number is None]
-        table = ca.reshape(ca.vertcat(ca.SX(0, 1), *given), width, count)
-        begin = ca.vertcat(*(x for x, number in zip(state, self.state, strict=True) if number is None))
+        table = ca.reshape(column(*given), width, count)
+        begin = column(*(x for x, number in zip(state, self.state, strict=True) if number is None))
         found: list[Expression] = []
         many = self.function.mapaccum("along", _AT_ONCE)
         for columns in ca.horzsplit(table, _AT_ONCE):
@@ -89,7 +89,7 @@ def _scalars(matrix: ca.SX) -> list[Expression]:
 def _stamp(step: Step, state: Numbers, inputs: Numbers) -> _Stamp | None:
     """None for a step behind which other parts of the state are numbers than before it, or all are."""
     values = [[symbol("x") if number is None else number for number in numbers] for numbers in (state, inputs)]
-    arguments = [ca.vertcat(ca.SX(0, 1), *(x for x in part if isinstance(x, ca.SX))) for part in values]
+    arguments = [column(*(x for x in part if isinstance(x, ca.SX))) for part in values]
     after, results = step(*values)
     if _numbers(after) != state or None not in state or None not in inputs:
         return None
@@ -99,7 +99,7 @@ def _stamp(step: Step, state: Numbers, inputs: Numbers) -> _Stamp | None:
         if isinstance(x, ca.SX) and id(x) not in texts:
             texts[id(x)] = f"made[at+{len(found)}]"
             found.append(x)
-    columns = [ca.vertcat(ca.SX(0, 1), *(x for x in part if isinstance(x, ca.SX))) for part in (after, found)]
+    columns = [column(*(x for x in part if isinstance(x, ca.SX))) for part in (after, found)]
     text = ", ".join(texts.get(id(x)) or repr(float(x)) for x in results)
     row = eval(f"lambda made, at, own: [{text}]", {"inf": inf, "nan": nan})
     return _Stamp(ca.Function("step", arguments, [ca.densify(x) for x in columns]), state, inputs, row)

@@ -16,6 +16,7 @@ from lagrangia.algebra.scalars import Expression, apply, apply_to_one, as_expres
 from lagrangia.base.records import dataclass
 
 _MOST_OPERATIONS = 6_000  # 25 us each, and saves 5 % of a chain: large functions are better compiled sooner
+_MOST_RESULTS = 2_000  # hardly any are made of two operations
 _MOVES = (ca.OP_INPUT, ca.OP_CONST)
 _FREE = (ca.OP_MUL, ca.OP_DIV)  # by a parameter, they take a factor over; so do _SCALING, whatever they are of
 _SCALING = (ca.OP_NEG, ca.OP_TWICE)
@@ -42,7 +43,7 @@ def hoist(groups: Sequence[Sequence[ca.SX]], p: ca.SX) -> Hoisted:
     for group in groups:
         dense = [ca.densify(expression) for expression in group]
         column = ca.vertcat(ca.SX(0, 1), *dense)
-        is_too_large = column.numel() > _MOST_OPERATIONS or ca.n_nodes(column) > _MOST_OPERATIONS
+        is_too_large = column.numel() > _MOST_RESULTS or ca.n_nodes(column) > _MOST_OPERATIONS
         found += dense if is_too_large else _gathered(dense, column, constants)
         is_large |= is_too_large
     found, c, values = _merged(found, constants) if constants.values else (found, ca.SX(0, 1), ca.SX(0, 1))

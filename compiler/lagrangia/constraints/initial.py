@@ -16,7 +16,7 @@ import casadi as ca
 
 from lagrangia.algebra.duals import Scalar, value_of
 from lagrangia.algebra.duals import rate_of as rate_of_dual
-from lagrangia.algebra.scalars import as_expression, symbols_in
+from lagrangia.algebra.scalars import as_expression, column, symbols_in
 from lagrangia.base.diagnostics import Report, Span, fail
 from lagrangia.base.records import dataclass
 from lagrangia.constraints.parameters import default_parameters, input_symbols, parameter_symbols, with_declared_inputs
@@ -216,11 +216,11 @@ class _Starts:
         self.residuals += [(self._at_start(value), row.span) for value, row in constraints.agreements]
         loops += [row.loop.around if row.loop else "" for _, row in constraints.agreements]
         self.report.raise_errors()
-        n, rates = self.n, ca.vertcat(*self.kinematics.symbols.rates.values(), self.lost_v)
+        n, rates = self.n, column(*self.kinematics.symbols.rates.values(), self.lost_v)
         moving = [ca.depends_on(ca.SX(g), rates) for g, _ in self.residuals]
         order = sorted(range(len(moving)), key=lambda k: moving[k])
         return InitialConditions(
-            ca.vertcat(*self.values[:n]), ca.vertcat(*self.values[n:]), self.lost, self.lost_q, self.lost_v,
+            column(*self.values[:n]), column(*self.values[n:]), self.lost, self.lost_q, self.lost_v,
             ca.vertcat(*self.lost_values), tuple(map(self._freedom, range(2 * n))),
             ca.vertcat(*[self.residuals[k][0] for k in order]), tuple(self.residuals[k][1] for k in order),
             tuple(loops[k] for k in order), moving.count(False), tuple(self.steady), level,

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lagrangia.algebra.duals import Scalar
-from lagrangia.algebra.scalars import apply, as_expression
+from lagrangia.algebra.scalars import apply, as_expression, column
 from lagrangia.base.checked_values import misfit
 from lagrangia.base.diagnostics import LagError, Report, Span, fail
 from lagrangia.frames.alike import evaluate_alike
@@ -42,7 +42,7 @@ def all_parameters(kinematics: Kinematics, n: int) -> tuple[ca.SX, ca.SX, ca.SX]
     leaves = _ParameterLeaves(model, kinematics, given, mask)
     parameters = [v for v in model.variables.values() if v.kind == "parameter"]
     values = [x for v in parameters for x in scalars_of(leaves.parameter(v.name, v.span))]
-    return given, mask, ca.vertcat(*values)
+    return given, mask, column(*values)
 
 
 def parameters_of(kinematics: Kinematics, p: ca.SX, given: Collection[str] = ()) -> ca.SX:
@@ -64,7 +64,7 @@ def parameters_of(kinematics: Kinematics, p: ca.SX, given: Collection[str] = ())
 def parameter_symbols(kinematics: Kinematics) -> ca.SX:
     """Of all parameters, (n,)."""
     model, symbols = kinematics.graph.model, kinematics.symbols
-    return ca.vertcat(*[x for v in model.variables.values() if v.kind == "parameter" for x in scalars_of(symbols.values[v.name])])
+    return column(*[x for v in model.variables.values() if v.kind == "parameter" for x in scalars_of(symbols.values[v.name])])
 
 
 def input_symbols(kinematics: Kinematics) -> ca.SX:
@@ -189,7 +189,7 @@ class _ParameterLeaves:
         def choose(bound: Mapping[str, ca.SX | float]) -> None:
             if bound:
                 places = [self.place[name] for name in bound]
-                values = ca.SX.binary(ca.OP_IF_ELSE_ZERO, is_open[places], ca.vertcat(ca.SX(0, 1), *bound.values()))
+                values = ca.SX.binary(ca.OP_IF_ELSE_ZERO, is_open[places], column(*bound.values()))
                 chosen = ca.SX.binary(ca.OP_ADD, given[places], values).elements()
                 self.known.update(zip(bound, map(as_expression, chosen), strict=True))
 

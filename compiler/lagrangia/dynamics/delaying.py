@@ -2,7 +2,7 @@
 
 import casadi as ca
 
-from lagrangia.algebra.scalars import as_expression, symbols_in
+from lagrangia.algebra.scalars import as_expression, column, symbols_in
 from lagrangia.base.diagnostics import fail
 from lagrangia.base.records import dataclass
 from lagrangia.frames.kinematics import Kinematics
@@ -29,7 +29,7 @@ class Delaying:
 def find_delaying(kinematics: Kinematics) -> Delaying:
     """Raises LagError L0901 for what is made of accelerations or forces, L0232 for delays that change."""
     delays, tau = kinematics.graph.model.delays, kinematics.symbols.tau
-    unknown = ca.vertcat(ca.SX(0, 1), *kinematics.symbols.accelerations.values())
+    unknown = column(*kinematics.symbols.accelerations.values())
 
     def value(node: Flat) -> ca.SX:
         found = kinematics.evaluator.value(node)

@@ -19,7 +19,7 @@ from itertools import pairwise, zip_longest
 import casadi as ca
 
 from lagrangia.algebra.duals import Dual, Scalar, dot, is_zero, minus, plus, times
-from lagrangia.algebra.scalars import scalars_in
+from lagrangia.algebra.scalars import column, scalars_in
 from lagrangia.algebra.scans import scan
 from lagrangia.base.records import dataclass
 from lagrangia.dynamics.bodies import Bodies
@@ -178,7 +178,7 @@ class ArticulatedBodies:
             for own, values in zip(joints, found, strict=True):
                 for joint, a in zip(own, values, strict=True):
                     acceleration[joint.index] = a
-        return ca.vertcat(*acceleration)
+        return column(*acceleration)
 
     def _left(self, r: Vector, p: dict[str, Vector]) -> dict[int, Scalar]:
         """u by the places of coordinates, of forces r and loads p, which are passed on."""

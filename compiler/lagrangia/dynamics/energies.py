@@ -6,7 +6,7 @@ from dataclasses import replace
 import casadi as ca
 
 from lagrangia.algebra.duals import Scalar
-from lagrangia.algebra.scalars import as_expression
+from lagrangia.algebra.scalars import as_expression, column
 from lagrangia.base.diagnostics import LagError, Report
 from lagrangia.base.records import dataclass
 from lagrangia.frames.alike import evaluate_all
@@ -131,8 +131,8 @@ def _check_scalar(value: Value, energy: Energy, report: Report) -> None:
 def _check_dependence(energies: Energies, kinematics: Kinematics, report: Report) -> None:
     """V may depend on positions, T and D on velocities, nothing on accelerations."""
     symbols = kinematics.symbols
-    accelerations = ca.vertcat(*symbols.accelerations.values())
-    rates = ca.vertcat(*symbols.rates.values())
+    accelerations = column(*(symbols.accelerations.values() if "accelerations" in symbols.asked else ()))
+    rates = column(*symbols.rates.values())
     groups = {"kinetic": energies.kinetic, "potential": energies.potential, "dissipation": energies.dissipation}
     for kind, terms in groups.items():
         whole = energies.total(terms)

@@ -12,7 +12,7 @@ from dataclasses import field
 import casadi as ca
 
 from lagrangia.algebra.duals import Scalar
-from lagrangia.algebra.scalars import as_expression, scalars_in, symbols_in
+from lagrangia.algebra.scalars import as_expression, column, scalars_in, symbols_in
 from lagrangia.algebra.with_casadi import CasadiAlgebra
 from lagrangia.base.records import dataclass
 from lagrangia.constraints.rows import Row
@@ -134,10 +134,10 @@ def find_forces(kinematics: Kinematics, energies: Energies) -> Forces | None:
     if not apart.is_whole:
         return None
     places = [*apart.frames.values(), *(([shift], [rate]) for shift, rate in apart.coordinates.values())]
-    shifts, rates = (ca.vertcat(ca.SX(0, 1), *[x for place in places for x in place[k]]) for k in range(2))
-    total = ca.jtimes(ca.vertcat(*positions), shifts, ca.vertcat(*forces), True) + gradient_by_rates(dissipation, rates)
+    shifts, rates = (column(*[x for place in places for x in place[k]]) for k in range(2))
+    total = ca.jtimes(column(*positions), shifts, column(*forces), True) + gradient_by_rates(dissipation, rates)
     if spins:
-        total += ca.jtimes(ca.vertcat(*spins), rates, ca.vertcat(*torques), True)
+        total += ca.jtimes(column(*spins), rates, column(*torques), True)
     found = scalars_in(ca.densify(ca.substitute([total], [shifts, rates], [ca.SX.zeros(shifts.numel())] * 2)[0]))
     size = kinematics.geometry.size
     on_frames = {name: found[size * k : size * (k + 1)] for k, name in enumerate(apart.frames)}

@@ -14,7 +14,7 @@ from functools import cached_property
 import casadi as ca
 
 from lagrangia.algebra.duals import Scalar
-from lagrangia.algebra.scalars import symbols_in
+from lagrangia.algebra.scalars import column, symbols_in
 from lagrangia.algebra.with_casadi import operations_in
 from lagrangia.base.diagnostics import Span, fail
 from lagrangia.base.later import Later
@@ -137,7 +137,7 @@ def build_motion(kinematics: Kinematics, energies: Energies, constraints: Constr
     Raises LagError L0504 for a coordinate that moves no mass, L0505 for a scene without coordinates and joints.
     """
     symbols, impacts = kinematics.symbols, impacts or Impacts()
-    q, v, a = (ca.vertcat(ca.SX(0, 1), *s.values()) for s in (symbols.positions, symbols.rates, symbols.accelerations))
+    q, v, a = (column(*s.values()) for s in (symbols.positions, symbols.rates, symbols.accelerations))
     t, tau = symbols.time, symbols.tau
     _require_coordinates(kinematics)
     energies = replace(energies, loads=energies.loads + impacts.loads)
@@ -211,9 +211,9 @@ def inertial_force(kinematics: Kinematics, energies: Energies, bodies: Bodies, q
         moved, wrench = (rates, powers) if load.is_by_rate else (positions, forces)
         moved += load.position
         wrench += [-force for force in load.force]
-    h = ca.densify(ca.jtimes(ca.vertcat(*positions), q, ca.vertcat(*forces), True))
+    h = ca.densify(ca.jtimes(column(*positions), q, column(*forces), True))
     if rates:
-        h = h + ca.densify(ca.jtimes(ca.vertcat(*rates), v, ca.vertcat(*powers), True))
+        h = h + ca.densify(ca.jtimes(column(*rates), v, column(*powers), True))
     return h + _lagrange(kinematics, energies.total(bodies.rest), q, v) if bodies.rest else h
 
 
@@ -235,7 +235,7 @@ def _stack(kinematics: Kinematics, *kinds: str) -> ca.SX:
     """Of one kind after the other."""
     variables = kinematics.graph.model.variables
     names = [name for kind in kinds for name, variable in variables.items() if variable.kind == kind]
-    return ca.vertcat(*[x for name in names for x in scalars_of(kinematics.symbols.values[name])])
+    return column(*[x for name in names for x in scalars_of(kinematics.symbols.values[name])])
 
 
 def _require_mass(kinematics: Kinematics, momentum: ca.SX, v: ca.SX) -> None:
@@ -284,7 +284,7 @@ def _collected(kinematics: Kinematics, energies: Energies, bodies: Bodies, momen
                is_held: bool) -> _Short | None:
     """None for scenes with too many coordinates."""
     symbols = kinematics.symbols
-    q, v = (ca.vertcat(ca.SX(0, 1), *values.values()) for values in (symbols.positions, symbols.rates))
+    q, v = (column(*values.values()) for values in (symbols.positions, symbols.rates))
     most = _MOST_HELD if is_held else _MOST_FREE
     if not 0 < v.numel() <= most or ca.jacobian_sparsity(momentum, v[0]).nnz() > MOST_COORDINATES:
         return None  # a chain's whole pattern has as many entries as there are pairs of links

@@ -3,7 +3,7 @@
 import casadi as ca
 
 from lagrangia.algebra.duals import Scalar
-from lagrangia.algebra.scalars import as_expression
+from lagrangia.algebra.scalars import as_expression, column
 from lagrangia.base.diagnostics import fail
 from lagrangia.base.records import dataclass
 from lagrangia.frames.kinematics import Kinematics
@@ -25,7 +25,7 @@ def find_sampling(kinematics: Kinematics) -> Sampling:
     """Raises LagError L0901 for what is made of accelerations or forces, which are not known beforehand."""
     model, modes, tau = kinematics.graph.model, kinematics.algebra.modes, kinematics.symbols.tau
     fires = ca.vertcat(ca.SX(0, 1), *[ca.SX.sym(f"fires_{k}") for k in range(len(model.samplers))])
-    unknown = ca.vertcat(ca.SX(0, 1), *kinematics.symbols.accelerations.values())
+    unknown = column(*kinematics.symbols.accelerations.values())
     found: dict[str, Scalar] = {}
     for number, held in in_order(model) if model.samplers else ():
         knowing = kinematics.knowing(found)

@@ -10,7 +10,7 @@ from collections.abc import Iterator, Sequence
 import casadi as ca
 
 from lagrangia.algebra.duals import Dual, Scalar
-from lagrangia.algebra.scalars import as_expression
+from lagrangia.algebra.scalars import as_expression, column
 from lagrangia.algebra.with_casadi import CasadiAlgebra
 from lagrangia.frames.evaluation import Evaluator, Value
 from lagrangia.language.tree import Array, Binary, Call, Flat, FrameRef, Number, Ref, Unary
@@ -85,8 +85,8 @@ def _together(group: dict[int, tuple[Flat, list[str]]], evaluators: Sequence[Eva
     (first, own), *_ = group.values()
     columns = zip(*(names for _, names in group.values()), strict=True)
     names: dict[str, Sequence[str]] = {}
-    for name, column in zip(own, columns, strict=True):
-        if names.setdefault(name, column) != column:
+    for name, others in zip(own, columns, strict=True):
+        if names.setdefault(name, others) != others:
             return None  # the first reads one name twice where others read two
     leaves = _Columns(evaluators, names)
     try:
@@ -134,7 +134,7 @@ def _stacked(values: Sequence[Value]) -> Value:
         if any(value != first for value in values):
             raise _Unlike
         return first
-    return as_expression(ca.vertcat(*values))
+    return as_expression(column(*values))
 
 
 def _rows(value: Value, count: int) -> Sequence[Value]:

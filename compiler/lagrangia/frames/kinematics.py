@@ -12,7 +12,7 @@ from typing import Any
 import casadi as ca
 
 from lagrangia.algebra.duals import Dual, GlidingAlgebra, Scalar, base_of, plus, polynomial, times
-from lagrangia.algebra.scalars import as_expression, symbol, symbols_in
+from lagrangia.algebra.scalars import as_expression, column, symbol, symbols_in
 from lagrangia.algebra.with_casadi import CasadiAlgebra
 from lagrangia.base.diagnostics import LagError, fail
 from lagrangia.base.records import dataclass
@@ -61,7 +61,7 @@ class Symbols:
     compiled: Mapping[str, Any] = field(default_factory=dict)  # the same, with numbers where these are compiled in
     pieces: Mapping[str, Any] = field(default_factory=dict)  # of moving inputs, as polynomials of time: Piece; tuples for arrays
     held: dict[str, Scalar] = field(default_factory=dict)  # values that are held between instants
-    asked: set[str] = field(default_factory=set)  # "time" as soon as an expression speaks of it
+    asked: set[str] = field(default_factory=set)  # "time" as soon as an expression speaks of it, and "accelerations"
 
 
 @dataclass(frozen=True)
@@ -132,6 +132,8 @@ class Kinematics:
             given = self._dependent(self.dependents[name], level)
             return given + displacement(self.released[name], level) if name in self.released else given
         q, v, a = (values[name] for values in (self.symbols.positions, self.symbols.rates, self.symbols.accelerations))
+        if level == 2 and isinstance(a, ca.SX):
+            self.symbols.asked.add("accelerations")
         return (q, Dual(q, v), Dual(Dual(q, v), Dual(v, a)))[level]
 
     def _dependent(self, dependent: Dependent, level: int) -> Scalar:
@@ -378,7 +380,7 @@ def build_kinematics(graph: ComponentGraph, is_general: bool = True, massless: t
     values = {v.name: _shaped(v.name, v.shape, ()) for v in variables}
     inputs = [(v.name, x) for v in variables if v.kind == "input" for x in scalars_of(values[v.name])]
     late = (values[delay.name] for delay in graph.model.delays)
-    moving = ca.vertcat(*positions.values(), *rates.values(), *accelerations.values(), *(x for _, x in inputs), *late)
+    moving = column(*positions.values(), *rates.values(), *accelerations.values(), *(x for _, x in inputs), *late)
     numbers = compiled_numbers(graph.model, is_general, massless)
     compiled = {name: _compiled(values[name], known) for name, known in numbers.items()}
     algebra = CasadiAlgebra(time, moving)

@@ -34,10 +34,9 @@ def find_linear_form(kinematics: Kinematics, motion: Motion) -> LinearForm | str
     if motion.constrained is not None:
         return "it is held by constraints that are not substituted away"
     n = motion.q.numel()
-    if n > _MOST_DENSE and not motion.inertial.is_known:  # before h is made, which nobody else asked for
-        sums = ca.jtimes(motion.momentum, motion.v, ca.SX.ones(n))
-        if ca.depends_on(sums, motion.q):
-            return _UNEVEN
+    is_quadratic = not (kinematics.is_timed or motion.bodies.rest)  # T, in the rates
+    if n > _MOST_DENSE and is_quadratic and not motion.inertial.is_known and ca.depends_on(motion.T, motion.q):
+        return _UNEVEN  # before h is made, which nobody else asked for
     modes = kinematics.algebra.mode_symbols
     powers = ca.vertcat(motion.dissipated_power, motion.source_power)
     has_forms = 2 * motion.q.numel() <= _MOST_DENSE and not powers.is_zero()
