@@ -20,6 +20,9 @@ def compiled_numbers(model: FlatModel, is_general: bool = False, massless: tuple
     """Where it `is_general`, only those that nobody can set. `massless` names the masses of 0 in place of those declared so."""
     declared, found = _Declared(model, is_general), {}
     for variable in (v for v in model.variables.values() if v.kind == "parameter" and v.binding is not None):
+        is_open = not variable.locked and is_general
+        if massless is None and (is_open or not (variable.is_evaluated or variable.unit in MASSES)):
+            continue
         numbers: list[float | None] = [None] * len(variable.elements())
         if variable.is_evaluated and (variable.locked or not is_general):
             numbers = [x if x in _PLAIN else None for x in declared.literal(variable)]

@@ -3,7 +3,6 @@ functions alone may depend on them.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import replace
 
 from lagrangia.base.diagnostics import Report, Span, fail
 from lagrangia.language.events import are_alike
@@ -152,10 +151,19 @@ def _of_parameters(model: FlatModel) -> list[Stated]:
 
 
 def _of_all_kinds(model: FlatModel) -> Iterator[Flat]:
-    """All that is stated, but for repeats, in which nothing stands that does not stand elsewhere."""
-    apart = replace(model, frame_equations=(*model.news(model.frame_equations),), constraints=(*model.news(model.constraints),),
-                    energies=(*model.news(model.energies),), works=(*model.news(model.works),),
-                    variables={v.name: v for v in model.news(model.variables.values())})
-    for expressions, _, _ in (*_of_positions(apart), *_of_forces(apart)):
-        yield from expressions
-    yield from (v.binding for v in apart.variables.values() if v.binding is not None)
+    """All that is stated, but for repeats, in which nothing stands that does not stand elsewhere, and frames that are joined."""
+    for joint in model.news(model.frame_equations):
+        yield from (side for side in (joint.left, joint.right) if not isinstance(side, FrameRef))
+    for equation in (*model.constraints, *model.initial_equations):
+        yield from (equation.left, equation.right)
+    yield from (energy.value for energy in model.energies if id(energy) not in model.repeats)
+    for work in model.news(model.works):
+        yield from (work.position, work.force)
+    for when in model.whens:
+        yield from when.expressions()
+    for sampler in model.samplers:
+        yield from sampler.expressions()
+    for delay in model.delays:
+        yield from delay.expressions()
+    for variable in model.news(model.variables.values()):
+        yield from (x for x in (variable.start, variable.binding) if x is not None)

@@ -40,6 +40,8 @@ class Variable:
 
     def elements(self) -> list[tuple[str, tuple[int, ...]]]:
         """Names and indices of the scalars it is made of."""
+        if not self.shape:
+            return [(self.name, ())]
         indices: list[tuple[int, ...]] = [()]
         for size in self.shape:
             indices = [(*index, i) for index in indices for i in range(1, size + 1)]
