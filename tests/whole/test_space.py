@@ -68,6 +68,59 @@ def test_forward_dynamics_of_the_robot_arm(place: str) -> None:
     assert vector(run, "flange", 0) == pytest.approx(known["flange"], abs=1e-15)
 
 
+# ---------------------------------------------------------------- closed loops
+
+
+@pytest.mark.parametrize(("name", "coordinate", "repeats"), [("cardan", "first.phi", False), ("double_cardan", "first.phi", True),
+                                                             ("bricard", "p0.phi", True)])
+def test_loops_close_without_hints(name: str, coordinate: str, repeats: bool) -> None:
+    """Also where their equations repeat each other, as they do in all three; what every position repeats is told."""
+    known = REFERENCES[name]
+    run = example(name).simulate(at=[0, *known["t"]], tolerance=1e-12)
+    assert run[coordinate][1:] == pytest.approx(known["angles"], rel=1e-11, abs=1e-11)
+    assert run.statistics.constraint_residual < 1e-13
+    assert example(name).freedom["degrees_of_freedom"] == 1 and bool(example(name).freedom["repeated"]) is repeats
+
+
+def test_a_double_cardan_shaft_turns_evenly() -> None:
+    run = example("double_cardan", "der(arm_4.phi)", "shaft_3.center.omega").simulate(stop=2, tolerance=1e-11)
+    assert run["shaft_3.center.omega[1]"] == pytest.approx(run["first.w"], rel=1e-9)
+
+
+FOUR_BAR = """
+model FourBar
+  {world};
+  Revolute j1(a = {base}, {axis} phi(start = 60[deg], fixed = true), w(start = 3, fixed = true));
+  Bar crank(m = 1, L = 0.4, a = j1.b);
+  Revolute j2(a = crank.b, {axis} phi(start = 0));
+  Bar coupler(m = 1.5, L = 1, a = j2.b);
+  Revolute j4(a = shift({base}, {{0.9, 0}}), {axis} phi(start = 80[deg]));
+  Bar rocker(m = 1, L = 0.7, a = j4.b);
+  Revolute j3(a = coupler.b, {axis} b = rocker.b);
+end FourBar;
+"""
+
+
+def test_a_planar_four_bar_of_spatial_hinges_moves_as_the_planar_one() -> None:
+    """In a plane of space that no axis of coordinates lies in; forces in the plane are those of the planar one, in all hinges."""
+    tilt = np.array([1, 2, -2]) / 3
+    R = turn(tilt, 0.7)
+    gravity = "{" + ", ".join(repr(float(x)) for x in R @ [0, -9.81, 0]) + "}"
+    world, base = f"World world(gravity = {gravity})", "turn(world, 0.7, {1, 2, -2})"
+    ways = {"world": "World world", "base": "world", "axis": ""}, {"world": world, "base": base, "axis": "axis = {0, 0, 2},"}
+    texts = [FOUR_BAR.format(**way) for way in ways]
+    joints = ("j1", "j2", "j3", "j4")
+    flat, tilted = (Model(lag.loads(text).path, outputs=tuple(f"{j}.reaction" for j in joints)) for text in texts)
+    a, b = (model.simulate(stop=1, interval=0.25, tolerance=1e-12) for model in (flat, tilted))
+    for name in ("j1.phi", "j2.phi", "j4.phi", "der(j1.phi)"):
+        assert b[name] == pytest.approx(a[name], abs=1e-10)
+    for joint in joints:
+        force = np.array([b[f"{joint}.reaction[{k}]"] for k in (1, 2, 3)]).T @ R
+        known = np.array([a[f"{joint}.reaction[{k}]"] for k in (1, 2)]).T
+        assert force[:, :2] == pytest.approx(known, abs=1e-8)
+    assert tilted.freedom["degrees_of_freedom"] == 1 and tilted.freedom["repeated"]
+
+
 # ---------------------------------------------------------------- a second formulation
 
 

@@ -49,3 +49,8 @@ def library_topic() -> str:
             lines.append(f"{file.stem}:" if package is None else f"{file.stem}: import {package}.*;")
             lines += [f"  {name:20} {description}" for name, description in models]
     return "\n".join([*lines, "", f"The sources are worth reading: {data_folder('models') / 'library'}"])
+
+
+def reference_topic() -> str:
+    """The reference of the language."""
+    return (data_folder("grammar") / "reference.md").read_text(encoding="utf-8")

@@ -3,13 +3,13 @@
 from collections.abc import Callable, Mapping
 
 from lagrangia.base.diagnostics import fail, suggest
-from lagrangia.base.folders import data_folder
 from lagrangia.command.assertions_topic import ASSERTIONS
 from lagrangia.command.curves_topic import curves_topic
 from lagrangia.command.drawing_topic import drawing_topic
 from lagrangia.command.editor_topic import EDITOR
-from lagrangia.command.library_topic import DRIVES, library_topic
+from lagrangia.command.library_topic import DRIVES, library_topic, reference_topic
 from lagrangia.command.signals_topic import SIGNALS
+from lagrangia.command.space_topic import space_topic
 from lagrangia.command.tables_topic import TABLES
 
 _LANGUAGE = """\
@@ -468,10 +468,10 @@ before it.
 
 TOPICS: Mapping[str, tuple[str, Callable[[], str]]] = {
     "language": ("models, frames, energies: the language on one page", lambda: _LANGUAGE),
-    "reference": ("the language, construct by construct, and what of Modelica is in it",
-                  lambda: (data_folder("grammar") / "reference.md").read_text(encoding="utf-8")),
+    "reference": ("the language, construct by construct, and what of Modelica is in it", reference_topic),
     "library": ("the components and what they state", library_topic),
     "drives": ("drive trains: shafts, gears, clutches, what slides along a line", lambda: DRIVES),
+    "space": ("scenes in three dimensions", space_topic),
     "functions": ("mathematical functions, sources in time, your own functions", lambda: _FUNCTIONS),
     "assertions": ("what has to hold, and where a run ends", lambda: ASSERTIONS),
     "events": ("events that reset rates: impacts, contacts, kicks", lambda: _EVENTS),

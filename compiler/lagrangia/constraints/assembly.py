@@ -177,6 +177,8 @@ class Assembly:
             g, jacobian = (part[:positions] for part in self.equations(x))
             if not (np.abs(g) > _CLOSED * size).any():
                 return x
+            if not (np.isfinite(g).all() and np.isfinite(jacobian).all()):
+                return None  # turned over, where a joint in space is as far from closed as can be
             slopes = jacobian[:, dependent] * self.reach[dependent] / np.where(size > 0, size, np.inf)[:, None]
             step = np.linalg.lstsq(slopes, -g / np.where(size > 0, size, np.inf), rcond=_DEPENDENT)[0]
             step *= min(1.0, _LONGEST_STEP / max(float(np.abs(step).max()), _LONGEST_STEP))

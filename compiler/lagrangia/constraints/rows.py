@@ -13,7 +13,7 @@ from functools import partial
 import casadi as ca
 import numpy as np
 
-from lagrangia.algebra.duals import Dual, Scalar, plus, rate_of, times
+from lagrangia.algebra.duals import Dual, Scalar, is_zero, plus, rate_of, times
 from lagrangia.algebra.scalars import symbols_in
 from lagrangia.base.diagnostics import Report, Span, fail
 from lagrangia.base.records import dataclass
@@ -145,6 +145,8 @@ def _rows(kinematics: Kinematics) -> list[Row]:
     rows = []
     for closure in kinematics.graph.closures:
         for k, gap in enumerate(gaps(kinematics, closure, 0)):
+            if kinematics.geometry.by_rates and is_zero(gap):
+                continue  # what no motion opens
             rows.append(Row(partial(_gap, closure, k), True, closure, closure.span, k, is_timed=_is_timed(kinematics, gap)))
     for equation in kinematics.graph.model.constraints:
         rows += _equation_rows(equation, kinematics)

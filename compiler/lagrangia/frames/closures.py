@@ -6,12 +6,13 @@ from typing import Protocol
 from lagrangia.algebra.duals import Scalar
 from lagrangia.algebra.with_casadi import CasadiAlgebra
 from lagrangia.base.diagnostics import LagError
-from lagrangia.frames import planar_joints
+from lagrangia.frames import planar_joints, spatial_joints
 from lagrangia.frames.edges import Closure
 from lagrangia.frames.evaluation import Evaluator, Leaves, Value
+from lagrangia.frames.geometry import Pose
 from lagrangia.frames.graph import ComponentGraph
-from lagrangia.frames.planar import Pose
 from lagrangia.frames.planar_joints import Slide
+from lagrangia.frames.quaternions import conjugate, quaternion_along, quaternion_product
 from lagrangia.frames.steps import Step
 
 
@@ -21,6 +22,10 @@ class Frames(Leaves, Protocol):
     graph: ComponentGraph
     algebra: CasadiAlgebra
     evaluator: Evaluator
+
+    @property
+    def is_displaced(self) -> bool:
+        """Whether there are virtual displacements."""
 
     def pose(self, name: str, level: int) -> Pose:
         """That of a frame, at a level."""
@@ -32,6 +37,8 @@ class Frames(Leaves, Protocol):
 def gaps(frames: Frames, closure: Closure, level: int) -> list[Scalar]:
     """What must vanish, at a level of the kinematics; lengths in m, angles in rad."""
     try:
+        if frames.graph.model.space.is_spatial:
+            return spatial_joints.gaps(*_ends(frames, closure, level), _turn(frames, closure), frames.is_displaced)
         return planar_joints.gaps(closure.kind, *_ends(frames, closure, level), _slide(frames, closure))
     except LagError as error:
         raise error.placed(closure.span) from None
@@ -50,6 +57,9 @@ def cut_coordinate(frames: Frames, closure: Closure, level: int) -> Scalar:
 
 def wrench_on_b(frames: Frames, closure: Closure, forces: Sequence[Scalar], drive: Scalar) -> list[Scalar]:
     """What holds the frame b: `forces` push the gaps shut, `drive` takes from what acts on the joint's coordinate."""
+    if frames.graph.model.space.is_spatial:
+        side = _turn(frames, closure)[0]  # 1 or -1 where the loop is closed
+        return [*forces[:3], *(side * x for x in forces[3:])]
     is_inverse = closure.freedom is not None and closure.freedom.is_inverse
     a = _ends(frames, closure, 0)[0]
     return planar_joints.wrench_on_b(closure.kind, a, _slide(frames, closure), is_inverse, forces, drive)
@@ -69,6 +79,13 @@ def _ends(frames: Frames, closure: Closure, level: int) -> tuple[Pose, Pose]:
     for step in closure.steps_b:
         b = frames.step(step, b, at)
     return (a.lowered, b.lowered) if level == 0 else (a, b)
+
+
+def _turn(frames: Frames, closure: Closure) -> Sequence[Scalar]:
+    """The quaternion of b against a, in the world's axes."""
+    a, b = ((frames.frame(name, "Q", 0), quaternion_along(steps, frames.evaluator.value, 0, frames.algebra))
+            for name, steps in ((closure.a, closure.steps_a), (closure.b, closure.steps_b)))
+    return quaternion_product(quaternion_product(*b), conjugate(quaternion_product(*a)))
 
 
 def _slide(frames: Frames, closure: Closure) -> Slide | None:

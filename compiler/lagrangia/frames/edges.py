@@ -85,10 +85,10 @@ def choose_tree(
     return frozenset(chosen)
 
 
-def close(edge: Edge, uses: Mapping[str, int], around: str = "") -> Closure:
-    """The closure that an edge outside the tree is."""
+def close(edge: Edge, uses: Mapping[str, int], around: str = "", is_spatial: bool = False) -> Closure:
+    """The closure that an edge outside the tree is; in space it is closed as a whole, and keeps its coordinates."""
     weld = Closure("weld", edge.parent, edge.child, edge.steps, (), "", None, around, edge.span)
-    if len(edge.coordinates) != 1 or edge.moves_with_time or uses[edge.coordinates[0]] != 1:
+    if is_spatial or len(edge.coordinates) != 1 or edge.moves_with_time or uses[edge.coordinates[0]] != 1:
         return weld
     (name,) = edge.coordinates
     moving = [k for k, step in enumerate(edge.steps) if _mentions(step.amount, name)]

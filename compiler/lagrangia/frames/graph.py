@@ -129,8 +129,6 @@ class _Building:
                 unused += sorted(island)
         self.report.raise_errors()
         closures = self._closures(outside, set(unused))
-        for closure in closures:
-            refuse_in_space(self.model, "loops", closure.span)
         cut = {closure.coordinate: closure for closure in closures if closure.coordinate}
         found = self._coordinates(floating)
         coordinates, lost = (tuple(c for c in found if (c.name in cut) == is_lost) for is_lost in (False, True))
@@ -206,7 +204,8 @@ class _Building:
             if not edge.steps:
                 same.join(edge.parent, edge.child)
         news = [e for e in outside if e.parent not in unused and (e.steps or same.find(e.parent) != same.find(e.child))]
-        return tuple(close(edge, self.uses, " - ".join(_shortened(self._loop(edge)))) for edge in news)
+        is_spatial = self.model.space.is_spatial
+        return tuple(close(edge, self.uses, " - ".join(_shortened(self._loop(edge))), is_spatial) for edge in news)
 
     def _loop(self, edge: Edge) -> list[str]:
         """Components along the loop that an edge closes."""

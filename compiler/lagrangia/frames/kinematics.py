@@ -97,6 +97,11 @@ class Kinematics:
         lengths = self._signed_length if isinstance(self.algebra, CasadiAlgebra) else None  # others may be SymPy's: symbolic.py
         self.evaluator = Evaluator(self.graph.model, self.algebra, self, virtual, lengths)
 
+    @property
+    def is_displaced(self) -> bool:
+        """Whether there are virtual displacements."""
+        return bool(self.released or self.moved)
+
     @cached_property
     def geometry(self) -> Geometry:
         """What frames are, in the plane or in space."""

@@ -20,11 +20,17 @@ def quaternion_along(steps: Iterable[Step], value: Callable[..., Any], level: in
         half = value(step.amount, level) * (-0.5 if step.is_inverse else 0.5)
         axis = unit_axis(step, value(step.axis) if step.axis is not None else None, algebra)
         sine = algebra.call("sin", half)
-        found = _product(found, (algebra.call("cos", half), *(times(x, sine) for x in axis)))
+        found = quaternion_product(found, (algebra.call("cos", half), *(times(x, sine) for x in axis)))
     return found
 
 
-def _product(a: Sequence[Scalar], b: Sequence[Scalar]) -> Quaternion:
+def conjugate(q: Sequence[Scalar]) -> Quaternion:
+    """Of the turn back."""
+    return q[0], *(minus(0.0, x) for x in q[1:])
+
+
+def quaternion_product(a: Sequence[Scalar], b: Sequence[Scalar]) -> Quaternion:
+    """Of the turn b and then the turn a, in the axes of the world; of a, and then b in the axes of a."""
     signs = (((0, 0, 1), (1, 1, -1), (2, 2, -1), (3, 3, -1)), ((0, 1, 1), (1, 0, 1), (2, 3, 1), (3, 2, -1)),
              ((0, 2, 1), (2, 0, 1), (3, 1, 1), (1, 3, -1)), ((0, 3, 1), (3, 0, 1), (1, 2, 1), (2, 1, -1)))
     found = []
