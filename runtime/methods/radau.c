@@ -9,6 +9,7 @@
 
 #include "steps/attempts.h"
 #include "state/onset.h"
+#include "steps/rounding.h"
 #include "steps/step.h"
 #include "steps/turns.h"
 
@@ -162,6 +163,7 @@ static LagStatus go_on(LagRun *run)
     LagRadau *s = run->methods.self;
     LagMotion *m = &run->motion;
     int worst = 0, has_failed = 0;
+    lag_rounding_watch(run);
     run->step = fmax(run->step, lag_step_smallest(m->t));
     LagAttempts attempts = lag_attempts_begin(run);
     for (;;) {

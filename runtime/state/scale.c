@@ -54,6 +54,7 @@ void lag_scale_layout(LagScale *scale, LagArena *arena)
     scale->group = lag_take(arena, 2 * kinds);
     scale->noise = lag_take(arena, (size_t)scale->n);
     scale->onset = lag_take(arena, (size_t)scale->n);
+    scale->idle = lag_take(arena, (size_t)scale->n);
     scale->motion = lag_take(arena, kinds);
     scale->change = lag_take(arena, kinds);
 }
@@ -66,6 +67,7 @@ void lag_scale_reset(LagScale *scale)
     memset(scale->floor, 0, size);
     memset(scale->noise, 0, size / 2);
     memset(scale->onset, 0, size / 2);
+    memset(scale->idle, 0, size / 2);
     memset(scale->size, 0, size);
     memset(scale->group, 0, 2 * (size_t)scale->kinds * sizeof(double));
     scale->rate_rounding = scale->step = scale->reach = 0;
@@ -199,17 +201,20 @@ void lag_scale_units(const LagScale *scale, const double *y_old, const double *y
     const LagLanes reach = LAG_LANES_OF(scale->reach * scale->reach);
     int i = 0;
     for (; i + LAG_LANES <= n; i += LAG_LANES) {
-        LagLanes places, rates, rounding, noise, size, unseen;
+        LagLanes places, rates, rounding, noise, size, unseen, idle;
         magnitudes(scale, i, y_old, y_new, &places);
         magnitudes(scale, n + i, y_old, y_new, &rates);
         memcpy(&noise, scale->noise + i, sizeof noise);
         memcpy(&size, scale->size + i, sizeof size);
         memcpy(&unseen, scale->onset + i, sizeof unseen);
+        memcpy(&idle, scale->idle + i, sizeof idle);
         rounding = rate_rounding * LAG_LANES_MAX(places, size);
         noise *= step;
         noise = LAG_LANES_MAX(rounding, noise);
         raise_and_scale(scale, i, &places);
         unseen *= reach;
+        idle *= step * step;
+        unseen = LAG_LANES_MAX(unseen, idle);
         places = LAG_LANES_MAX(places, unseen);
         raise_and_scale(scale, n + i, &rates);
         rates = LAG_LANES_MAX(rates, noise);

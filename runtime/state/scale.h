@@ -22,6 +22,7 @@ typedef struct {
     double *group;        /* 2 kinds: largest magnitude of a kind, positions then rates */
     double *noise;        /* n: uncertainty of the accelerations by rounding */
     double *onset;        /* n: that of the loads to come, where nothing moves yet; noise is at least as large */
+    double *idle;         /* n: that of accelerations that are nothing but rounding */
     double reach;         /* length of the latest step, where stability bounds it, or something slides; 0: other implicit steps */
     double *motion, *change; /* kinds: scratch of lag_slowness */
 } LagScale;
@@ -73,8 +74,9 @@ static inline double lag_scale_unit(const LagScale *scale, int i, const double *
     const double magnitude = lag_scale_magnitude(scale, i, y_old[i], y_new[i]);
     const double unit = scale->tolerance * (magnitude > scale->floor[i] ? magnitude : scale->floor[i]);
     if (i < scale->n) {
-        const double unseen = scale->reach * scale->reach * scale->onset[i];
-        return unit > unseen ? unit : unseen;
+        const double reach = scale->reach, unseen = reach * reach * scale->onset[i], idle = scale->step * scale->step * scale->idle[i];
+        const double least = unseen > idle ? unseen : idle;
+        return unit > least ? unit : least;
     }
     const int position = i - scale->n;
     const double place = lag_scale_magnitude(scale, position, y_old[position], y_new[position]), size = scale->size[position];

@@ -75,3 +75,23 @@ def test_series_stand_rounding_about_an_equilibrium(scene: Write, tolerance: flo
     """A million series were rejected, each compared with rates of rounding."""
     run = scene(HANGING.replace("-90", "90")).simulate(stop=3, tolerance=tolerance, solver="taylor")
     assert run.statistics.rejected < 100
+
+
+@pytest.mark.parametrize("solver", ["auto", "erk", "erk5", "erk9", "pirk", "adams", "implicit"])
+@pytest.mark.parametrize("tolerance", [1e-3, 1e-6, 1e-12])
+def test_what_symmetry_keeps_at_rest_is_noise(scene: Write, solver: str, tolerance: float) -> None:
+    """The block falls straight through the hinge, and the force has no moment about it but by rounding: once 16 million steps."""
+    run = scene("""model M Revolute h(a = world); Bar bar(m = 0.75, L = 1.3, center = h.b);
+      Block b(m = 1, base = bar.center, along = {0, 1}, s(start = 0.35));
+      ForcePair f(a = shift(b.center, {0.4, -0.2}), b = bar.center, force = 1.76[N/s]*time); end M;""").simulate(
+          stop=1, solver=solver, tolerance=tolerance, max_steps=2_000)
+    assert np.abs(run["h.phi"]).max() < 1e-12
+
+
+@pytest.mark.parametrize("solver", ["erk9", "implicit"])
+def test_a_small_motion_is_none(scene: Write, solver: str) -> None:
+    """An oscillation of 1e-15 rad beside a mass that falls 5 m is as exact as one of 1 rad."""
+    run = scene("""model M Revolute h(a = world, phi(start = 1e-15)); Body disc(m = 1, I = 1, center = h.b); Block b(m = 1, base = world,
+      along = {0, 1}); energy potential 4.5[J]*h.phi^2 + 0.1[J]*sin(h.phi)^4; end M;""").simulate(
+          at=[0, 10, 100], solver=solver, tolerance=1e-9)
+    np.testing.assert_allclose(run["h.phi"], 1e-15 * np.cos(3 * run.time), atol=1e-23)
