@@ -163,7 +163,7 @@ static LagStatus go_on(LagRun *run)
     LagRadau *s = run->methods.self;
     LagMotion *m = &run->motion;
     int worst = 0, has_failed = 0;
-    lag_rounding_watch(run);
+    lag_rounding_watch_idle(run);
     run->step = fmax(run->step, lag_step_smallest(m->t));
     LagAttempts attempts = lag_attempts_begin(run);
     for (;;) {

@@ -41,17 +41,17 @@ static void move(const LagMotion *m, const LagScale *scale, double *moved)
 }
 
 /* Whether coordinate i moves, by no more than rounding of accelerations as they may be makes of it. */
-static int may_be_idle(const LagRun *run, int i)
+static int may_be_idle(const LagRun *run, const double *all, int i)
 {
     const LagMotion *m = &run->motion;
     const LagScale *scale = &run->scale;
     const int n = m->n;
-    const double noise = scale->noise[i], moves = lag_max(scale->largest[i], scale->largest[n + i]);
+    const double noise = all[i], moves = lag_max(scale->largest[i], scale->largest[n + i]);
     return moves > 0 && fabs(m->slope[n + i]) <= noise && scale->largest[n + i] <= noise * fabs(m->t - run->settings.t_start);
 }
 
 /* Accelerations that are nothing but rounding. */
-static void look_for_idle(LagRun *run)
+static void look_for_idle(LagRun *run, const double *noise)
 {
     LagMotion *m = &run->motion;
     LagScale *scale = &run->scale;
@@ -59,7 +59,7 @@ static void look_for_idle(LagRun *run)
     double *moved = m->point, *slope = m->sum;
     int any = 0;
     for (int i = 0; i < n && !any; ++i)
-        any = may_be_idle(run, i);
+        any = may_be_idle(run, noise, i);
     for (int move = 1; any && move <= MOVES; ++move) {
         for (int i = 0; i < 2 * n; ++i)
             moved[i] = m->y[i] * (1 + ((i + move) % 3 - 1) * move * DBL_EPSILON);
@@ -67,13 +67,16 @@ static void look_for_idle(LagRun *run)
             return;
         for (int i = 0; i < n; ++i) {
             const double change = fabs(slope[n + i] - m->slope[n + i]);
-            if (fabs(m->slope[n + i]) <= CHANGES * change && may_be_idle(run, i))
-                scale->idle[i] = lag_max(UNIT * change, scale->idle[i]);
+            if (!(fabs(m->slope[n + i]) <= CHANGES * change) || !may_be_idle(run, noise, i))
+                continue;
+            scale->idle[i] = lag_max(UNIT * change, scale->idle[i]);
+            scale->noise[i] = lag_max(scale->idle[i], scale->noise[i]);
         }
     }
 }
 
-void lag_rounding_look(LagRun *run)
+/* m->slope, and by how much rounding of the state changes accelerations. Returns 0 where they have no value. */
+static int find_noise(LagRun *run, double *noise)
 {
     LagMotion *m = &run->motion;
     const LagScale *scale = &run->scale;
@@ -81,16 +84,22 @@ void lag_rounding_look(LagRun *run)
     double *largest = scale->motion, *moved = m->point, *slope = m->sum;
     move(m, scale, moved);
     if (!lag_motion_slope(m, m->t, m->y, m->y + n, m->slope) || !lag_motion_slope(m, m->t, moved, moved + n, slope))
-        return;
+        return 0;
     memset(largest, 0, (size_t)scale->kinds * sizeof *largest);
     for (int i = 0; i < n; ++i) {
-        double *noise = &scale->noise[i], *most = &largest[scale->kind[i]];
-        *noise = lag_max(UNIT * fabs(slope[n + i] - m->slope[n + i]), scale->onset[i]);
-        *most = lag_max(*noise, *most);
+        double *most = &largest[scale->kind[i]];
+        noise[i] = lag_max(UNIT * fabs(slope[n + i] - m->slope[n + i]), scale->onset[i]);
+        *most = lag_max(noise[i], *most);
     }
     for (int i = 0; i < n; ++i)
-        scale->noise[i] = lag_max(scale->noise[i], SHARE * largest[scale->kind[i]]);
-    look_for_idle(run);
+        noise[i] = lag_max(noise[i], SHARE * largest[scale->kind[i]]);
+    return 1;
+}
+
+void lag_rounding_look(LagRun *run)
+{
+    if (find_noise(run, run->scale.noise))
+        look_for_idle(run, run->scale.noise);
 }
 
 void lag_rounding_watch(LagRun *run)
@@ -99,4 +108,11 @@ void lag_rounding_watch(LagRun *run)
     const int may_matter = steps > 0 || run->scale.tolerance < COARSE || run->model->n > FEW;
     if (may_matter && lag_step_is_every(run, INTERVAL))
         lag_rounding_look(run);
+}
+
+void lag_rounding_watch_idle(LagRun *run)
+{
+    double *noise = run->motion.other;
+    if (run->statistics.steps > 0 && lag_step_is_every(run, INTERVAL) && find_noise(run, noise))
+        look_for_idle(run, noise);
 }

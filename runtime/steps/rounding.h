@@ -7,7 +7,10 @@
 /* Before a step: looks now and then. */
 void lag_rounding_watch(LagRun *run);
 
-/* scale->noise: by how much accelerations change when the state is moved by rounding. */
+/* Before an implicit step, which rounding of accelerations does not shorten otherwise: looks now and then for what only that moves. */
+void lag_rounding_watch_idle(LagRun *run);
+
+/* scale->noise, scale->idle: by how much accelerations change when the state is moved by rounding. */
 void lag_rounding_look(LagRun *run);
 
 #endif
