@@ -1,6 +1,6 @@
 """Parameters: all values from those given, the dependent ones following their bindings."""
 
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Mapping
 from contextlib import suppress
 from math import prod
 from typing import NoReturn
@@ -14,6 +14,8 @@ from lagrangia.algebra.scalars import apply, as_expression, column
 from lagrangia.base.checked_values import misfit
 from lagrangia.base.diagnostics import LagError, Report, Span, fail
 from lagrangia.frames.alike import evaluate_alike
+from lagrangia.frames.arrays import map_scalars
+from lagrangia.frames.elements import whole
 from lagrangia.frames.evaluation import Evaluator, Value, elements, scalars_of
 from lagrangia.frames.kinematics import Kinematics
 from lagrangia.language.flat import FlatModel, Variable
@@ -218,14 +220,24 @@ class _ParameterLeaves:
             fail("L0212", f"parameter '{name}' depends on itself", variable.span, " > ".join([*chain, name]))
         self.pending.append(name)
         assert variable.binding is not None
-        bound = self.evaluator.value(variable.binding)
-        values = elements(bound, variable.shape, variable.binding.span)
+        bound = whole(self.evaluator.begun, variable, variable.binding,
+                      lambda node, index: self._chosen(variable, self.evaluator.value(node), index))
+        elements(bound, variable.shape, variable.binding.span)
         self.pending.pop()
-        start = self.place[name]
-        chosen = [apply(ca.OP_ADD, self.given[k], apply(ca.OP_IF_ELSE_ZERO, self.is_open[k], x))
-                  for k, x in enumerate(values, start)]
-        self.known[name] = _nest(iter(chosen), variable.shape)
-        return self.known[name]
+        self.known[name] = bound
+        return bound
+
+    def _chosen(self, variable: Variable, value: Value, index: tuple[int, ...]) -> Value:
+        """What is given for the element at an index, or else this value; sizes that do not fit are told by others."""
+        if any(k > size for k, size in zip(index, variable.shape, strict=False)):
+            return value
+        strides = [prod(variable.shape[k + 1 :]) for k in range(len(index))]
+        first = self.place[variable.name] + sum((k - 1) * stride for k, stride in zip(index, strides, strict=True))
+        places = iter(range(first, first + prod(variable.shape[len(index) :])))
+        return map_scalars(lambda x: self._given_or(x, next(places, first)), value)
+
+    def _given_or(self, value: Scalar, k: int) -> Scalar:
+        return apply(ca.OP_ADD, self.given[k], apply(ca.OP_IF_ELSE_ZERO, self.is_open[k], value))
 
     def time(self, level: int) -> Scalar:
         self._refuse("time")
@@ -241,8 +253,3 @@ class _ParameterLeaves:
              "what changes during the run is a variable: leave `parameter` away" +
              (", in a component of your own" if is_of_component else ""))
 
-
-def _nest(values: Iterator[Scalar], shape: tuple[int, ...]) -> Value:
-    if not shape:
-        return next(values)
-    return tuple(_nest(values, shape[1:]) for _ in range(shape[0]))

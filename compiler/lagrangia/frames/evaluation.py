@@ -24,6 +24,7 @@ from lagrangia.algebra.duals import (
 from lagrangia.base.diagnostics import LagError, Span, fail
 from lagrangia.base.table_data import TableData
 from lagrangia.frames.arrays import array_of, map_scalars, need_vectors, zip_scalars
+from lagrangia.frames.elements import Elements, whole
 from lagrangia.frames.expression_forms import sum_of_squares
 from lagrangia.frames.planar import cross, turned_vector
 from lagrangia.frames.table_values import lines_value, plane_value, table_of_points, table_value
@@ -81,6 +82,7 @@ class Evaluator:
             self.algebras.append(DualAlgebra(self.algebras[-1]))
         self._known: dict[tuple[str, int], Value] = {}
         self._pending: list[str] = []
+        self.begun: dict[tuple[str, int], Elements] = {}  # arrays in the midst of their evaluation
         self._results: dict[tuple[Any, ...], tuple[list[Value], Value]] = {}  # of functions; arguments are kept, their ids last
         self._tables: dict[int, tuple[Call[Flat], TableData]] = {}  # of points with options, by calls that are kept
         self._statements = 0
@@ -90,6 +92,8 @@ class Evaluator:
         """The value of an expression at a level; `local` are the variables of a function. Raises LagError."""
         match node:  # what stands in most expressions first
             case Ref(name, index, span):
+                if index and (name, level) in self.begun:
+                    return self.begun[name, level].value(index)
                 return _element(self.variable(name, level, span), index)
             case Binary():
                 return self._binary(node, level, local)
@@ -141,7 +145,7 @@ class Evaluator:
         assert variable.binding is not None
         self._pending.append(name)
         try:
-            value = self.value(variable.binding, level)
+            value = whole(self.begun, variable, variable.binding, lambda node, index: self.value(node, level), level)
             self._pending.pop()
             elements(value, variable.shape, variable.binding.span)
         except LagError as error:

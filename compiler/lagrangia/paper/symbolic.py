@@ -23,6 +23,7 @@ from lagrangia.constraints.parameters import scalars
 from lagrangia.constraints.rows import Constraints, Row
 from lagrangia.dynamics.energies import Energies, Term, evaluate_energies
 from lagrangia.frames.edges import Edge
+from lagrangia.frames.elements import whole
 from lagrangia.frames.evaluation import Evaluator, Value, scalars_of
 from lagrangia.frames.kinematics import Dependent, Kinematics, Symbols
 from lagrangia.frames.planar import ANGLES, LENGTHS, Pose
@@ -196,9 +197,10 @@ class _ParameterTable:
         if variable.name == GRAVITY:
             return self._gravity(variable, binding)
         if isinstance(binding, Array) and len(variable.shape) == 1:
-            return tuple(self._element(variable, f"{variable.name}[{k}]", item) for k, item in enumerate(binding.items, 1))
+            return whole(self.evaluator.begun, variable, binding,
+                         lambda item, index: self._element(variable, f"{variable.name}[{index[0]}]", item))
         if variable.shape:
-            return self.evaluator.value(binding)
+            return whole(self.evaluator.begun, variable, binding, lambda item, index: self.evaluator.value(item))
         if "." not in variable.name:
             formula = None if _number(binding) is not None else self.evaluator.value(binding)
             return self._keep(variable, variable.name, formula)
@@ -210,10 +212,7 @@ class _ParameterTable:
         return value if _is_simple(value) else self._keep(variable, variable.name, value)
 
     def _element(self, variable: Variable, name: str, item: Flat) -> Value:
-        number = _number(item)
-        if number is None or number in (0, 1, -1):
-            return self.evaluator.value(item)
-        return self._keep(variable, name, None)
+        return self.evaluator.value(item) if _number(item) in (None, 0, 1, -1) else self._keep(variable, name, None)
 
     def _gravity(self, variable: Variable, binding: Flat) -> Value:
         """g along an axis."""
