@@ -109,11 +109,30 @@ int lag_contacts_is_inside(const LagRun *run, int i, double g)
     return g > run->sliding.error[lag_gap(run->model, k)] && (!run->started || run->switches.held[i] > 0);
 }
 
-int lag_contacts_find_passed(const LagRun *run)
+/* Whether event k is no contact, and would leave all that it resets as it is. */
+static int changes_nothing(LagRun *run, int k)
 {
-    for (int k = 0; k < run->model->n_whens; ++k)
-        if (run->switches.held[lag_when(run->model, k)] > 0 && !run->switches.slides[lag_contact(run->model, k)])
+    const LagModel *model = run->model;
+    LagImpacts *s = &run->impacts;
+    int count = 0;
+    lag_impulses_look(run, run->motion.y + model->n, s->rate, s->wanted);
+    for (int j = 0; j < model->n_resets; ++j) {
+        if (lag_event_of(model, j) != k)
+            continue;
+        if (lag_is_contact(model, j) == LAG_CONTACT || s->rate[j] != s->wanted[j])
+            return 0;
+        ++count;
+    }
+    return count > 0;
+}
+
+int lag_contacts_find_passed(LagRun *run)
+{
+    for (int k = 0; k < run->model->n_whens; ++k) {
+        const int is_passed = run->switches.held[lag_when(run->model, k)] > 0 && !run->switches.slides[lag_contact(run->model, k)];
+        if (is_passed && !changes_nothing(run, k))
             return 1 + k;
+    }
     return 0;
 }
 

@@ -16,8 +16,8 @@ int lag_contacts_are_closed(const LagRun *run, int k, const double *g, double ne
 /* Whether the condition i of an event is true, so that it cannot come: contacts that are open stay so, or would be passed. */
 int lag_contacts_is_inside(const LagRun *run, int i, double g);
 
-/* 1 + the first event whose contact is passed; 0: none. */
-int lag_contacts_find_passed(const LagRun *run);
+/* 1 + the first event whose contact is passed, or whose condition holds and would change something; 0: none. */
+int lag_contacts_find_passed(LagRun *run);
 
 /* Whether what leaves contact k so fast, and is drawn back so, cannot be told from what rests. */
 int lag_contacts_stay(const LagRun *run, int k, double speed, double returns);

@@ -67,3 +67,10 @@ def test_fmus_switch_where_the_run_does(version: str, kind: str, tmp_path: Path)
     run = fmpy.simulate_fmu(str(unpacked(tmp_path / "scene.lag", version)), fmi_type=kind, stop_time=6, step_size=0.02,
                             relative_tolerance=1e-10, output=["x"], output_interval=0.02)
     assert np.abs(run["x"] - exact(run["time"])).max() < (1e-9 if kind == "CoSimulation" else 1e-3)
+
+
+@pytest.mark.parametrize(("x0", "y"), [(0.1, 1.0), (0.5, 1.0), (0.9, 0.0)])
+def test_what_would_switch_to_what_is_says_nothing(thermostat: lag.Model, x0: float, y: float) -> None:
+    """Below `low` the relay is at `off` from the start: a line had said that its event holds already."""
+    run = thermostat.simulate(at=[0, 0.1], parameters={"x0": x0})
+    assert (run["relay.y"] == y).all() and not run.warnings

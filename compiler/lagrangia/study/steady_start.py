@@ -15,7 +15,7 @@ from lagrangia.base.records import dataclass
 from lagrangia.run.request import check_values
 from lagrangia.study.rest_start import RestStart, start_at_rest
 
-_STEPS, _HALVES, _SMALL, _CLOSED, _DIFFERENCE, _TINY = 60, 12, 1e-13, 1e-9, 1e-6, 1e-300
+_STEPS, _HALVES, _SMALL, _CLOSED, _TINY = 60, 12, 1e-13, 1e-9, 1e-300
 _LOOKS = (0.7, 2.3, 5.9)  # radians or metres, and seconds: elsewhere and later it is to be the same
 
 
@@ -83,6 +83,8 @@ class _Steady:
         self.p = model.parameter_values(self.parameters)
         self.u = np.array(values.input_values[: len(model.scene.inputs)])
         self.function = model.functions(given=self.parameters or ())["rhs"]
+        self.derivatives = self.function.factory("derivatives", self.function.name_in(),
+                                                 [f"jac:{self.function.name_out(0)}:{self.function.name_in(k)}" for k in (1, 2)])
         for k in range(model.scene.n):
             if k not in self.signals:
                 self.v[k] = self.given.get(k, 0.0)
@@ -101,15 +103,11 @@ class _Steady:
     def residual(self, x: "np.ndarray") -> "np.ndarray":
         return self.accelerations(x)[[*self.places, *self.signals]]
 
-    def slopes(self, x: "np.ndarray", of: Any) -> "np.ndarray":
-        """By central differences."""
-        columns = []
-        for k in range(x.size):
-            h = _DIFFERENCE * max(1.0, abs(x[k]))
-            e = np.zeros(x.size)
-            e[k] = h
-            columns.append((of(x + e) - of(x - e)) / (2 * h))
-        return np.array(columns).T.reshape(-1, x.size)
+    def slopes(self, x: "np.ndarray") -> "np.ndarray":
+        """Of the accelerations of all coordinates, by x."""
+        q, v = self.state(x)
+        by_q, by_v = (np.array(each, dtype=float) for each in self.derivatives(self.time, q, v, self.u, self.p))
+        return np.hstack([by_q[:, self.places], by_v[:, self.signals]])
 
     def solved(self) -> "tuple[np.ndarray, float]":
         """By Newton's method, shortened where it leads away; how far the last step went."""
@@ -119,7 +117,7 @@ class _Steady:
             r = self.residual(x)
             if not np.isfinite(r).all():
                 return x, np.inf
-            dx = -np.linalg.lstsq(self.slopes(x, self.residual), r, rcond=1e-9)[0]
+            dx = -np.linalg.lstsq(self.slopes(x)[[*self.places, *self.signals]], r, rcond=1e-9)[0]
             scale = 1.0
             for _ in range(_HALVES):
                 if np.linalg.norm(self.residual(x + scale * dx)) <= np.linalg.norm(r):
@@ -134,7 +132,7 @@ class _Steady:
     def told_of(self, x: "np.ndarray", missed: float) -> str:
         """Why it is none; "" where it is one."""
         scene, a = self.model.scene, self.accelerations(x)
-        size = np.abs(self.slopes(x, self.accelerations)) @ np.maximum(1.0, np.abs(x)) if x.size else np.zeros(scene.n)
+        size = np.abs(self.slopes(x)) @ np.maximum(1.0, np.abs(x)) if x.size else np.zeros(scene.n)
         size = size + max(abs(w) for w in self.given.values()) ** 2 + _TINY
         if not np.isfinite(a).all() or missed > np.sqrt(_CLOSED):
             return "positions at which nothing else is accelerated are not found; try other guesses with --initial"
