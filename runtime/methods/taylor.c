@@ -378,7 +378,7 @@ static LagStatus step(LagRun *run)
         h = lag_min(h, run->settings.max_step);
     for (;; h *= SHRINK) {
         const double t_new = lag_step_end(run, h), length = t_new - m->t;
-        if (!(length >= lag_step_smallest(m->t)))
+        if (!(h >= lag_step_smallest(m->t))) /* what is left before an end may be shorter */
             return lag_step_give_up(run, run->statistics.worst);
         displacement(s, run->model, s->jets, length, m->sum);
         lag_motion_add(m, m->sum);

@@ -46,8 +46,8 @@ static int may_be_idle(const LagRun *run, const double *all, int i)
     const LagMotion *m = &run->motion;
     const LagScale *scale = &run->scale;
     const int n = m->n;
-    const double noise = all[i], moves = lag_max(scale->largest[i], scale->largest[n + i]);
-    return moves > 0 && fabs(m->slope[n + i]) <= noise && scale->largest[n + i] <= noise * fabs(m->t - run->settings.t_start);
+    const double noise = all[i], moves = lag_max(scale->largest[i], scale->largest[n + i]), lasts = fabs(m->t - run->settings.t_start);
+    return moves > 0 && lasts > 0 && fabs(m->slope[n + i]) <= noise && scale->largest[n + i] <= noise * lasts;
 }
 
 /* Accelerations that are nothing but rounding. */

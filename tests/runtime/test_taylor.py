@@ -285,3 +285,14 @@ def test_many_free_masses_fall_alike(n: int, acceleration: str, scene: Callable[
         for j in (1, n):
             np.testing.assert_allclose(run[f"p[{j}].center.y"], j - 9.81 * t**2 / 2, rtol=1e-12, atol=1e-12)
             np.testing.assert_allclose(run[f"p[{j}].center.x"], 1 + (t**3 / 6 if acceleration != "0" else 0 * t), rtol=1e-10)
+
+
+@pytest.mark.parametrize("stop", [0.03, 0.07, 0.14, 0.23])
+def test_ends_within_rounding_behind_a_break(scene: Callable[[str], lag.Model], stop: float) -> None:
+    """10*0.07 is not 0.7: what was left of the run was no step, and it ended with "no step is small enough"."""
+    run = scene("""model T Block b(m = 1, base = world); AppliedForce f(at = b.center, force = {table(10[m/s]*time,
+      {0.1[m]*k for k in 0:29}, {mod(7*k, 5)*1[N] for k in 0:29}), 0}); end T;""").simulate(stop=stop, solver="taylor")
+    t, force = np.linspace(0, stop, 20_001), [(7 * k) % 5 for k in range(30)]
+    f = np.interp(10 * t, 0.1 * np.arange(30), force)
+    v = np.concatenate([[0], np.cumsum((f[1:] + f[:-1]) / 2 * np.diff(t))])
+    assert run["b.v"][-1] == pytest.approx(v[-1], rel=1e-6)
