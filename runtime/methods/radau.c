@@ -163,7 +163,6 @@ static LagStatus go_on(LagRun *run)
     LagRadau *s = run->methods.self;
     LagMotion *m = &run->motion;
     int worst = 0, has_failed = 0;
-    lag_rounding_watch_idle(run);
     run->step = fmax(run->step, lag_step_smallest(m->t));
     LagAttempts attempts = lag_attempts_begin(run);
     for (;;) {
@@ -202,7 +201,10 @@ static LagStatus go_on(LagRun *run)
 
 static LagStatus step(LagRun *run)
 {
-    return run->model->jacobian_waits ? lag_fail(run, LAG_WANTS_JACOBIAN, -1, 0, 0) : go_on(run);
+    if (run->model->jacobian_waits)
+        return lag_fail(run, LAG_WANTS_JACOBIAN, -1, 0, 0);
+    lag_rounding_watch_idle(run);
+    return go_on(run);
 }
 
 static double *slope(void *self) { return ((LagRadau *)self)->slope; }
