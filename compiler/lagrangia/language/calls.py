@@ -41,6 +41,8 @@ class Calls(Loops, OwnCalls, Protocol):
         """A call with its arguments flattened. Raises LagError L0204, L0215."""
         if node.function in ("connect", "assert", "reinit"):
             fail("L0215", f"{node.function}(...) is an equation, not a value", node.span)
+        if (last := node.function.rpartition(".")[2]) in FOREIGN_CALLS and self.table.found(node.function, node.span) is None:
+            fail("L0901", f"not of this language: {node.function}(...)", node.span, FOREIGN_CALLS[last])
         if node.function == "sample":
             fail("L0215", "sample(...) is a condition of its own", node.span,
                  "write: when sample(0, 0.01) then u = ...; end when;")

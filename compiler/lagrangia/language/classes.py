@@ -75,6 +75,8 @@ class ClassTable:
         if name.startswith("Modelica."):
             fail("L0201", f"'{name}' is of the Modelica Standard Library, which is not here", span,
                  *_of_modelica(name, self.library))
+        if name == "ExternalObject":
+            fail("L0901", "not of this language: external objects", span, "give the values as a table of a file: lag help tables")
         hint = f"a number is a {_FOREIGN[name]}, or a quantity such as Length" if name in _FOREIGN else suggest(name, known)
         inside = [full for full in self.user if full.rpartition(".")[2] == name]
         if inside:

@@ -39,6 +39,7 @@ _FOREIGN = {
     "||": "write: or", "!=": "write: <>", "!": "write: not", "#": "a comment begins with //",
     ":=": "an equation has '='; ':=' assigns, in the algorithm of a function",
     "->": "frames are joined by connect(a, b), or a = b", "+=": "write: x := x + ...", "-=": "write: x := x - ...",
+    "within": "`within P;` stands first in a file",
     "*/": "no comment is open here", "'": "a name in single quotes ends with one",
     **dict.fromkeys("−–", "write the minus sign of the keyboard: -"), **dict.fromkeys("×·", "write: *"),
     **dict.fromkeys("“”", 'a text stands in straight quotes: "..."'), "²": "a power is written a^2",
@@ -77,7 +78,13 @@ def _tell(report: Report, stop: Stop, parser: Lark) -> None:
 def _tell_unsupported(report: Report, stop: Stop) -> bool:
     """What is Modelica's, but not ours; it was read as a type or a name, or is the word that did not fit."""
     here = (stop.word, stop.span) if stop.word else None
-    last = [(str(t), Span(stop.source, t.start_pos or 0, t.end_pos or 0)) for t in stop.before[-3:] if t.type not in ("STRING",)]
+    told = [(str(t), Span(stop.source, t.start_pos or 0, t.end_pos or 0)) for t in stop.before[-6:] if t.type not in ("STRING",)]
+    for (first, place), (second, end) in pairwise(told):
+        if second == "extends" and (first, second) in FOREIGN_PAIRS:
+            report.error("L0901", f"not of this language: {FOREIGN_PAIRS[first, second][0]}", place.to(end),
+                         FOREIGN_PAIRS[first, second][1])
+            return True
+    last = told[-3:]
     words = [*last, *([here] if here is not None else [])]
     if here is not None and (behind := re.compile(r"\s+([^\W\d]\w*)").match(stop.source.text, stop.span.end)):
         words.append((behind[1], Span(stop.source, *behind.span(1))))
@@ -166,10 +173,12 @@ def _guesses(stop: Stop) -> Iterator[str]:
         yield "a model has no braces: model Name ... end Name;"
     if word == "." and {"EQUAL", "RPAR"} <= accepted and stop.before:
         yield f"a part of a part is modified in brackets: {stop.before[-1]}(... = ...)"
+    if word == ".":
+        yield "a name has no dot before it, and parts are picked from names: r = f(x), r.a"
     if "CLASS_KIND" in accepted:
         near = suggest(word, ["model", "function", "type", "import", "partial"])
         yield f"did you mean '{_KINDS[word]}'?" if word in _KINDS else near or "a file holds models: model Name ... end Name;"
-    if stop.last(1) == ("END",) and accepted <= {"FOR", "IF", "WHEN"}:
+    if stop.last(1) == ("END",) and accepted <= {"FOR", "IF", "WHEN", "WHILE"}:
         yield f"an inner block is still open: end {min(accepted).lower()};"
     if stop.last(1) == ("END",):
         yield "say what ends: end Name;"

@@ -66,6 +66,7 @@ from lagrangia.language.spaces import Found, FoundSpaceError
 from lagrangia.language.stamps import stamp
 from lagrangia.language.states import find_states, refuse_states_elsewhere
 from lagrangia.language.tree import (
+    Array,
     Boolean,
     Call,
     CallEquation,
@@ -93,6 +94,9 @@ from lagrangia.language.without_effect import find_without_effect
 
 _AT_EVENTS = ("write: reinit(der(x), value);",
               "values that are held between instants: when sample(0, 0.01) then u = ...; end when;")
+
+
+_IF = "what the motion decides is chosen by an if expression: y = if x > 1 then a else b"
 
 
 def flatten(table: ClassTable, definition: ClassDefinition, structural: Mapping[str, Any] | None = None) -> FlatModel:
@@ -306,7 +310,7 @@ class _Flattening:
                     for part in body:
                         self._clause(kind, part, inner)
             case IfBlock(condition, then, otherwise, _):
-                chosen = then if self.names.boolean(condition, scope, "the condition of an if block") else otherwise
+                chosen = then if self.names.boolean(condition, scope, "the condition of an if block", _IF) else otherwise
                 for part in chosen:
                     self._clause(kind, part, scope)
             case Equality():
@@ -396,7 +400,8 @@ class _Flattening:
             return
         for end in (a, b):
             if not is_frame(end):
-                fail("L0221", "connect joins frames, or signals, this is none", end.span,
+                each = ["element by element: for i in 1:n loop connect(a[i], b[i]); end for;"] if isinstance(end, Array) else []
+                fail("L0221", "connect joins frames, or signals, this is none", end.span, *each,
                      "a frame is a port, as bar.a, or shift(...) or turn(...) of one; a signal is a variable")
         self.frames_joined.add(key)
         self.frame_equations.append(FrameEquation(a, b, span))
@@ -412,6 +417,8 @@ class _Flattening:
             self._add_sampler(block, block.condition, scope, place)
             return
         condition = self.names.flatten(block.condition, scope)
+        if isinstance(condition, Array):
+            fail("L0225", "an event has one condition", block.condition.span, "write: when x > 1 or x < -1 then ... end when;")
         self.resets, self.endings = [], []
         for part in block.body:
             self._clause("when", part, scope)

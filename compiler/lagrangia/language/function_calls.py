@@ -14,6 +14,7 @@ from lagrangia.language.tree import (
     Clause,
     Declaration,
     Expression,
+    Extends,
     Field,
     Flat,
     ForBlock,
@@ -47,6 +48,9 @@ class OwnCalls(Protocol):
         """A result of a call, or what it has under the names `way`. Raises LagError L0215, L0303."""
         declared = [e for e in own.elements if isinstance(e, Declaration)]
         if inherited := next((e for e in own.elements if not isinstance(e, Declaration)), None):
+            if isinstance(inherited, Extends) and inherited.type_name == "der":
+                fail("L0901", "not of this language: functions that are derivatives of others", inherited.span,
+                     "der(f(x)) is computed exactly")
             fail("L0902", "not supported yet: a function that extends another one", inherited.span, "call it: y := other(x);")
         inputs = {d.name: d for d in declared if "input" in d.prefixes}
         given = _arranged(call, own.name, inputs)

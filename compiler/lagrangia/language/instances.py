@@ -166,9 +166,9 @@ class StructuralValues(Protocol):
 
     space: Space  # that the scene is taken for
 
-    def integer(self, expression: Expression, scope: Scope, what: str) -> int:
+    def integer(self, expression: Expression, scope: Scope, what: str, hint: str = "") -> int:
         """The integer that an expression must be. Raises LagError L0210."""
-    def boolean(self, expression: Expression, scope: Scope, what: str) -> bool:
+    def boolean(self, expression: Expression, scope: Scope, what: str, *hints: str) -> bool:
         """The truth value that an expression must be. Raises LagError L0210."""
     def shape(self, bound: Bound) -> tuple[int, ...]:
         """The sizes of what is bound. Raises LagError."""

@@ -22,7 +22,14 @@ from lagrangia.language.instances import (
     outside,
 )
 from lagrangia.language.modifications import deal_out, dealt_to_fields, merge, modification_of
-from lagrangia.language.redeclarations import add_outer, known_names, redeclared, replace_local_classes, with_redeclared_elements
+from lagrangia.language.redeclarations import (
+    add_outer,
+    check_constraint,
+    known_names,
+    redeclared,
+    replace_local_classes,
+    with_redeclared_elements,
+)
 from lagrangia.language.space_values import dimensions_of, form_of, prefixes_of
 from lagrangia.language.spaces import name_of_space
 from lagrangia.language.suggestions import explain
@@ -131,6 +138,7 @@ class Instantiation:
         self._refuse_final(element.name, given, own)
         if given.redeclared is not None:
             return redeclared(self.table, self.report, element, given, own, scope)
+        check_constraint(self.table, self.report, element)
         local = scope.instance.classes.get(element.type_name)
         if local is not None:
             element = replace(element, type_name=local.type_name, type_span=local.type_span)

@@ -101,5 +101,7 @@ def kind_of(slot: Slot) -> Kind:
         kind = f"the {slot.base} variable" if not slot.enumeration else f"the variable of the enumeration {slot.enumeration},"
         what = f"{kind} '{slot.declaration.name}'"
         fail("L0219", f"not supported yet: {what}", slot.declaration.name_span,
-             "Integer, Boolean, String and enumeration parameters are supported")
+             "Integer, Boolean, String and enumeration parameters are supported", *(
+                 ["a condition is written where it is asked for, or as a number: Real on = if x > 1 then 1 else 0"]
+                 if slot.base == "Boolean" else []))
     return next((kind for kind in _KINDS if kind in prefixes), "variable")

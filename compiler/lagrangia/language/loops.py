@@ -8,6 +8,7 @@ from lagrangia.base.records import dataclass
 from lagrangia.language.instances import Scope, StructuralValues
 from lagrangia.language.tree import Array, Expression, Iterator, Range, Reference
 
+_OF_NUMBERS = "numbers in equal distances: linspace(0, 2, 5), or {0.5*i for i in 0:4}"
 _MOST_ITERATIONS = 100_000  # of one loop
 _MOST_PASSES = 300_000  # of all loops of a model, each times the clauses in it: some 10 us each
 
@@ -61,7 +62,7 @@ class Loops(StructuralValues, Protocol):
 
     def _range(self, node: Range, scope: Scope) -> list[int]:
         start, stop = (self.integer(e, scope, "the end of a range") for e in (node.start, node.stop))
-        step = self.integer(node.step, scope, "the step of a range") if node.step is not None else 1
+        step = self.integer(node.step, scope, "the step of a range", _OF_NUMBERS) if node.step is not None else 1
         if step == 0 or (stop - start) // step > _MOST_ITERATIONS:
             fail("L0209", f"a range of more than {_MOST_ITERATIONS} values", node.span)
         return list(range(start, stop + (1 if step > 0 else -1), step))

@@ -82,25 +82,25 @@ class Names(Calls):
 
     # ------------------------------------------------------------ structural values
 
-    def integer(self, expression: Expression, scope: Scope, what: str) -> int:
+    def integer(self, expression: Expression, scope: Scope, what: str, hint: str = "") -> int:
         """The integer that an expression must be. Raises LagError L0210."""
         value = self._constant(expression, scope, what)
         if isinstance(value, bool) or not float(value).is_integer():
-            fail("L0210", f"{what} must be an integer, not {value}", expression.span)
+            fail("L0210", f"{what} must be an integer, not {value}", expression.span, *filter(None, [hint]))
         return int(value)
 
-    def boolean(self, expression: Expression, scope: Scope, what: str) -> bool:
+    def boolean(self, expression: Expression, scope: Scope, what: str, *hints: str) -> bool:
         """The truth value that an expression must be. Raises LagError L0210."""
-        value = self._constant(expression, scope, what)
+        value = self._constant(expression, scope, what, *hints)
         if not isinstance(value, bool):
             fail("L0210", f"{what} must be true or false", expression.span)
         return value
 
-    def _constant(self, expression: Expression, scope: Scope, what: str) -> float | bool:
+    def _constant(self, expression: Expression, scope: Scope, what: str, *hints: str) -> float | bool:
         value = fold(self.flatten(expression, scope))
         if value is None:
             fail("L0210", f"{what} must be known when the scene is compiled", expression.span,
-                 "use numbers, constants and Integer or Boolean parameters")
+                 "use numbers, constants and Integer or Boolean parameters", *hints)
         return value
 
     def structural_value(self, slot: Slot, span: Span) -> Flat:
@@ -222,6 +222,8 @@ class Names(Calls):
 
     def _operated(self, operator: str, left: Flat, right: Flat, span: Span) -> Flat:
         """Products of matrices, and what is done element after element, are written out; the rest is left to the evaluator."""
+        if operator == "+" and any(isinstance(side, String) for side in (left, right)):
+            fail("L0901", "not supported yet: texts that are put together", span, "write the whole text")
         if operator in EACH:
             return each(operator, left, right, self.size, span)
         if operator == "*" and (self._is_matrix(left) or self._is_matrix(right)):
@@ -324,6 +326,8 @@ class Names(Calls):
                 definition = self.table.found(name, node.span)
                 if definition is not None and definition.kind != "function":
                     return self._in_class(node, k, definition, scope)
+        if self.table.function(str(node), node.span) is not None:
+            fail("L0901", "not supported yet: a function as a value", node.span, f"call it: {node}(x)")
         if node.span.source in self.table.files and (found := self.table.scopes.constant(node.parts[0].name, node.span)):
             renamed = replace(node, parts=(replace(node.parts[0], name=found[1]), *node.parts[1:]))
             return self._in_class(renamed, 0, found[0], scope)

@@ -91,6 +91,12 @@ def replace_local_classes(table: ClassTable, report: Report, definition: ClassDe
             name: replace(change, is_each=True) for name, change in given.children.items()}))
 
 
+def check_constraint(table: ClassTable, report: Report, element: Declaration) -> None:
+    """Of a replaceable element that is not replaced."""
+    if (wanted := element.constraining) is not None:
+        _fits(table, report, (element.type_name, element.type_span), (wanted.type_name, wanted.span), f"'{element.name}'")
+
+
 def _fits(table: ClassTable, report: Report, new: tuple[str, Span], wanted: tuple[str, Span], what: str) -> bool:
     """Whether one type has all that another one has, by their names. Raises LagError L0201."""
     a, b = (table.base_type(*one) for one in (new, wanted))

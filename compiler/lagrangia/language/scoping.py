@@ -158,6 +158,9 @@ class Scopes:
                     yield full, name
 
     def _hints(self, package: str) -> list[str]:
+        if package.partition(".")[0] == "Modelica":
+            return ["quantities (Length, Mass), pi, Rotational, Translational and Blocks are in the library, without an import",
+                    "lag import FILE.mo makes a .lag file of a Modelica one"]
         inside = [name for name in self.classes if name.rpartition(".")[0] == package]
         if inside:
             return [f"{package} has {', '.join(name.rpartition('.')[2] for name in inside)}"[:300]]
