@@ -75,6 +75,8 @@ static int sliding(LagRun *run, Way way, double t, const double *q, const double
             return shares == LAG_SHARES_KEPT;
         ++run->motion.evaluations;
     }
+    if (run->model->shares_bend && run->sliding.count > 0) /* shares went astray, where there are no accelerations */
+        lag_switches_recall(run);
     return 0;
 }
 

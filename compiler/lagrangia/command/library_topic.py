@@ -19,9 +19,10 @@ equation
 end DriveTrain;
 
 Rotational and Translational have the components of the Modelica Standard Library by their names, with its parameters:
-Inertia, Spring, Damper, ElastoBacklash, BearingFriction, Clutch, Brake, FreeWheel, OneWayClutch, IdealGear, IdealPlanetary,
-IdealRollingWheel, Torque, Position, Speed, sensors; Mass, Rod, ElastoGap, MassWithStopAndFriction and others. `lag help library`
-lists them. They are named in full, as Rotational.Inertia, or imported: import Rotational.*; import R = Rotational;
+Inertia, Spring, Damper, ElastoBacklash, BearingFriction, Clutch, Brake, FreeWheel, OneWayClutch, IdealGear, LossyGear,
+IdealPlanetary, IdealRollingWheel, Torque, Position, Speed, sensors; Mass, Rod, ElastoGap, MassWithStopAndFriction and others.
+`lag help library` lists them. They are named in full, as Rotational.Inertia, or imported: import Rotational.*;
+import R = Rotational;
 
 Flanges      A flange has one position, phi or s. connect(a, b) makes it one; so does a(flange_a = b.flange_b). Torques and
              forces follow from virtual work; where nothing has mass, as between two springs, the place follows from the forces.
@@ -29,13 +30,16 @@ Flanges      A flange has one position, phi or s. connect(a, b) makes it one; so
              component (flange_a.phi = phi), by what they meet, or are coordinates.
 Housings     stand still; with useSupport = true they turn with the flange `support`, which takes what acts against them.
 Friction     tau_pos and mu_pos are rows of a rate and what it takes there; it sticks exactly, and holds up to peak times the
-             first at rest. A clutch needs an inertia on both sides. FreeWheel.tau is the torque with which it carries along.
+             first at rest. A clutch needs an inertia on both sides. FreeWheel.tau is the torque with which it carries along,
+             clutch.tau, brake.tau, spring.tau what goes through them. LossyGear rubs by the torque that it hands on, by the rows
+             of its lossTable, and may lock itself.
+Starts       spring.phi_rel(start = 0.1, fixed = true) is an initial equation; without fixed it has no effect (L0608).
 Planar       scenes have shafts by Rotational.HingeFlange(of = hinge.phi) and Translational.SliderFlange(of = slider.s).
-Sensors      TorqueSensor and ForceSensor stand between two flanges: what the first side does to the second.
+Sensors      TorqueSensor, ForceSensor and MultiSensor stand between two flanges: what the first side does to the second.
 Modelica     lag import FILE.mo makes a .lag file of a model of Modelica.Mechanics.Rotational and Translational, Modelica.Blocks
              (Sources, Math, Continuous: those of the package Blocks) and Modelica.Units: names, parameters and comments stay,
              what has no counterpart is left out as a comment, and the exit code is 1. Position and Speed move exactly.
-Not supported yet: gears with losses (LossyGear), accelerations that are prescribed (Accelerate)."""
+Not supported yet: accelerations that are prescribed (Accelerate)."""
 
 
 def library_topic() -> str:

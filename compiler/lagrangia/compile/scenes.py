@@ -25,12 +25,12 @@ from lagrangia.dynamics.jumping_energies import find_jumping_energies
 from lagrangia.dynamics.motion import Motion
 from lagrangia.dynamics.negative_inertia import tell_unlooked, written_inertias
 from lagrangia.dynamics.switches import corners_remain
-from lagrangia.frames.graph import Coordinate, rate_of
+from lagrangia.frames.graph import Coordinate
 from lagrangia.frames.kinematics import Kinematics
 from lagrangia.language.consequences import place_of_felt_reactions
 from lagrangia.language.dimensions import unit_of
 from lagrangia.language.events import kept_by
-from lagrangia.language.flat import FlatModel, Variable, When
+from lagrangia.language.flat import FlatModel, Variable, When, rate_of
 from lagrangia.language.folding import numbers_of
 from lagrangia.language.observables import observe
 from lagrangia.native.c_code import jet_tape, may_hide, usual_rhs

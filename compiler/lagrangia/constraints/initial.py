@@ -22,9 +22,9 @@ from lagrangia.base.records import dataclass
 from lagrangia.constraints.parameters import default_parameters, input_symbols, parameter_symbols, with_declared_inputs
 from lagrangia.constraints.rows import Constraints
 from lagrangia.frames.evaluation import Value
-from lagrangia.frames.graph import Coordinate, rate_of
+from lagrangia.frames.graph import Coordinate
 from lagrangia.frames.kinematics import Kinematics
-from lagrangia.language.flat import Equation
+from lagrangia.language.flat import Equation, rate_of
 from lagrangia.language.frame_attributes import is_velocity, known_of
 from lagrangia.language.tree import Call, Flat, FrameRef, Ref
 

@@ -8,12 +8,14 @@ R = A + B n. With the laws n = f(R) that is a system of as many equations as the
 One amount n = |R| of a vector is a quadratic equation. Several are found by Newton's method, from what they are without friction;
 where the laws are linear, as |N| is while the sign of N is held, it ends at once. The steps are written out: their number does
 not depend on the state, and there are Taylor series. It is sure that there is one solution, and but one, where I - |f'| |B| is an
-M-matrix, whose pivots are positive. Else friction presses, by the reaction, more than it takes (P. Painleve, Sur les lois
-du frottement de glissement, C. R. Acad. Sci. 121 (1895)): there accelerations are no numbers, and a run stops.
+M-matrix, whose pivots are positive, or, of sizes |x|, where the determinant is for all signs. Else friction presses, by the
+reaction, more than it takes (P. Painleve, Sur les lois du frottement de glissement, C. R. Acad. Sci. 121 (1895)): there
+accelerations are no numbers, and a run stops.
 """
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from itertools import product
 
 import casadi as ca
 
@@ -34,6 +36,7 @@ from lagrangia.language.consequences import place_of_felt_reactions
 
 _STEPS = 7  # of Newton's method: from 0.8 of what has no solution to all digits
 _LEFT, _NONE = 1e-9, 1e-200  # of what an amount is after these, at most; so that a root has a slope
+_MOST_SIGNS, _MOST_AMOUNTS = 3, 4  # whose determinants are written out
 _Hold = Callable[[Sequence[ca.SX]], list[ca.SX]]
 
 
@@ -90,7 +93,8 @@ def solve(motion: Motion, hold: _Hold) -> Solution:
     nothing = ca.SX.zeros(felt.amounts.numel())
     B = ca.jacobian(values, felt.amounts)
     (A,) = ca.substitute([values], [felt.amounts], [nothing])
-    found, margins = _Laws(felt.reactions, laws).meet(A, B)
+    bent = [not law.is_symbolic() and law.op() == ca.OP_FABS for law in felt.laws.elements()]
+    found, margins = _Laws(felt.reactions, laws, bent).meet(A, B)
     state = ca.vertcat(motion.t, motion.q, motion.v, motion.u)
     found += nothing_unless([x for x in margins if not x.is_constant()], state)
     return Solution(felt, found, A + B @ found)
@@ -99,8 +103,8 @@ def solve(motion: Motion, hold: _Hold) -> Solution:
 class _Laws:
     """n = f(x) of several amounts."""
 
-    def __init__(self, x: ca.SX, laws: ca.SX) -> None:
-        self.x, self.f, self.slopes = x, laws, ca.jacobian(laws, x)
+    def __init__(self, x: ca.SX, laws: ca.SX, bent: Sequence[bool]) -> None:
+        self.x, self.f, self.slopes, self.bent = x, laws, ca.jacobian(laws, x), bent
         self.is_linear = not ca.depends_on(self.slopes, x)
 
     def meet(self, A: ca.SX, B: ca.SX) -> tuple[ca.SX, list[ca.SX]]:
@@ -117,15 +121,29 @@ class _Laws:
             step, _ = _eliminate(ca.SX.eye(found.numel()) - slopes @ B, f - found)
             found += step
         f, slopes = ca.substitute([self.f, self.slopes], [self.x], [A + B @ found])
-        margins = _eliminate(ca.SX.eye(found.numel()) - _sizes(slopes, B, self.is_linear), ca.SX.zeros(found.numel()))[1]
+        margins = self._margins(slopes, B)
         left = [] if self.is_linear else [_LEFT**2 * ca.sumsqr(f) - ca.sumsqr(f - found) + _NONE]
         return found, margins + left
 
 
-def _sizes(slopes: ca.SX, B: ca.SX, is_linear: bool) -> ca.SX:
+    def _margins(self, slopes: ca.SX, B: ca.SX) -> list[ca.SX]:
+        """What is positive where there is but one solution, whatever the directions of norms; of sizes |x|, which are linear for
+        either sign, it is known exactly: the determinants for all signs."""
+        one, places = ca.SX.eye(self.f.numel()), [k for k, is_bent in enumerate(self.bent) if is_bent]
+        is_straight = all(is_bent or law.is_symbolic() for is_bent, law in zip(self.bent, self.f.elements(), strict=True))
+        if not is_straight or len(places) > _MOST_SIGNS or self.f.numel() > _MOST_AMOUNTS:
+            return _eliminate(one - _sizes(slopes, B), ca.SX.zeros(self.f.numel()))[1]
+        found = []
+        for signs in product((1.0, -1.0), repeat=len(places)):
+            turned = ca.SX(one)
+            for place, sign in zip(places, signs, strict=True):
+                turned[place, place] = sign
+            found.append(ca.det(one - turned @ slopes @ B))
+        return found
+
+
+def _sizes(slopes: ca.SX, B: ca.SX) -> ca.SX:
     """The most that each amount can change with each: of a norm, whose direction may be any, by the sizes of vectors."""
-    if is_linear:
-        return ca.fabs(slopes @ B)
     found = ca.SX(slopes.size1(), B.size2())
     for k in range(slopes.size1()):
         asked = sorted(set(slopes[k, :].sparsity().get_triplet()[1]))

@@ -32,7 +32,8 @@ _PACKAGES = frozenset("Rotational Translational Components Sources Sensors Inter
 _OF_MECHANICS = ("Components", "Sources", "Sensors", "Interfaces")
 _OF_BLOCKS = ("Sources", "Math", "Continuous", "Nonlinear")
 # Arguments of the library's components without a meaning here:
-_IDLE = frozenset("useHeatPort stateSelect animation smoothness phi_nominal s_nominal nominal startForward mode".split())
+_IDLE = frozenset("useHeatPort stateSelect animation smoothness phi_nominal s_nominal nominal startForward startBackward mode "
+                  "stuck locked".split())
 _RENAMED = {"freqHz": "f"}  # arguments, as they were called before version 4
 _SECTIONS = ("equation", "algorithm", "public", "protected")
 _CLASSES = ("model", "class", "package", "block", "connector", "record")
@@ -60,7 +61,7 @@ def imported(text: str) -> Imported:
         told, is_of_library = " ".join("".join(statement).split()), meant != statement
         if first is not None and _goes(statement[first], told):
             out.append(_space(statement).rstrip(" \t"))
-        elif any(name is None for name in meant) or missing & set(_heads(statement)):
+        elif any(name is None or _FLOW.search(name) for name in meant) or missing & set(_heads(statement)):
             missing |= set(_declared(statement, first))
             left.append(told)
             out.append(f"{_space(statement)}// left out: {told}")
@@ -70,6 +71,7 @@ def imported(text: str) -> Imported:
     return Imported("".join(out).strip() + "\n", tuple(left))
 
 
+_FLOW = re.compile(r"\.(flange\w*|support)\.(tau|f)$")  # what flows there, which is no variable here
 _PREFIXES = frozenset("parameter constant input output final inner outer replaceable redeclare discrete".split())
 
 
@@ -244,7 +246,11 @@ def _without_idle(words: Sequence[str]) -> list[str]:
     found, at = list[str](), 0
     while at < len(words):
         following = next((word for word in words[at + 1 :] if not word.isspace()), "")
-        if words[at] not in _IDLE or following != "=":
+        if words[at] in _IDLE and following == "(":  # startForward(fixed = true)
+            at = _closing(words, at) + 1
+            at += next((k for k, word in enumerate(words[at:]) if not word.isspace()), 0)
+            following = "="
+        elif words[at] not in _IDLE or following != "=":
             found.append(_RENAMED.get(words[at], words[at]) if following == "=" else words[at])
             at += 1
             continue

@@ -13,7 +13,7 @@ from lagrangia.base.records import dataclass
 from lagrangia.frames.edges import Closure, Edge, choose_tree, close
 from lagrangia.frames.steps import Step
 from lagrangia.language.consequences import keep_consequences_out
-from lagrangia.language.flat import FlatModel, Frame, FrameEquation, Variable
+from lagrangia.language.flat import FlatModel, Frame, FrameEquation, rate_of
 from lagrangia.language.frame_attributes import Space, reading, reads_angle
 from lagrangia.language.mentions import leaves
 from lagrangia.language.space_limits import refuse_in_space
@@ -410,14 +410,6 @@ def _start(frame: Frame, kind: str, k: int, space: Space) -> Flat | None:
 
 def _is_fixed(frame: Frame, kind: str, k: int, space: Space) -> bool:
     return not frame.fixed.isdisjoint(reading(kind, k, space))
-
-
-def rate_of(variable: Variable) -> str | None:
-    """The name of x when the variable is bound to der(x), else None."""
-    binding = variable.binding
-    if isinstance(binding, Call) and binding.function == "der" and isinstance(binding.arguments[0], Ref):
-        return binding.arguments[0].name
-    return None
 
 
 def _unfold(node: Flat) -> tuple[str, tuple[Step, ...]]:

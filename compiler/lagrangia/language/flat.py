@@ -11,7 +11,7 @@ from lagrangia.language.function_variables import FlatFunction
 from lagrangia.language.functions import FRAME_FUNCTIONS
 from lagrangia.language.lookups import Lookup, ReadPlane, ReadTable
 from lagrangia.language.spaces import Found
-from lagrangia.language.tree import Array, Call, EnergyKind, Flat, FrameRef
+from lagrangia.language.tree import Array, Call, EnergyKind, Flat, FrameRef, Ref
 
 T = TypeVar("T")
 Kind = Literal["parameter", "input", "coordinate", "variable", "held", "delayed"]
@@ -280,3 +280,11 @@ def places_of(node: Flat) -> tuple[Flat, ...]:
 def is_frame(node: Flat) -> bool:
     """Whether an expression stands for a frame."""
     return (isinstance(node, FrameRef) and node.attribute == "") or (isinstance(node, Call) and node.function in FRAME_FUNCTIONS)
+
+
+def rate_of(variable: Variable) -> str | None:
+    """The name of x when the variable is bound to der(x), else None."""
+    binding = variable.binding
+    if isinstance(binding, Call) and binding.function == "der" and isinstance(binding.arguments[0], Ref):
+        return binding.arguments[0].name
+    return None

@@ -59,6 +59,7 @@ from lagrangia.language.limits import (
 from lagrangia.language.mentions import leaves
 from lagrangia.language.moving_inputs import with_moving_inputs
 from lagrangia.language.names import Names
+from lagrangia.language.other_starts import with_other_starts
 from lagrangia.language.overrides import override_tree
 from lagrangia.language.samplers import check_held, declare_held
 from lagrangia.language.space_values import fitted, least_of
@@ -169,7 +170,7 @@ class _Flattening:
         self.report.raise_errors()
         found = (d for look in (find_unread, find_idle, find_without_effect) for d in look(model, root, self.table).diagnostics)
         warnings = (*self.report.diagnostics, *found)
-        return with_moving_inputs(replace(model, warnings=warnings))
+        return with_moving_inputs(with_other_starts(replace(model, warnings=warnings)))
 
     def _require_model(self) -> None:
         if self.definition.kind not in ("model", "block") or self.definition.is_partial:
