@@ -15,6 +15,7 @@ from scipy.special import ellipj, ellipk
 
 import lagrangia as lag
 from helpers.reference import Array, integrate, linear_response
+from helpers.spatial_examples import REFERENCES as SPATIAL
 from whole.test_loop_examples import REFERENCES as LOOPS
 
 FOLDER = Path(__file__).parents[2] / "models" / "examples"
@@ -365,6 +366,7 @@ REFERENCES: dict[str, Callable[[Array], Columns]] = {
     "torsion_rotor": torsion_rotor,
     "vibration_absorber": vibration_absorber,
     **LOOPS,
+    **SPATIAL,
 }
 
 # ---------------------------------------------------------------- the tests

@@ -10,14 +10,15 @@ import yaml
 import lagrangia as lag
 from lagrangia.model import Model
 
-FOLDER = Path(__file__).with_name("spatial")
+FOLDER, EXAMPLES = Path(__file__).with_name("spatial"), Path(__file__).parents[2] / "models" / "examples"
 REFERENCES = yaml.safe_load((FOLDER / "references.yaml").read_text(encoding="utf-8"))
 Array = np.ndarray
 
 
 @cache
 def example(name: str, *outputs: str) -> Model:
-    return Model(FOLDER / f"{name}.lag", outputs=outputs)
+    own = FOLDER / f"{name}.lag"
+    return Model(own if own.exists() else EXAMPLES / f"{name}.lag", outputs=outputs)
 
 
 def vector(run: lag.Trajectory, name: str, at: int = -1, size: int = 3) -> list[float]:
