@@ -94,6 +94,13 @@ def test_a_joint_that_mimics_another_follows_it() -> None:
     assert "slide.s = 0.1*elbow.phi;" in imported_robot("r", text.encode()).text
 
 
+def test_what_rounding_left_of_moments_is_nothing() -> None:
+    """A robot's head has ixz = 2.4e-35 and no other moment: no body has that."""
+    moments = 'ixx="0.0001" iyy="0.00012" izz="0.00015"\n      ixy="0" ixz="0"'
+    text = ROBOT.replace(moments, 'ixx="0" iyy="0" izz="0" ixy="0" ixz="2.4e-35"')
+    assert "Body finger_body(center = finger, m = 0.1, I = {0, 0, 0});" in imported_robot("r", text.encode()).text
+
+
 @pytest.mark.parametrize("change, told", [
     (('link="upper"/><child', 'link="uper"/><child'), "the parent of joint elbow is no link of the robot"),
     (('<child link="finger"/>', '<child link="upper"/>'), "the link 'upper' is the child of 2 joints: robots of URDF are trees"),

@@ -163,6 +163,7 @@ class _Robot:
         J = {name: self._numbers(inertia, name, 1)[0] if inertia is not None else 0.0 for name in _MOMENTS}
         if m == 0 and not any(J.values()):
             return ""
+        J = {name: 0.0 if abs(x) < _NOISE else x for name, x in J.items()}
         rows = [[J[f"i{min(a, b)}{max(a, b)}"] for b in "xyz"] for a in "xyz"]
         is_straight = not any(J[name] for name in ("ixy", "ixz", "iyz"))
         written = _row([rows[k][k] for k in range(3)]) if is_straight else "{" + ", ".join(map(_row, rows)) + "}"
@@ -227,6 +228,7 @@ class _Robot:
         return found
 
 
+_NOISE = 1e-15  # kg.m2: what programs for drawing leave of moments that are 0, with which no body could be
 _MOMENTS = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 _UNITS = {False: ("rad", ("torque", "N.m"), ("speed", "rad/s")), True: ("m", ("force", "N"), ("speed", "m/s"))}
 
