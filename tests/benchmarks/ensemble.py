@@ -1,20 +1,25 @@
-"""Many runs of the double pendulum on one core, 5 s each, from bends of 0.1 to 1 rad: time a run beside its error.
+"""Many runs of a scene on one core, from different starts of one coordinate: time a run beside its error.
 
-    python tests/benchmarks/ensemble.py [--runs N] [--repeats N]
+    python tests/benchmarks/ensemble.py [--scene NAME] [--runs N] [--repeats N] [--peers heyoka,jax,mujoco]
 
-Our sweep as it is, in lanes, the same with one run after another, and heyoka's taylor_adaptive_batch (8 lanes, its loop over
-batches in Python) where it is installed. The error is the median over the runs of that of elbow.phi at the end, against series
-at a tolerance of 1e-14. Processor time of this process: the shortest of the repeats, in which all ways take turns.
+Our sweep as it is, in lanes where these serve, and the same with one run after another; beside it, where they are installed,
+heyoka's taylor_adaptive_batch (8 lanes, its loop over batches in Python), diffrax' Dopri8 in JAX under vmap, and MuJoCo's RK4
+with fixed steps. The error is the median over the runs of that of the coordinate at the end, against our runs at a tolerance of
+1e-14. Processor time of this process: the shortest of the repeats, in which all ways take turns; of JAX after it has compiled.
 """
 
 import argparse
+import operator
+import os
 import time
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import casadi as ca
 import numpy as np
+import peer_mujoco
 
 import lagrangia as lag
 from lagrangia.bench.heyoka_peer import translate
@@ -24,15 +29,52 @@ from lagrangia.study.sweep.measures import read_measures
 from lagrangia.study.sweep.plan import Design
 from lagrangia.study.sweep.threads import run_on_threads
 
-SCENE = Path(__file__).resolve().parents[2] / "models" / "examples" / "double_pendulum.lag"
+FOLDER = Path(__file__).resolve().parents[2] / "models" / "examples"
+SCENE = FOLDER / "double_pendulum.lag"
 STOP, LANES = 5.0, 8
-TOLERANCES = {"ours": (1e-3, 1e-5, 1e-6, 1e-8, 1e-10, 1e-12), "heyoka": (1e-5, 1e-6, 1e-8, 1e-10, 1e-12, 1e-14, 2.3e-16)}
-Work = Callable[[], np.ndarray]  # elbow.phi at the end of each run
+# The coordinate whose start differs, from where to where; what MuJoCo calls the scene.
+SCENES = {"double_pendulum": ("elbow.phi", 0.1, 1.0, "double pendulum"), "spring_pendulum": ("bob.center.x", 0.1, 0.5, ""),
+          "cart_pole": ("hinge.phi", 0.1, 0.4, ""), "chain": ("hinge[1].phi", 0.5, 1.0, ""), "four_bar": ("O.phi", 0.5, 0.7, ""),
+          "stick_slip": ("block.s", 0.0, 0.1, ""), "bouncing_ball": ("y.s", 1.2, 1.4, "")}
+TOLERANCES = {"ours": (1e-3, 1e-5, 1e-6, 1e-8, 1e-10, 1e-12), "heyoka": (1e-5, 1e-6, 1e-8, 1e-10, 1e-12, 1e-14, 2.3e-16),
+              "jax": (1e-6, 1e-9, 1e-12), "mujoco": (1e-3, 1e-6)}
+Work = Callable[[], np.ndarray]  # the coordinate at the end of each run
 
 
-def ours(model: lag.Model, starts: np.ndarray, tolerance: float, in_lanes: bool = True, solver: str = "auto") -> Work:
-    request = Request(stop=STOP, tolerance=tolerance, initial={"elbow.phi": starts}, solver=solver)
-    suited, job = model.prepared_for(read_measures("final(elbow.phi)"), request, Design())
+@dataclass(frozen=True)
+class Many:
+    """The runs: a model, a coordinate and its starts; what MuJoCo calls it, and a scene of its own."""
+
+    model: lag.Model
+    coordinate: str
+    starts: np.ndarray
+    case: str
+
+    @property
+    def place(self) -> int:
+        """That of the coordinate among all."""
+        return list(self.model.coordinate_names).index(self.coordinate)
+
+    def states(self) -> np.ndarray:
+        """At the start, (runs, 2 n)."""
+        run = self.model.simulate(at=[0.0])
+        names = self.model.coordinate_names
+        first = [run[name][0] for name in names] + [run[f"der({name})"][0] for name in names]
+        found = np.tile(first, (len(self.starts), 1))
+        found[:, self.place] = self.starts
+        return found
+
+    def slope(self) -> ca.Function:
+        """d(q, v)/dt of t and (q, v)."""
+        n = len(self.model.coordinate_names)
+        rhs, p = self.model.functions()["rhs"], self.model.parameter_values()
+        t, x = ca.SX.sym("t"), ca.SX.sym("x", 2 * n)
+        return ca.Function("slope", [t, x], [ca.vertcat(x[n:], rhs.expand()(t, x[:n], x[n:], ca.SX(0, 1), p))])
+
+
+def ours(many: Many, tolerance: float, in_lanes: bool = True, solver: str = "auto") -> Work:
+    request = Request(stop=STOP, tolerance=tolerance, initial={many.coordinate: many.starts}, solver=solver)
+    suited, job = many.model.prepared_for(read_measures(f"final({many.coordinate})"), request, Design())
     job = replace(job, sweep=replace(job.sweep, in_lanes=in_lanes))
     engine = suited.engine_for(solver)
     if engine is None:
@@ -46,29 +88,94 @@ def ours(model: lag.Model, starts: np.ndarray, tolerance: float, in_lanes: bool 
     return work
 
 
-def by_heyoka(model: lag.Model, starts: np.ndarray, tolerance: float) -> Work:
+def by_heyoka(many: Many, tolerance: float) -> Work:
     import heyoka
 
-    rhs, p = model.functions()["rhs"], model.parameter_values()
-    t, x = ca.SX.sym("t"), ca.SX.sym("x", 4)
-    slope = ca.Function("slope", [t, x], [ca.vertcat(x[2:], rhs.expand()(t, x[:2], x[2:], ca.SX(0, 1), p))])
-    variables = heyoka.make_vars("a", "b", "c", "d")
-    slopes = translate(slope, [[heyoka.time], list(variables)])
-    steps = heyoka.taylor_adaptive_batch(list(zip(variables, slopes, strict=True)), np.zeros((4, LANES)), tol=tolerance)
-    first = model.simulate(at=[0.0])["shoulder.phi"][0]
-    padded = np.concatenate([starts, np.repeat(starts[-1:], -len(starts) % LANES)])
+    states, place = many.states(), many.place
+    variables = heyoka.make_vars(*(f"y{k}" for k in range(states.shape[1])))
+    slopes = translate(many.slope(), [[heyoka.time], list(variables)])
+    system = list(zip(variables, slopes, strict=True))
+    steps = heyoka.taylor_adaptive_batch(system, np.zeros((states.shape[1], LANES)), tol=tolerance)
+    padded = np.concatenate([states, np.repeat(states[-1:], -len(states) % LANES, axis=0)])
 
     def work() -> np.ndarray:
         found = np.empty(len(padded))
         for k in range(0, len(padded), LANES):
             steps.set_time(0.0)
-            steps.state[:] = 0.0
-            steps.state[0], steps.state[1] = first, padded[k : k + LANES]
+            steps.state[:] = padded[k : k + LANES].T
             steps.propagate_until(STOP)
-            found[k : k + LANES] = steps.state[1]
-        return found[: len(starts)]
+            found[k : k + LANES] = steps.state[place]
+        return found[: len(states)]
 
     return work
+
+
+def by_jax(many: Many, tolerance: float) -> Work:
+    import diffrax
+    import jax
+
+    jax.config.update("jax_enable_x64", True)
+    slope, states, place = _in_jax(many.slope()), many.states(), many.place
+
+    def one(y: Any) -> Any:
+        steps = diffrax.PIDController(rtol=tolerance, atol=tolerance)
+        found = diffrax.diffeqsolve(diffrax.ODETerm(lambda t, y, _: slope(t, y)), diffrax.Dopri8(), 0.0, STOP, 1e-3, y,
+                                    stepsize_controller=steps, max_steps=None)
+        return found.ys[0, place]
+
+    every = jax.jit(jax.vmap(one))
+    every(states).block_until_ready()
+    return lambda: np.asarray(every(states))
+
+
+def _in_jax(function: ca.Function) -> Callable[[Any, Any], Any]:
+    """CasADi's instructions, one by one."""
+    import jax.numpy as jnp
+
+    known = {"ADD": operator.add, "SUB": operator.sub, "MUL": operator.mul, "DIV": operator.truediv, "NEG": operator.neg,
+             "SIN": jnp.sin, "COS": jnp.cos, "SQRT": jnp.sqrt, "SQ": lambda x: x * x, "TWICE": lambda x: 2 * x,
+             "INV": lambda x: 1 / x, "POW": jnp.power, "CONSTPOW": jnp.power, "ATAN2": jnp.arctan2, "FABS": jnp.abs}
+    operations = {getattr(ca, f"OP_{name}"): what for name, what in known.items()}
+
+    def slope(t: Any, y: Any) -> Any:
+        work: list[Any] = [None] * max(1, function.sz_w())
+        found: list[Any] = [0.0] * function.numel_out(0)
+        for k in range(function.n_instructions()):
+            op, read, write = function.instruction_id(k), function.instruction_input(k), function.instruction_output(k)
+            if op == ca.OP_INPUT:
+                work[write[0]] = y[read[1]] if read[0] else t
+            elif op == ca.OP_CONST:
+                work[write[0]] = function.instruction_constant(k)
+            elif op == ca.OP_OUTPUT:
+                found[write[1]] = work[read[0]]
+            else:
+                work[write[0]] = operations[op](*(work[place] for place in read))
+        return jnp.stack(found)
+
+    return slope
+
+
+def by_mujoco(many: Many, tolerance: float) -> Work:
+    import mujoco
+
+    model = mujoco.MjModel.from_xml_string(peer_mujoco.SCENES[many.case]())
+    steps = round(100 * STOP * (1e-3 / tolerance) ** 0.25)
+    model.opt.timestep = STOP / steps
+    data, states, place = mujoco.MjData(model), many.states(), many.place
+
+    def work() -> np.ndarray:
+        found = np.empty(len(states))
+        for k, state in enumerate(states):
+            mujoco.mj_resetData(model, data)
+            data.qpos[:], data.qvel[:] = np.split(state, 2)
+            mujoco.mj_step(model, data, nstep=steps)
+            found[k] = data.qpos[place]
+        return found
+
+    return work
+
+
+PEERS = {"heyoka": by_heyoka, "jax": by_jax, "mujoco": by_mujoco}
 
 
 def measured(ways: dict[str, Work], repeats: int, exact: np.ndarray) -> dict[str, tuple[float, float]]:
@@ -83,24 +190,39 @@ def measured(ways: dict[str, Work], repeats: int, exact: np.ndarray) -> dict[str
     return found
 
 
+def prepared(many: Many, peers: list[str]) -> dict[str, Work]:
+    ways: dict[str, Work] = {}
+    for tolerance in TOLERANCES["ours"]:
+        ways[f"lanes, {tolerance:g}"] = ours(many, tolerance)
+        ways[f"one by one, {tolerance:g}"] = ours(many, tolerance, False)
+    has_outside = not many.model.scene.sizes.get("n_multipliers") and not many.model.scene.sizes.get("n_switches")
+    for peer in peers:
+        if not (has_outside if peer != "mujoco" else many.case):
+            print(f"{peer}: not this scene")
+            continue
+        try:
+            ways |= {f"{peer}, {tolerance:g}": PEERS[peer](many, tolerance) for tolerance in TOLERANCES[peer]}
+        except ImportError:
+            print(f"{peer}: not installed")
+    return ways
+
+
 def main() -> None:
     """Prints a line a way and a tolerance."""
     parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--scene", default="double_pendulum", choices=SCENES)
     parser.add_argument("--runs", type=int, default=4000)
     parser.add_argument("--repeats", type=int, default=5)
+    parser.add_argument("--peers", default=",".join(PEERS))
     options = parser.parse_args()
-    model, starts = lag.load(SCENE), np.linspace(0.1, 1.0, options.runs)
-    exact = ours(model, starts, 1e-14, False, "taylor")()
-    ways: dict[str, Work] = {}
-    for tolerance in TOLERANCES["ours"]:
-        ways[f"lanes, {tolerance:g}"] = ours(model, starts, tolerance)
-        ways[f"one by one, {tolerance:g}"] = ours(model, starts, tolerance, False)
-    try:
-        ways |= {f"heyoka, {tolerance:g}": by_heyoka(model, starts, tolerance) for tolerance in TOLERANCES["heyoka"]}
-    except ImportError:
-        print("heyoka: not installed")
-    for name, (seconds, error) in sorted(measured(ways, options.repeats, exact).items(), key=lambda item: item[0].split(",")[0]):
-        print(f"{name:20} {1e6 * seconds / options.runs:7.1f} us a run, error 1e{np.log10(max(error, 1e-17)):.1f} rad")
+    if "jax" in options.peers:  # one core, as all others here
+        os.environ["XLA_FLAGS"] = "--xla_cpu_multi_thread_eigen=false intra_op_parallelism_threads=1"
+    coordinate, low, high, case = SCENES[options.scene]
+    many = Many(lag.load(FOLDER / f"{options.scene}.lag"), coordinate, np.linspace(low, high, options.runs), case)
+    exact = ours(many, 1e-14, False, "taylor" if options.scene == "double_pendulum" else "auto")()
+    found = measured(prepared(many, [peer for peer in options.peers.split(",") if peer]), options.repeats, exact)
+    for name, (seconds, error) in sorted(found.items(), key=lambda item: item[0].split(",")[0]):
+        print(f"{name:20} {1e6 * seconds / options.runs:7.1f} us a run, error 1e{np.log10(max(error, 1e-17)):.1f}")
 
 
 if __name__ == "__main__":
