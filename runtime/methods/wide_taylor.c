@@ -85,24 +85,43 @@ static double energy_weight(const LagRun *run)
     return unit > 0 ? 1 / unit : 0;
 }
 
+/* About where the first step of a segment leads: a state which units of error are taken for. Returns 0 where nothing tells how fast
+ * something will be that rests so far. */
+static int foresee(LagRun *run)
+{
+    LagMotion *m = &run->motion;
+    const int n = m->n;
+    const double h = run->step, *a = m->slope + n;
+    for (int i = 0; i < n; ++i) {
+        m->other[i] = m->y[i] + h * (m->y[n + i] + h / 2 * a[i]);
+        m->other[n + i] = m->y[n + i] + h * a[i];
+        if (!isfinite(m->other[n + i]) || (run->scale.is_resting && m->other[n + i] == 0))
+            return 0;
+    }
+    run->scale.is_resting = 0;
+    return h > 0;
+}
+
 int lag_wide_taylor_load(LagWideTaylor *s, int lane, LagRun *run)
 {
     const LagMotion *m = &run->motion;
     const LagTaylor *own = &run->methods.taylor;
-    const int is_series = run->methods.solver == LAG_SOLVER_TAYLOR && run->stiffness.passes == 0 && own->begun == 1;
-    if (!is_series || own->is_fresh || run->scale.is_resting || run->rests || !(m->t > m->t_old))
+    const int is_series = run->methods.solver == LAG_SOLVER_TAYLOR && run->stiffness.passes == 0 && !run->rests;
+    const int goes_on = own->begun == 1 && !own->is_fresh && !run->scale.is_resting && m->t > m->t_old;
+    if (!is_series || !(goes_on || (own->is_fresh && own->begun == 0 && !run->segment_over && foresee(run))))
         return 0;
     plan(s, run);
     lag_wide_scale_load(&s->scale, lane, &run->scale);
     place(s->y, lane, m->y, s->size);
     place(s->carry, lane, m->carry, s->size);
     place(s->old, lane, m->other, s->size);
-    for (int slot = 0; slot < s->model->n_jets; ++slot)
-        s->series.line[slot * LAG_ABREAST + lane] = own->jets[(size_t)slot * LAG_JET_STRIDE];
+    s->series.line[lane] = m->t;
+    place(s->series.line + LAG_ABREAST, lane, m->y, 2 * s->n);
+    s->is_fresh = 1;
     place_numbers(s, lane, run);
     s->t[lane] = m->t;
     s->t_old[lane] = m->t_old;
-    s->length[lane] = m->t - m->t_old;
+    s->length[lane] = goes_on ? m->t - m->t_old : run->step;
     s->limit[lane] = s->wrong[lane] = INFINITY;
     s->energy[lane] = energy_weight(run);
     s->moves[lane] = s->taken[lane] = 1;
@@ -116,7 +135,7 @@ void lag_wide_taylor_enter(LagWideTaylor *s, int lane, LagRun *run)
 {
     const int n_inputs = s->model->n_inputs;
     s->stop[lane] = lag_min(run->segment_end, run->settings.t_stop);
-    s->is_fresh |= n_inputs + s->model->n_modes > 0;
+    s->is_fresh |= s->model->n_modes > 0;
     if (s->model->n_modes > 0) { /* what jumps may have set it in motion */
         lag_wide_scale_load(&s->scale, lane, &run->scale);
         place(s->y, lane, run->motion.y, s->size);
@@ -127,6 +146,7 @@ void lag_wide_taylor_enter(LagWideTaylor *s, int lane, LagRun *run)
     if (n_inputs == 0)
         return;
     lag_inputs_slope(&run->inputs, run->u);
+    s->is_fresh = 1;
     place(s->slope, lane, run->u, n_inputs);
     lag_inputs_at(&run->inputs, s->t[lane], run->u);
     place(s->series.line + first_input(s) * LAG_ABREAST, lane, run->u, n_inputs);

@@ -47,7 +47,7 @@ int lag_wide_taylor_serves(const LagModel *model);
 
 void lag_wide_taylor_layout(LagWideTaylor *taylor, const LagRun *like, LagArena *arena);
 
-/* The motion of a run goes on here. Returns 0 where it cannot: the run has not yet made a step by series that set all in motion. */
+/* The motion of a run goes on here, or begins. Returns 0 where it cannot: what is at rest has to be set in motion first. */
 int lag_wide_taylor_load(LagWideTaylor *taylor, int lane, LagRun *run);
 
 /* The motion in the lane, which is where that of the run is, has come into the segment that the run is in. */

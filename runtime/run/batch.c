@@ -79,6 +79,8 @@ static int allocate(LagBatch *batch, const LagSweep *sweep)
     batch->sweep.reductions = batch->reductions;
     batch->sweep.varied = batch->varied;
     order_times(batch);
+    for (int i = 0; i < sweep->n_varied; ++i)
+        batch->varies_parameters |= sweep->varied[i] < batch->model->n_parameters;
     return 1;
 }
 
@@ -140,7 +142,9 @@ static LagStatus start(LagBatch *batch, LagFollower *f, int64_t i)
     LagRun *run = f->run;
     insert(batch, batch->values + i * batch->sweep.n_varied);
     lag_run_set_stop(run, batch->sweep.t_stop);
-    lag_run_set_parameters(run, batch->p, batch->mask);
+    if (batch->varies_parameters || !f->has_parameters)
+        lag_run_set_parameters(run, batch->p, batch->mask);
+    f->has_parameters = 1;
     const int wrong = wrong_parameter(batch, lag_run_parameters(run));
     if (wrong >= 0) {
         LagOutcome *outcome = &batch->outcomes[i];

@@ -13,6 +13,7 @@ struct LagBatch {
     LagReduction *reductions;
     int *varied, *at; /* at: the reductions of kind LAG_REDUCE_AT in the order of their times */
     int n_at;
+    int varies_parameters;
     double *mask;
     double *p, *state; /* of the run that is started: parameters and start values given */
     LagFollower alone;

@@ -33,6 +33,7 @@ typedef struct {
     LagReduced *reduced;
     int *is_open;  /* those that the windows of the present step are looked at for */
     int n_pending; /* reductions over windows that are not known yet */
+    int has_parameters; /* those of all runs, where these do not differ */
     double *row, *rows; /* a row; those that are kept */
     const double *held; /* inputs from each row to the next; NULL: as they are */
     int next_row;

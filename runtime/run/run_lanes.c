@@ -13,7 +13,7 @@
 #include "state/state.h"
 #include "steps/segment.h"
 
-/* Steps that a run makes before it goes into a lane, at most: the first one sets everything in motion. Steps that are no good in a row,
+/* Steps that a run makes before it goes into a lane, at most: they set in motion what rests. Steps that are no good in a row,
  * after which shorter ones do not help. */
 enum { MOST_FIRST = 3, PATIENCE = 4 };
 /* Steps from one glance at energies to the next; to the first look at stability and from one look to the next, and the same while it
@@ -225,6 +225,18 @@ static LagStatus enter_segment(LagRunLanes *s, int lane)
     return f->n_pending > 0 ? lag_follow_enter(f, run->motion.t) : LAG_OK;
 }
 
+/* The run that was put into the lane goes on there. */
+static int settle_in(LagRunLanes *s, int lane)
+{
+    const LagRun *run = run_in(s, lane);
+    const int is_over = run->segment_over || lag_run_time(run) >= s->taylor.stop[lane];
+    const LagStatus status = is_over ? enter_segment(s, lane) : LAG_OK;
+    s->glance[lane] = run->statistics.steps + GLANCE;
+    s->look[lane] = FIRST_LOOK;
+    set_due(s, lane);
+    return status == LAG_OK ? 1 : end_run(s, lane, status);
+}
+
 /* The first steps of a run, until a lane can take it, or it is over: then there is nothing in the lane. */
 static int begin_run(LagRunLanes *s, int lane, int64_t i)
 {
@@ -238,21 +250,17 @@ static int begin_run(LagRunLanes *s, int lane, int64_t i)
     }
     s->job[lane] = i;
     status = status == LAG_OK ? lag_follow_begin(f) : status;
-    for (int k = 0; k < MOST_FIRST && status == LAG_OK; ++k) {
+    for (int k = 0; status == LAG_OK; ++k) {
+        if (lag_run_time(run) >= s->batch->sweep.t_stop)
+            return end_run(s, lane, status);
+        if (lag_wide_taylor_load(&s->taylor, lane, run))
+            return settle_in(s, lane);
+        if (k == MOST_FIRST)
+            break;
         const int is_watched = f->n_pending > 0;
         status = is_watched ? lag_follow_step(f) : lag_advance_step(run);
-        if (status == LAG_OK && lag_run_time(run) >= s->batch->sweep.t_stop)
-            return end_run(s, lane, status);
         if (status == LAG_OK && !is_watched)
             status = lag_follow_visit(f, lag_run_time(run));
-        if (status != LAG_OK || !lag_wide_taylor_load(&s->taylor, lane, run))
-            continue;
-        if (run->segment_over || lag_run_time(run) >= s->taylor.stop[lane])
-            status = enter_segment(s, lane);
-        s->glance[lane] = run->statistics.steps + GLANCE;
-        s->look[lane] = FIRST_LOOK;
-        set_due(s, lane);
-        return status == LAG_OK ? 1 : end_run(s, lane, status);
     }
     leave(s, lane);
     return make_alone(s, i);

@@ -54,7 +54,7 @@ def test_files_of_an_interrupted_sweep_are_gone_on_with(tmp_path: Path, monkeypa
 
     def cut(batch: Batch, *given: object) -> object:
         count[0] += 1
-        if count[0] == 3:
+        if count[0] == 2:
             raise KeyboardInterrupt
         return whole(batch, *given)
 

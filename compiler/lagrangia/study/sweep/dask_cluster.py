@@ -25,7 +25,8 @@ from lagrangia.study.sweep.keeping import Keeper
 from lagrangia.study.sweep.pieces import Pace, Pieces, Watch
 from lagrangia.study.sweep.plan import Job
 
-_PIECE = 1.0  # s: a task costs the scheduler about a millisecond
+_PIECE = 1.0  # s, on few threads
+_PIECE_A_THREAD = 0.01  # s: a task costs the scheduler a millisecond, so that it is busy for a tenth of its time at most
 _GONE = ("CommClosedError", "CancelledError", "FutureCancelledError", "StreamClosedError", "TimeoutError")
 _TIMEOUT = 15  # s, to reach the scheduler and the first worker
 _AHEAD = 2  # tasks for each thread of the cluster
@@ -159,7 +160,7 @@ class _Tasks:
         self.job, self.client, self.ledger, self.keeper = job, client, ledger, keeper
         self.text = client.submit(str, pack(job), pure=False)
         self.together = ABREAST if job.sweep.in_lanes else 1
-        self.pace = Pace(_PIECE, self.together)
+        self.pace = Pace(max(_PIECE, _PIECE_A_THREAD * self._threads()), self.together)
         self.pieces = Pieces(ledger.missing(), self._threads())
         self.flying: dict[Any, tuple[int, int]] = {}
 
