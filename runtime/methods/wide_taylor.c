@@ -5,18 +5,15 @@
 #include <string.h>
 
 #include "methods/taylor.h"
+#include "methods/wide_orders.h"
 #include "model/function.h"
 #include "numbers/extremes.h"
-#include "numbers/rough_power.h"
 #include "numbers/wide_jets.h"
 #include "state/ends.h"
 #include "state/state.h"
 
 enum { MOST_SLOTS = 1200 }; /* that stay near the processor */
-/* The first order that short steps are looked at after; steps that are so many times longer than the one before are not short; what
- * the last two terms of their series are at most, relative to the state. */
-enum { FEWEST = 4 };
-static const double NEAR = 4, FAINT = 1e-16;
+static const double FAINT = 1e-16; /* what the last two terms of short steps are at most, relative to the state */
 
 int lag_wide_taylor_serves(const LagModel *model)
 {
@@ -50,12 +47,6 @@ static void plan(LagWideTaylor *s, const LagRun *like)
     s->longest = like->settings.max_step > 0 ? like->settings.max_step : INFINITY;
     s->faint = FAINT / like->scale.tolerance;
 }
-
-static int first_input(const LagWideTaylor *s) { return 1 + 2 * s->n; }
-
-static double *jet(const LagWideTaylor *s, int slot) { return s->series.jets + (size_t)slot * LAG_WIDE_JET; }
-
-static const double *power_jet(const LagWideTaylor *s, int i) { return jet(s, s->model->jet_places[s->n + i]); }
 
 /* -------- motions come and go */
 
@@ -149,7 +140,7 @@ void lag_wide_taylor_enter(LagWideTaylor *s, int lane, LagRun *run)
     s->is_fresh = 1;
     place(s->slope, lane, run->u, n_inputs);
     lag_inputs_at(&run->inputs, s->t[lane], run->u);
-    place(s->series.line + first_input(s) * LAG_ABREAST, lane, run->u, n_inputs);
+    place(s->series.line + lag_wide_input(s) * LAG_ABREAST, lane, run->u, n_inputs);
 }
 
 void lag_wide_taylor_show(LagWideTaylor *s, int lane, LagRun *run, int is_whole)
@@ -174,7 +165,7 @@ void lag_wide_taylor_show(LagWideTaylor *s, int lane, LagRun *run, int is_whole)
         const int slot = i < 2 * s->n ? 1 + i : s->model->jet_places[s->n + i - 2 * s->n];
         double *c = own->old_jets + (size_t)slot * LAG_JET_STRIDE;
         const int made = (int)s->own[lane] + (i < 2 * s->n);
-        take(jet(s, slot), lane, c, made);
+        take(lag_wide_jet(s, slot), lane, c, made);
         for (int k = made; k <= s->order; ++k)
             c[k] = 0;
         c[0] = i < 2 * s->n ? m->other[i] : c[0];
@@ -183,159 +174,23 @@ void lag_wide_taylor_show(LagWideTaylor *s, int lane, LagRun *run, int is_whole)
 
 /* -------- steps, of as many lanes from `lane` on as a register holds */
 
-/* rough_power.h. */
-LAG_UNROLLED LagWide rough_log2(LagWide x)
-{
-    const LagWideWords bits = LAG_WIDE_WORDS(x), two52 = (LagWideWords)LAG_WIDE_WORDS(LAG_WIDE_OF(4503599627370496.0));
-    const LagWide exponent = LAG_WIDE_OF_WORDS((bits >> 52) | two52) - LAG_WIDE_OF(4503599627370496.0 + 1023);
-    const LagWide m = LAG_WIDE_OF_WORDS((bits & 0xfffffffffffff) | 0x3ff0000000000000) - LAG_WIDE_OF(1);
-    return exponent + m * (LAG_WIDE_OF(1.42286536) + m * (LAG_WIDE_OF(-0.58208551) + m * LAG_WIDE_OF(0.15922016)));
-}
-
-/* x^exponent for x >= 0 and small exponents. */
-LAG_UNROLLED LagWide rough_power(LagWide x, double exponent)
-{
-    const LagWide shift = LAG_WIDE_OF(6755399441055744.0), zero = LAG_WIDE_OF(0), one = LAG_WIDE_OF(1);
-    const LagWide y = LAG_WIDE_OF(exponent) * rough_log2(x), nearest = (y + shift) - shift;
-    const LagWide whole = nearest - LAG_WIDE_SELECT(nearest > y, one, zero), part = y - whole;
-    const LagWide scale = LAG_WIDE_OF_WORDS((LAG_WIDE_WORDS(whole + shift) + 1023) << 52);
-    const LagWide found = scale * (one + part * (LAG_WIDE_OF(0.69589012) + part * (LAG_WIDE_OF(0.22486495)
-                                                                                   + part * LAG_WIDE_OF(0.07924493))));
-    const LagWide few = LAG_WIDE_SELECT(x >= LAG_WIDE_OF(DBL_MIN), found, zero);
-    return LAG_WIDE_SELECT(x > LAG_WIDE_OF(DBL_MAX), LAG_WIDE_OF((double)INFINITY), few);
-}
-
 /* What the last steps have made becomes the beginning of the series, where they were good. */
 static void begin_series(LagWideTaylor *s, int lane)
 {
     const int n = s->n;
     const LagWide zero = LAG_WIDE_OF(0), good = lag_wide_read(s->taken + lane);
     for (int slot = 0; slot < s->model->n_jets; ++slot) {
-        double *c = jet(s, slot) + lane;
+        double *c = lag_wide_jet(s, slot) + lane;
         lag_wide_write(c, LAG_WIDE_SELECT(good > zero, lag_wide_of(s->series.line, slot, lane), lag_wide_read(c)));
     }
     for (int i = 0; i < n; ++i) {
-        double *q = jet(s, 1 + i) + LAG_ABREAST + lane, *v = jet(s, 1 + n + i) + LAG_ABREAST + lane;
-        lag_wide_write(q, lag_wide_read(jet(s, 1 + n + i) + lane));
-        lag_wide_write(v, lag_wide_read(jet(s, s->model->jet_places[i]) + lane));
+        double *q = lag_wide_jet(s, 1 + i) + LAG_ABREAST + lane, *v = lag_wide_jet(s, 1 + n + i) + LAG_ABREAST + lane;
+        lag_wide_write(q, lag_wide_read(lag_wide_jet(s, 1 + n + i) + lane));
+        lag_wide_write(v, lag_wide_read(lag_wide_jet(s, s->model->jet_places[i]) + lane));
     }
     for (int i = 0; i < s->model->n_inputs; ++i)
-        lag_wide_write(jet(s, first_input(s) + i) + LAG_ABREAST + lane, lag_wide_of(s->slope, i, lane));
-    lag_wide_write(jet(s, 0) + LAG_ABREAST + lane, LAG_WIDE_OF(1));
-}
-
-static void weigh(LagWideTaylor *s, int lane)
-{
-    const LagWide zero = LAG_WIDE_OF(0), one = LAG_WIDE_OF(1), step = lag_wide_read(s->length + lane);
-    const LagWide uncertain = LAG_WIDE_OF(DBL_EPSILON) / step;
-    for (int i = 0; i < s->n; ++i) {
-        LagWide unit[2];
-        lag_wide_scale_units(&s->scale, i, lane, s->y, s->old, step, uncertain, &unit[0], &unit[1]);
-        for (int is_rate = 0; is_rate < 2; ++is_rate)
-            lag_wide_write(s->weight + (size_t)(i + is_rate * s->n) * LAG_ABREAST + lane,
-                           LAG_WIDE_SELECT(unit[is_rate] > zero, one / unit[is_rate], zero));
-    }
-}
-
-/* The coefficients of the orders p and p - 1 in units of error: what they are at lengths of 1. */
-LAG_UNROLLED void last_terms(const LagWideTaylor *s, int lane, int p, LagWide *last, LagWide *before)
-{
-    *last = *before = LAG_WIDE_OF(0);
-    for (int i = 0; i < 2 * s->n; ++i) {
-        const double *c = jet(s, 1 + i) + lane;
-        const LagWide weight = lag_wide_of(s->weight, i, lane);
-        *last = lag_wide_max(LAG_WIDE_ABS(LAG_WIDE_TERM(c, p)) * weight, *last);
-        *before = lag_wide_max(LAG_WIDE_ABS(LAG_WIDE_TERM(c, p - 1)) * weight, *before);
-    }
-    for (int i = 0; i < s->size - 2 * s->n; ++i) {
-        const double *c = power_jet(s, i) + lane;
-        const LagWide weight = lag_wide_read(s->energy + lane);
-        *last = lag_wide_max(LAG_WIDE_ABS(LAG_WIDE_TERM(c, p - 1)) * LAG_WIDE_OF(lag_inverse[p - 1]) * weight, *last);
-        *before = lag_wide_max(LAG_WIDE_ABS(LAG_WIDE_TERM(c, p - 2)) * LAG_WIDE_OF(lag_inverse[p - 2]) * weight, *before);
-    }
-}
-
-/* The lengths at which the last two coefficients are worth a unit of error. */
-LAG_UNROLLED LagWide length_of(const LagWideTaylor *s, int lane)
-{
-    const int p = s->order;
-    LagWide last, before;
-    last_terms(s, lane, p, &last, &before);
-    return lag_wide_min(rough_power(LAG_WIDE_OF(s->last) / last, lag_inverse[p - 1]),
-                        rough_power(LAG_WIDE_OF(s->before_last) / before, lag_inverse[p - 2]));
-}
-
-/* Lengths of steps to the ends of segments. */
-LAG_UNROLLED LagWide left_of(const LagWideTaylor *s, int lane) { return lag_wide_read(s->stop + lane) - lag_wide_read(s->t + lane); }
-
-/* Orders that are known before there are any coefficients: 0 where a short step may do with less. Their latest orders tell where to
- * look first. */
-static void wait_for_order(LagWideTaylor *s, int lane)
-{
-    lag_wide_write(s->first + lane, lag_wide_read(s->own + lane) - LAG_WIDE_OF(2));
-    const LagWide zero = LAG_WIDE_OF(0), few = LAG_WIDE_OF((double)FEWEST), all = LAG_WIDE_OF((double)s->order);
-    const LagWide near = lag_wide_min(LAG_WIDE_OF(NEAR) * lag_wide_read(s->length + lane), LAG_WIDE_OF(s->longest));
-    const LagWide most = lag_wide_min(near, lag_wide_read(s->limit + lane));
-    const LagWide own = LAG_WIDE_SELECT(left_of(s, lane) <= most, zero, all);
-    lag_wide_write(s->own + lane, LAG_WIDE_SELECT(lag_wide_read(s->moves + lane) > zero, own, few));
-}
-
-/* Whether the order p is enough. */
-static void look_at_order(LagWideTaylor *s, int lane, int p)
-{
-    const LagWide h = left_of(s, lane), own = lag_wide_read(s->own + lane);
-    LagWide last, before, power = h;
-    last_terms(s, lane, p, &last, &before);
-    for (int k = 2; k < p; ++k)
-        power *= h;
-    const LagWide most = lag_wide_max(last * h, before) * power;
-    const LagWide order = LAG_WIDE_OF((double)p), found = LAG_WIDE_SELECT(most <= LAG_WIDE_OF(s->faint), order, own);
-    const LagWide asked = LAG_WIDE_SELECT(lag_wide_read(s->first + lane) <= order, found, own);
-    lag_wide_write(s->own + lane, LAG_WIDE_SELECT(own == LAG_WIDE_OF(0), asked, own));
-}
-
-/* The highest order that is needed; 0 where some lane is not sure. */
-static int highest_of(const LagWideTaylor *s)
-{
-    double highest = 0;
-    for (int lane = 0; lane < LAG_ABREAST; ++lane) {
-        if (s->own[lane] == 0)
-            return 0;
-        highest = lag_max(s->own[lane], highest);
-    }
-    return (int)highest;
-}
-
-/* Where the first lane looks. */
-static int first_order(const LagWideTaylor *s)
-{
-    double first = s->order;
-    for (int lane = 0; lane < LAG_ABREAST; ++lane)
-        first = s->own[lane] == 0 ? lag_min(s->first[lane], first) : first;
-    return first > FEWEST ? (int)first / 2 * 2 : FEWEST;
-}
-
-/* The series, up to the order that the most demanding lane asks for. */
-static void expand(LagWideTaylor *s)
-{
-    int made = 1;
-    for (int lane = 0; lane < LAG_ABREAST; lane += LAG_WIDE) {
-        weigh(s, lane);
-        wait_for_order(s, lane);
-    }
-    s->made_to = highest_of(s);
-    for (int p = first_order(s); s->made_to == 0 && p < s->order; p += 2) {
-        lag_wide_series_go_on(&s->series, made, p);
-        made = p;
-        for (int lane = 0; lane < LAG_ABREAST; lane += LAG_WIDE)
-            look_at_order(s, lane, p);
-        s->made_to = highest_of(s);
-    }
-    for (int lane = 0; lane < LAG_ABREAST && s->made_to == 0; ++lane)
-        s->own[lane] = s->own[lane] == 0 ? s->order : s->own[lane];
-    s->made_to = highest_of(s);
-    if (made < s->made_to)
-        lag_wide_series_go_on(&s->series, made, s->made_to);
+        lag_wide_write(lag_wide_jet(s, lag_wide_input(s) + i) + LAG_ABREAST + lane, lag_wide_of(s->slope, i, lane));
+    lag_wide_write(lag_wide_jet(s, 0) + LAG_ABREAST + lane, LAG_WIDE_OF(1));
 }
 
 /* A coefficient, and 0 where lanes have an order of their own, of which it is none. */
@@ -388,19 +243,19 @@ LAG_UNROLLED LagWide next_time(const LagWideTaylor *s, int lane)
     const LagWide all = LAG_WIDE_OF((double)s->order);
     if (s->made_to < s->order)
         return lag_wide_read(s->stop + lane);
-    LagWide wish = lag_wide_min(length_of(s, lane), LAG_WIDE_OF(GROW) * before);
+    LagWide wish = lag_wide_min(lag_wide_read(s->reach + lane), LAG_WIDE_OF(GROW) * before);
     wish = lag_wide_min(lag_wide_min(wish, LAG_WIDE_OF(s->longest)), lag_wide_read(s->limit + lane));
     return LAG_WIDE_SELECT(lag_wide_read(s->own + lane) < all, lag_wide_read(s->stop + lane), end_of(s, lane, t, wish));
 }
 
 LAG_UNROLLED void go(LagWideTaylor *s, int lane, int is_own)
 {
-    const int n = s->n, p = s->made_to, u = first_input(s);
+    const int n = s->n, p = s->made_to, u = lag_wide_input(s);
     const LagWide own = lag_wide_read(s->own + lane), t_new = next_time(s, lane), h = t_new - lag_wide_read(s->t + lane);
     const LagWide square = h * h;
     for (int i = 0; i < s->size; ++i) {
         const size_t place = (size_t)i * LAG_ABREAST + (size_t)lane;
-        const double *c = (i < 2 * n ? jet(s, 1 + i) : power_jet(s, i - 2 * n)) + lane;
+        const double *c = (i < 2 * n ? lag_wide_jet(s, 1 + i) : lag_wide_power_jet(s, i - 2 * n)) + lane;
         const LagWide way = i < 2 * n ? series(c + LAG_ABREAST, p - 1, h, square, own, is_own) : mean(c, p - 1, h, own, is_own);
         const LagWide y = lag_wide_read(s->y + place), whole = way * h + lag_wide_read(s->carry + place);
         const LagWide sum = y + whole, taken = sum - y;
@@ -411,7 +266,7 @@ LAG_UNROLLED void go(LagWideTaylor *s, int lane, int is_own)
     }
     for (int i = 0; i < s->model->n_inputs; ++i)
         lag_wide_write(s->series.line + (size_t)(u + i) * LAG_ABREAST + (size_t)lane,
-                       lag_wide_read(jet(s, u + i) + lane) + lag_wide_of(s->slope, i, lane) * h);
+                       lag_wide_read(lag_wide_jet(s, u + i) + lane) + lag_wide_of(s->slope, i, lane) * h);
     lag_wide_write(s->series.line + lane, t_new);
     lag_wide_write(s->next + lane, t_new);
 }
@@ -423,7 +278,7 @@ LAG_UNROLLED LagWide gap(const LagWideTaylor *s, int lane, LagWide h, LagWide ow
     LagWide largest = zero;
     for (int i = 0; i < s->n; ++i) {
         const int place = s->model->jet_places[i];
-        const LagWide slope = series(jet(s, place) + lane, s->made_to - 1, h, square, own, is_own);
+        const LagWide slope = series(lag_wide_jet(s, place) + lane, s->made_to - 1, h, square, own, is_own);
         const LagWide miss = LAG_WIDE_ABS(lag_wide_of(s->series.line, place, lane) - slope);
         LagWide unit[2];
         lag_wide_scale_units(&s->scale, i, lane, s->y, s->made, before, LAG_WIDE_OF(DBL_EPSILON) / before, &unit[0], &unit[1]);
@@ -501,7 +356,7 @@ void lag_wide_taylor_step(LagWideTaylor *s)
     s->is_fresh = 0;
     for (int lane = 0; lane < LAG_ABREAST; lane += LAG_WIDE)
         begin_series(s, lane);
-    expand(s);
+    lag_wide_orders_expand(s);
     const int is_own = differ(s);
     go_all(s, is_own);
     lag_wide_series_begin(&s->series);

@@ -32,6 +32,7 @@ typedef struct {
     int is_fresh;             /* some motion goes on by other inputs than those of the line */
     double t[LAG_ABREAST], t_old[LAG_ABREAST], stop[LAG_ABREAST];
     double length[LAG_ABREAST]; /* of the latest step */
+    double reach[LAG_ABREAST];  /* of the next one, by the last coefficients */
     double limit[LAG_ABREAST];  /* of the next one: after a step that was no good */
     double next[LAG_ABREAST];   /* where the steps that are tried end */
     double wrong[LAG_ABREAST];  /* errors of steps that were no good */

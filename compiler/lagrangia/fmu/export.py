@@ -50,10 +50,11 @@ _EARLIEST = (1980, 1, 1, 0, 0, 0)  # in an archive; files in it have no dates
 _VERSION_FILES = {"2": ("fmi2.c",), "3": ("fmi3.c", "fmi3_unused.c", "fmi3_instance.h")}
 # Of the run time: many runs, tables that Python reads, what it compares when it loads a library, what only the package's library
 # for FMUs needs, what a page does and what compiles.
-_UNUSED = ("batch.c", "batch.h", "read_numbers.c", "read_numbers.h", "reduce.c", "reduce.h", "layout.c", "layout.h",
-           "stored.c", "image.c", "image.h", "play.c", "play.h", "arrange.c", "arrange.h", "hoist.c",
-           "hoist.h", "numbering.c", "numbering.h", "batch_state.h", "follow.c", "follow.h", "run_lanes.c", "run_lanes.h",
-           "wide_taylor.c", "wide_taylor.h", "wide_jet_tape.c", "wide_jet_tape.h", "wide_jets.h", "wide_scale.c", "wide_scale.h")
+_UNUSED = ("batch.c", "batch.h", "read_numbers.c", "read_numbers.h", "reduce.c", "reduce.h", "layout.c", "layout.h", "stored.c",
+           "image.c", "image.h", "play.c", "play.h", "arrange.c", "arrange.h", "hoist.c", "hoist.h", "numbering.c",
+           "numbering.h", "batch_state.h", "follow.c", "follow.h", "run_lanes.c", "run_lanes.h", "wide_taylor.c",
+           "wide_taylor.h", "wide_orders.c", "wide_orders.h", "wide_jet_tape.c", "wide_jet_tape.h", "wide_jets.h",
+           "wide_scale.c", "wide_scale.h")
 
 
 @dataclass(frozen=True)
