@@ -123,13 +123,15 @@ class _Builder:
         shape = self.shapes.get(declaration.name)
         base = self.names.table.base_type(declaration.type_name, declaration.type_span)
         sizes = self._sizes((*declaration.dimensions, *(base.dimensions if base else ())), shape, declaration)
-        tree = self._tree(declaration.name, declaration, sizes)
-        self.trees[declaration.name] = tree
-        self.current |= {leaf: leaf for leaf in leaves_of(tree)}
+        self._place(declaration, sizes)
         if constant is not None:
             self.constants[declaration.name] = constant
         elif shape is not None:
-            self.given.update(leaves_of(tree))
+            self.given.update(leaves_of(self.trees[declaration.name]))
+
+    def _place(self, declaration: Declaration, sizes: tuple[int, ...]) -> None:
+        self.trees[declaration.name] = tree = self._tree(declaration.name, declaration, sizes)
+        self.current |= {leaf: leaf for leaf in leaves_of(tree)}
 
     def _sizes(self, dimensions: tuple[Expression, ...], shape: tuple[int, ...] | None, declaration: Declaration
                ) -> tuple[int, ...]:
@@ -139,6 +141,8 @@ class _Builder:
             own, other = (f"an array of {n} dimension{'s' if n != 1 else ''}" if n else "a number"
                           for n in (len(dimensions), len(shape)))
             fail("L0303", f"{what} is {own}, and is given {other}", self.span)
+        if shape is not None:
+            self._place(declaration, shape)  # one size may be made of another: A[:, size(A, 1)]
         found = []
         for k, dimension in enumerate(dimensions):
             if isinstance(dimension, Whole):

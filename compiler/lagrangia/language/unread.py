@@ -15,7 +15,7 @@ from lagrangia.language.classes import ClassTable
 from lagrangia.language.flat import FlatModel
 from lagrangia.language.instances import Bound, FrameSlot, Instance, Member, Slot
 from lagrangia.language.mentions import leaves
-from lagrangia.language.tree import Binary, Declaration, Expression, Flat, FrameRef, IfExpression, Ref, Reference, Time, Unary
+from lagrangia.language.tree import Binary, Declaration, Expression, Field, Flat, FrameRef, IfExpression, Ref, Reference, Time, Unary
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,6 +86,8 @@ class _Finder:
     def _is_given(self, instance: Instance, member: Slot | FrameSlot) -> bool:
         """From outside, in a model of the user's."""
         bound = member.binding
+        if bound is not None and isinstance(bound.expression, Field):  # a part of a record that is given as a whole
+            return False
         if bound is None or bound.scope.instance is instance or bound.expression.span.source in self.table.library_sources:
             return False
         return not (isinstance(member, Slot) and member.is_structural)
