@@ -15,7 +15,19 @@ from lagrangia.language.classes import ClassTable
 from lagrangia.language.flat import FlatModel
 from lagrangia.language.instances import Bound, FrameSlot, Instance, Member, Slot
 from lagrangia.language.mentions import leaves
-from lagrangia.language.tree import Binary, Declaration, Expression, Field, Flat, FrameRef, IfExpression, Ref, Reference, Time, Unary
+from lagrangia.language.tree import (
+    Binary,
+    Declaration,
+    Expression,
+    Field,
+    Flat,
+    FrameRef,
+    IfExpression,
+    Ref,
+    Reference,
+    Time,
+    Unary,
+)
 
 
 @dataclass(frozen=True, eq=False)
