@@ -15,8 +15,8 @@ import casadi as ca
 import numpy as np
 
 from lagrangia.base.records import dataclass
-from lagrangia.constraints.assembly import begin
-from lagrangia.constraints.initial import InitialConditions, initial_function, start_function
+from lagrangia.constraints.assembly import assembled
+from lagrangia.constraints.initial import InitialConditions
 from lagrangia.constraints.positions import Positions, Vector
 from lagrangia.constraints.rows import Constraints
 from lagrangia.frames.kinematics import Kinematics
@@ -79,8 +79,7 @@ def is_too_large(n: int, m: int) -> bool:
 
 def _slopes_along(positions: Positions, kinematics: Kinematics, initial: InitialConditions) -> Vector | None:
     """J at positions along the motion that the constraints allow, (positions, m, n). None where the start does not close."""
-    table = {"initial": initial_function(kinematics, initial), "start": start_function(kinematics, initial)}
-    start, failed = begin(kinematics, initial, table).assemble()
+    start, failed = assembled(kinematics, initial)
     if failed >= 0:
         return None
     n, found = positions.n, [start[: positions.n]]

@@ -16,8 +16,8 @@ import numpy as np
 from lagrangia.algebra.duals import Scalar
 from lagrangia.algebra.orthogonal import Vector, independent_columns
 from lagrangia.algebra.scalars import symbols_in
-from lagrangia.constraints.assembly import begin
-from lagrangia.constraints.initial import InitialConditions, build_initial, initial_function, start_function
+from lagrangia.constraints.assembly import assembled
+from lagrangia.constraints.initial import InitialConditions, build_initial
 from lagrangia.constraints.parameters import at_declared_values, parameter_symbols
 from lagrangia.constraints.positions import Positions
 from lagrangia.constraints.rows import Constraints, Row, derived
@@ -65,8 +65,7 @@ def _lift(kinematics: Kinematics, constraints: Constraints, initial: InitialCond
     q = ca.vertcat(*kinematics.symbols.positions.values())
     phi = ca.vertcat(*[row.value(kinematics, 0) for row in rows])
     J = ca.jacobian(phi, q)
-    table = {"initial": initial_function(kinematics, initial), "start": start_function(kinematics, initial)}
-    start, failed = begin(kinematics, initial, table).assemble()
+    start, failed = assembled(kinematics, initial)
     place, positions = start[:n], Positions(kinematics, phi, J)
     if failed >= 0 or not (touching := _touching(rows, _normalised(positions, place))):
         return None

@@ -24,8 +24,8 @@ from lagrangia.algebra.scalars import symbols_in
 from lagrangia.algebra.with_casadi import CasadiAlgebra
 from lagrangia.base.diagnostics import fail
 from lagrangia.base.records import dataclass
-from lagrangia.constraints.assembly import begin
-from lagrangia.constraints.initial import build_initial, initial_function, start_function
+from lagrangia.constraints.assembly import assembled
+from lagrangia.constraints.initial import build_initial
 from lagrangia.constraints.parameters import at_declared_values
 from lagrangia.constraints.rows import Constraints, Row, derived, reduce_further
 from lagrangia.dynamics.energies import Energies, Term, build_energies, evaluate_energies
@@ -98,8 +98,7 @@ def _symbols_of(kinematics: Kinematics, name: str) -> frozenset[int]:
 def _require_stable(kinematics: Kinematics, constraints: Constraints, balances: "Sequence[_Balance]") -> None:
     """Where the scene begins, springs bring a place without mass back: it would not stay at a maximum of the potential."""
     initial = build_initial(kinematics, constraints)
-    table = {"initial": initial_function(kinematics, initial), "start": start_function(kinematics, initial)}
-    start, failed = begin(kinematics, initial, table).assemble()
+    start, failed = assembled(kinematics, initial)
     if failed >= 0 or not balances:
         return
     n, symbols = len(kinematics.symbols.positions), kinematics.symbols

@@ -86,6 +86,7 @@ class Kinematics:
     forces: dict[str, ca.SX] = field(default_factory=dict)  # the same of equations: language/consequences.py
     evaluator: Evaluator = field(init=False)
     declared: tuple[ca.SX, ca.DM] | None = None  # once somebody asked: constraints/parameters.py
+    assembled: tuple[Any, tuple[Any, int]] | None = None  # the same of the start: constraints/assembly.py
     _poses: list[dict[str, Pose]] = field(default_factory=lambda: [{}, {}, {}])  # that were asked for, by levels
     _places: list[dict[str, Placed]] = field(default_factory=lambda: [{}, {}, {}])
     _still: "Kinematics | None" = None
