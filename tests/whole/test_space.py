@@ -250,6 +250,31 @@ def test_a_planar_scene_in_another_plane_has_the_planar_motion(axis: tuple[float
         assert b[name] == pytest.approx(a[name], rel=1e-10, abs=1e-10)
 
 
+PENDULUM = "Revolute h(a = B, phi(start = 0.5) AXIS); Bar b(m = 1, L = 1, a = h.b);"
+
+
+@pytest.mark.parametrize(("text", "names"), [
+    (PENDULUM + "TorsionDryFriction rub(tau = 0.3, rate = h.w);", ["h.phi"]),
+    (PENDULUM + "equation when h.phi < -0.2 then reinit(der(h.phi), -0.8*pre(der(h.phi))); end when;", ["h.phi"]),
+    ("Revolute h(a = B AXIS); Bar b(m = 1, L = 1, a = h.b); Motion m(of = h.phi, to = 0.3*sin(2[rad/s]*time)); "
+     "Revolute k(a = b.b AXIS); Bar c(m = 1, L = 0.5, a = k.b);", ["k.phi", "m.reaction"]),
+    (PENDULUM.replace("a = B", "a = turn(shift(B, {0.1[m]*sin(3[rad/s]*time), 0}), 0.2*cos(2[rad/s]*time))"), ["h.phi"]),
+    (PENDULUM + "Revolute k(a = shift(B, {0.5, 0}) AXIS); Bar c(m = 1, L = 1, a = k.b); Link l(L = 0.6, a = b.b, b = c.b);",
+     ["h.phi", "k.phi"]),
+    (PENDULUM.replace("Revolute h(", "RoughRevolute h(mu = 0.3, radius = 0.1, "), ["h.phi"]),
+    ("Rolling r(r = 0.3, base = turn(B, -0.2)); Disc d(m = 1, r = 0.3, center = r.center);", ["r.s"]),
+], ids=["dry friction", "event", "motion", "moving support", "link", "friction by reactions", "rolling"])  # fmt: skip
+def test_what_happens_in_a_plane_happens_in_a_tilted_one(text: str, names: list[str]) -> None:
+    gravity = turn(np.array([1, 2, -2]) / 3, 0.7) @ [0, -9.81, 0]
+    tilted = f"World world(gravity = {{{', '.join(repr(float(x)) for x in gravity)}}}); Frame B = turn(world, 0.7, {{1, 2, -2}});"
+    ways = [("World world; Frame B = world;", ""), (tilted, ", axis = {0, 0, 1}")]
+    a, b = (lag.loads(f"model M {head} {text.replace(' AXIS', axis)} end M;").simulate(stop=1, tolerance=1e-11, interval=0.25)
+            for head, axis in ways)
+    for name in names:
+        assert b[name] == pytest.approx(a[name], abs=1e-10)
+    assert b.energy.residual == pytest.approx(np.zeros(b.time.size), abs=1e-9)
+
+
 @pytest.mark.parametrize("text", [
     "Revolute h(a = world, axis = {0, 0, 2}); Bar b(m = 1, L = 1, a = h.b);",
     "World world(gravity = {0, -9.81, 0}); Revolute h(a = world); Bar b(m = 1, L = 1, a = h.b);",
