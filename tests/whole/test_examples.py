@@ -17,6 +17,7 @@ import lagrangia as lag
 from helpers.reference import Array, integrate, linear_response
 from helpers.spatial_examples import REFERENCES as SPATIAL
 from whole.test_loop_examples import REFERENCES as LOOPS
+from whole.test_space_examples import REFERENCES as SPACE
 
 FOLDER = Path(__file__).parents[2] / "models" / "examples"
 EXAMPLES = sorted(FOLDER.glob("*.lag"))
@@ -367,6 +368,7 @@ REFERENCES: dict[str, Callable[[Array], Columns]] = {
     "vibration_absorber": vibration_absorber,
     **LOOPS,
     **SPATIAL,
+    **SPACE,
 }
 
 # ---------------------------------------------------------------- the tests

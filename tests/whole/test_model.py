@@ -16,7 +16,7 @@ from lagrangia.run.request import Experiment
 
 EXAMPLES = sorted((Path(__file__).resolve().parents[2] / "models" / "examples").glob("*.lag"))
 FOLDER = EXAMPLES[0].parent
-SAMPLED = ("crane",)  # whose accelerations the state alone does not tell
+SAMPLED = ("crane", "satellite", "top")  # of whose accelerations q and v alone do not tell: held values, attitudes
 STATES = 20
 CONSTRAINED = {"Phi", "J", "bias", "lambda"}
 

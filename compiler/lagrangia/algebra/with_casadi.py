@@ -40,6 +40,7 @@ class Mode:
     of_input: tuple[int, int, int] | None = None  # the places of one and of its first two rates among the inputs, or -1
 
     of_sampler: int | None = None  # whose instants change it; its formula is then its first value
+    of_attitude: str = ""  # whose reference it is a part of: it moves with the steps, from its formula on
 
     @property
     def is_filled_in(self) -> bool:
@@ -47,10 +48,15 @@ class Mode:
         return self.use is not None or self.of_input is not None or self.of_sampler is not None
 
     @property
+    def is_kept(self) -> bool:
+        """Whether it is state of the run: no time and parameters say what it is."""
+        return self.of_sampler is not None or self.of_attitude != ""
+
+    @property
     def jumps(self) -> bool:
         """Whether what is made of it may jump, or its rate, at an event: splines do not, but where they end and are held."""
         table = None if self.use is None else self.use.table
-        return table is None or table.degree < 3 or table.beyond is Beyond.HOLD
+        return not self.of_attitude and (table is None or table.degree < 3 or table.beyond is Beyond.HOLD)
 
     @property
     def value(self) -> ca.SX:
@@ -72,7 +78,8 @@ class ModeIndex:
 
     numbering: Numbering = field(default_factory=Numbering)  # of all parts of arguments
     symbols: dict[Hashable, ca.SX] = field(default_factory=dict)  # by operator and argument
-    hashes: set[int] = field(default_factory=set)  # of these symbols
+    hashes: set[int] = field(default_factory=set)  # of these symbols, but for references of attitudes
+    references: set[int] = field(default_factory=set)  # of those
     modes: list[Mode] = field(default_factory=list)  # all of them, of all islands
     lengths: dict[int, ca.SX] = field(default_factory=dict)  # x of |x| that are lengths, by their numbers
     tables: list[TableData] = field(default_factory=list)  # in time, each once
@@ -257,6 +264,14 @@ class CasadiAlgebra:
         """A value that only changes where one of the arguments is a whole number, by what the run time asks for there."""
         return self._mode(("held", name), first, arguments, 1, of_sampler=sampler)
 
+    def reference(self, attitude: str, part: int, first: ca.SX) -> ca.SX:
+        """A part of the reference of an attitude."""
+        made = self._mode(("attitude", attitude, part), first, [], 0)
+        self.modes[-1].of_attitude = attitude
+        self.index.hashes.discard(made.__hash__())
+        self.index.references.add(made.__hash__())
+        return made
+
     def _literal(self, xs: Sequence[float], ys: Sequence[float]) -> TableData:
         """Straight lines between points, held beyond their ends."""
         key = "points", tuple(xs), tuple(ys)
@@ -275,7 +290,7 @@ class CasadiAlgebra:
     @property
     def changing(self) -> frozenset[int]:
         """The hashes of all symbols but parameters."""
-        return self._moving | self.index.hashes | {self.time.__hash__()}
+        return self._moving | self.index.hashes | self.index.references | {self.time.__hash__()}
 
     def _key(self, value: Scalar) -> Hashable:
         """The same for what says the same, of numbers and of expressions of parameters."""
@@ -287,7 +302,7 @@ class CasadiAlgebra:
         if not isinstance(value, ca.SX):
             return None
         hashes = symbols_in(value)
-        if not hashes.isdisjoint(self._moving):
+        if not hashes.isdisjoint(self._moving) or not hashes.isdisjoint(self.index.references):
             return None
         if hashes.isdisjoint(self.index.hashes):
             is_timed = self.time.__hash__() in hashes and self._is_straight(value)

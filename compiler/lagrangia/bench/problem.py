@@ -15,6 +15,7 @@ import numpy as np
 from lagrangia.base.diagnostics import fail
 from lagrangia.base.records import dataclass
 from lagrangia.dynamics.switches import live
+from lagrangia.frames.attitude_starts import HINGES, refuse_attitudes
 from lagrangia.model import Model
 from lagrangia.run.request import USUAL, Experiment, Request, check_values, plan
 from lagrangia.study.casadi_solvers import segments, switching_times
@@ -103,6 +104,7 @@ def build_problem(model: Model, request: Request = USUAL, points: int = 10) -> P
     table = model.compilation.functions.table
     if not model.scene.coordinates:
         fail("L0505", "nothing moves: there is no motion whose error could be measured")
+    refuse_attitudes(model.compilation.graph.attitudes, "comparing integrators", HINGES)
     if "kick" in table or "resets" in table:
         fail("L0909", "not supported yet: to compare integrators on a scene whose rates or supports jump", None,
              "they would have to be told of the impulses; lag simulate takes them into account")

@@ -74,7 +74,7 @@ def _check_limits(model: Model) -> None:
 def _describe(scene: Any, freedom: Mapping[str, Any]) -> str:
     """Degrees of freedom, coordinates, loops and redundant constraints."""
     notes = scene.notes
-    names = [c.name for c in scene.moving]
+    names = scene.told
     shown = ", ".join(names[:6]) + (f", ... ({len(names)})" if len(names) > 6 else "")
     degrees = freedom["degrees_of_freedom"] - len(scene.signals)
     still = "" if degrees else ": its motion is prescribed" if notes["is_driven"] else ", so it stands still: statics"

@@ -5,8 +5,8 @@ A scene is in space as soon as its text says what no plane has: a turn about an 
 gravity with a third component, or one of the words below. Nothing is declared; `lag explain` says which line it was. Gravity is
 {0, -9.81, 0} unless World(gravity = {0, 0, -9.81}) says otherwise.
 
-  joints    Revolute(axis = {1, 0, 0}), Prismatic(along = {0, 0, 1}), Universal, Cylindrical, Screw, PlanarJoint, Weld; an axis
-            has any length but zero, in the axes of a
+  joints    Revolute(axis = {1, 0, 0}), Prismatic(along = {0, 0, 1}), Universal, Cylindrical, Screw, PlanarJoint, Weld, Spherical
+            and Free (lag help attitudes); an axis has any length but zero, in the axes of a
   places    shift(a, {x, y, z}), where {x, y} means z = 0; turn(a, phi, axis), where turn(a, phi) is about z
   frames    f.r, f.v and the angular velocity f.w have three components, in the world's axes; f.omega is f.w in the frame's own;
             f.x, f.y, f.z; f.R is the matrix that takes its axes to the world's, f.Q the same as a quaternion, real part first and

@@ -31,7 +31,7 @@ def summarise(options: Namespace, model: Model, progress: Progress, target: str,
 
     say(f"{scene.name}: {scene.description}" if scene.description else scene.name)
     n = len(scene.moving)
-    names = ", ".join(c.name for c in scene.moving[:6]) + (", ..." if n > 6 else "")
+    names = ", ".join(scene.told[:6]) + (", ..." if len(scene.told) > 6 else "")
     states = f" and first-order states ({', '.join(scene.signals.values())})" if scene.signals else ""
     say(f"  {n} coordinate{'s' if n != 1 else ''}{f' ({names})' if names else ''}{states}, "
         f"{experiment.start:g} to {experiment.stop:g} s, tolerance {experiment.tolerance:g}")

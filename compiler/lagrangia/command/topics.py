@@ -4,9 +4,11 @@ from collections.abc import Callable, Mapping
 
 from lagrangia.base.diagnostics import fail, suggest
 from lagrangia.command.assertions_topic import ASSERTIONS
+from lagrangia.command.attitudes_topic import ATTITUDES
 from lagrangia.command.curves_topic import curves_topic
 from lagrangia.command.drawing_topic import drawing_topic
 from lagrangia.command.editor_topic import EDITOR
+from lagrangia.command.errors_topic import ERRORS
 from lagrangia.command.library_topic import DRIVES, library_topic, reference_topic
 from lagrangia.command.signals_topic import SIGNALS
 from lagrangia.command.space_topic import space_topic
@@ -305,14 +307,6 @@ events each core makes eight runs at a time, by series and as exactly (--stats: 
 sent as data and built in each worker's cache; a worker that dies costs no run. In Python: model.simulate_many.
 """
 
-_ERRORS = """\
-error[L0203]: Spring has no parameter 'd', with file, line and caret, what was expected and what to do. Codes by phase:
-L00xx files and command line   L01xx syntax   L02xx names, modifications, arrays   L03xx units and dimensions
-L04xx component graph          L05xx energies, equations of motion                 L06xx values, initial conditions
-L07xx command line             L09xx not supported yet
-Exit codes: 0 done, 1 the run failed (what was computed is kept), 2 the input is wrong, 130 interrupted.
-"""
-
 _PYTHON = """\
 import lagrangia as lag
 model = lag.load("chain.lag", n=20)                    # structural parameters at load
@@ -477,6 +471,7 @@ TOPICS: Mapping[str, tuple[str, Callable[[], str]]] = {
     "events": ("events that reset rates: impacts, contacts, kicks", lambda: _EVENTS),
     "drawing": ("how components look: the drawing section", drawing_topic),
     "curves": ("pictures of runs: curves, phase portraits, spectra, sections", curves_topic),
+    "attitudes": ("ball joints and bodies that turn freely in space", lambda: ATTITUDES),
     "signals": ("inputs, first-order states: filters, motors, controllers", lambda: SIGNALS),
     "tables": ("tables of files and points: roads, measured forces", lambda: TABLES),
     "units": ("units and dimensions", lambda: _UNITS),
@@ -488,7 +483,7 @@ TOPICS: Mapping[str, tuple[str, Callable[[], str]]] = {
     "fmu": ("FMUs: export, check, simulate", lambda: _FMU),
     "analysis": ("equilibria, small motion, modes, frequency response", lambda: _ANALYSIS),
     "editor": ("texts: layout, style, tests, pages, language server", lambda: EDITOR),
-    "errors": ("diagnostics and exit codes", lambda: _ERRORS),
+    "errors": ("diagnostics and exit codes", lambda: ERRORS),
 }
 
 

@@ -15,7 +15,14 @@ from lagrangia.algebra.scalars import symbols_in
 from lagrangia.algebra.with_casadi import Mode
 from lagrangia.base.records import dataclass
 from lagrangia.compile.hoisting import Hoisted, hoist
-from lagrangia.compile.mode_places import find_lookups, find_pieces, find_samplers
+from lagrangia.compile.mode_places import (
+    events_of,
+    find_attitudes,
+    find_lookups,
+    find_pieces,
+    find_samplers,
+    mode_functions,
+)
 from lagrangia.constraints.initial import InitialConditions, initial_function, start_function
 from lagrangia.constraints.parameters import all_parameters, at_start, parameters_of, scalars
 from lagrangia.constraints.rows import Constraints
@@ -31,6 +38,7 @@ from lagrangia.dynamics.negative_inertia import without_negative_inertia
 from lagrangia.dynamics.reactions import build_reactions
 from lagrangia.dynamics.sampling import Sampling, find_sampling
 from lagrangia.dynamics.switches import Switches, find_roots, find_switches, find_thresholds
+from lagrangia.frames.attitude_starts import HINGES, refuse_attitudes
 from lagrangia.frames.kinematics import Kinematics
 from lagrangia.language.consequences import speaks_of_contact_forces
 from lagrangia.language.delays import refuse_delays
@@ -92,15 +100,15 @@ def build_functions(
         "energies": ca.Function("energies", state, found["energies"], labels, ["energies"]),
     }
     table |= _functions_of_constraints(motion, found, d, c) | _flow_functions(motion, hamilton, found["flow"], c)
-    table |= _mode_functions(motion, modes) | _kick_function(state, found["kick"], kick.before)
+    table |= mode_functions(motion, modes) | _kick_function(state, found["kick"], kick.before)
     table |= (_start_functions(kinematics, motion, initial) | _sampling_functions(kinematics, motion, sampling)
               | _delay_functions(motion, delaying, [*state[:4], full[-2], c], found["delayed"]))
     needs = bool(y.numel()) and ca.depends_on(y, ca.vertcat(a, symbols))
     patterns, refused, pays = _add_linear(table, kinematics, motion)
-    patterns |= {"reset_places": _reset_places(kinematics, motion), **_patterns(jacobian, switches, modes),
+    patterns |= {"reset_places": _reset_places(kinematics, motion), **_patterns(kinematics, jacobian, switches, modes),
                  **delaying.patterns, **guarding.patterns}
     refused |= _refusals(jacobian, bool(len(patterns.get("cones", ()))), bool(delaying.stated))
-    return Functions(table, names, tuple(kind for _, kind in _events(modes)), power.numel(), needs, patterns, refused,
+    return Functions(table, names, tuple(kind for _, kind in events_of(modes)), power.numel(), needs, patterns, refused,
                      {**jacobian.sizes, **guarding.sizes(ca.vertcat(a, symbols)), "n_lengths": switches.lengths,
                       "breaks_rise": int(delaying.rises)}, pays, hoisted.settled, find_thresholds(motion, switches), guarding)
 
@@ -150,11 +158,11 @@ def build_island_functions(kinematics: Kinematics, motion: Motion) -> Functions:
     t, q, v, u, c = motion.t, motion.q, motion.v, motion.u, hoisted.c
     state = [t, q, v, u, d, c]
     table = _functions_of_steps(motion, jacobian, switches, found, d, c) | _functions_of_parameters(
-        kinematics, motion, hoisted.values) | _functions_of_constraints(motion, found, d, c) | _mode_functions(motion, modes)
+        kinematics, motion, hoisted.values) | _functions_of_constraints(motion, found, d, c) | mode_functions(motion, modes)
     table |= _kick_function(state, found["kick"], kick.before)
     patterns, refused, pays = _add_linear(table, kinematics, motion)
-    return Functions(table, (), tuple(kind for _, kind in _events(modes)), power.numel(), False,
-                     patterns | _patterns(jacobian, switches, modes),
+    return Functions(table, (), tuple(kind for _, kind in events_of(modes)), power.numel(), False,
+                     patterns | _patterns(kinematics, jacobian, switches, modes),
                      refused, {**jacobian.sizes, "n_lengths": switches.lengths}, pays, hoisted.settled)
 
 
@@ -252,6 +260,8 @@ def _add_linear(table: dict[str, ca.Function], kinematics: Kinematics,
     """The patterns of a linear scene, why the solver `linear` cannot run one that is none, and whether `auto` takes it."""
     if motion.impacts.places:
         return {}, {"linear": "rates are reset at events"}, None
+    if kinematics.symbols.attitudes:
+        return {}, {"linear": "attitudes turn"}, None
     if kinematics.graph.model.delays:
         return {}, {"linear": f"something acts late ({kinematics.graph.model.delays[0].span})"}, None
     form = find_linear_form(kinematics, motion)
@@ -275,6 +285,7 @@ def people_functions(
     """
     refuse_held(kinematics.graph.model, "M, h and accelerations as functions")
     refuse_delays(kinematics.graph.model, "M, h and accelerations as functions")
+    refuse_attitudes(kinematics.graph.attitudes, "M, h and accelerations as functions", HINGES)
     _names, y = _outputs(kinematics, outputs)
     y = _solved(with_reactions(y, kinematics, motion, constraints), motion)
     expressions = {
@@ -292,6 +303,7 @@ def people_derivatives(kinematics: Kinematics, motion: Motion, given: Collection
     parameters: p -> all values with which these and `people_functions` reckon, (n_p,)."""
     refuse_held(kinematics.graph.model, "derivatives of accelerations")
     refuse_delays(kinematics.graph.model, "derivatives of accelerations")
+    refuse_attitudes(kinematics.graph.attitudes, "derivatives of accelerations", HINGES)
     (a,), p = kinematics.algebra.by_inputs([motion.acceleration]), motion.p
     parameters = parameters_of(kinematics, p, given)
     slopes = {"jacobian_u": [ca.jacobian(a, motion.u)], "jacobian_p": [ca.jacobian(a, p) @ ca.jacobian(parameters, p)]}
@@ -329,11 +341,11 @@ def elements_of(kinematics: Kinematics, name: str) -> tuple[str, ...]:
 
 def observer_of(kinematics: Kinematics, motion: Motion, constraints: Constraints, y: ca.SX,
                 for_tape: bool = False) -> ca.Function:
-    """Scalars that the kinematics' evaluator has made, (k, 1), as a function of t, q, v, u, p; held values stand behind u.
-    Without calls for a tape."""
+    """Scalars that the kinematics' evaluator has made, (k, 1), as a function of t, q, v, u, p; held values and the references
+    of attitudes stand behind u, in the order of their modes. Without calls for a tape."""
     y = _solved(with_reactions(ca.substitute(y, kinematics.symbols.tau, ca.SX(1)), kinematics, motion, constraints), motion)
-    modes = [mode for mode in kinematics.algebra.modes if mode.of_sampler is None]
-    held = [mode.symbol for mode in kinematics.algebra.modes if mode.of_sampler is not None]
+    modes = [mode for mode in kinematics.algebra.modes if not mode.is_kept]
+    held = [mode.symbol for mode in kinematics.algebra.modes if mode.is_kept]
     if modes and y.numel():
         y = ca.substitute(y, ca.vertcat(*[m.symbol for m in modes]),
                           ca.vertcat(*[m.written if for_tape else m.value for m in modes]))
@@ -390,7 +402,8 @@ def _with_reactions(y: ca.SX, kinematics: Kinematics, motion: Motion, constraint
 def _outputs(kinematics: Kinematics, names: tuple[str, ...]) -> tuple[tuple[str, ...], ca.SX]:
     found: dict[str, Scalar] = {}  # each once: r and r[1] may both be asked for
     for name in names:
-        value = kinematics.evaluator.value(observe(kinematics.graph.model, name))
+        value = kinematics.attitude_named(name)
+        value = kinematics.evaluator.value(observe(kinematics.graph.model, name)) if value is None else value
         for label, scalar in scalars(name, value):
             found.setdefault(label, scalar)
     labels, values = tuple(found), list(found.values())
@@ -439,12 +452,6 @@ def _kick_function(state: list[ca.SX], found: list[ca.SX], before: ca.SX) -> dic
     return {"kick": ca.Function("kick", [*state, before], found, ["t", "q", "v", "u", "d", "c", "before"], ["dv"])}
 
 
-def _events(modes: list[Mode]) -> list[tuple[ca.SX, int]]:
-    """The arguments of the modes with their kinds; what modes of one table share stands there once."""
-    shared = {id(mode.arguments): mode for mode in modes}
-    return [(argument, mode.kind) for mode in shared.values() for argument in mode.arguments]
-
-
 def _reset_places(kinematics: Kinematics, motion: Motion) -> tuple[int, ...]:
     """Of each reset its event and its kind, with SIGNAL where it is of first-order states alone."""
     rates = kinematics.symbols.rates
@@ -457,11 +464,11 @@ def _reset_places(kinematics: Kinematics, motion: Motion) -> tuple[int, ...]:
     return tuple(places)
 
 
-def _patterns(jacobian: Jacobian, switches: Switches, modes: list[Mode]) -> dict[str, tuple[int, ...]]:
+def _patterns(kinematics: Kinematics, jacobian: Jacobian, switches: Switches, modes: list[Mode]) -> dict[str, tuple[int, ...]]:
     """Lists of places that a whole scene and an island have alike."""
     pieces = find_pieces(modes)
     return {"jacobian_pattern": jacobian.pattern, **switches.patterns, "lookups": find_lookups(modes),
-            **({"pieces": pieces} if pieces else {}), **find_samplers(modes)}
+            **({"pieces": pieces} if pieces else {}), **find_samplers(modes), **find_attitudes(kinematics, modes)}
 
 
 def _sampling_functions(kinematics: Kinematics, motion: Motion, sampling: Sampling) -> dict[str, ca.Function]:
@@ -483,17 +490,3 @@ def _delay_functions(motion: Motion, delaying: Delaying, state: list[ca.SX], val
     if any(delaying.stated):
         table["before"] = ca.Function("before", [motion.t, motion.p], [ca.densify(delaying.before)], ["t", "p"], ["x"])
     return table
-
-
-def _mode_functions(motion: Motion, modes: list[Mode]) -> dict[str, ca.Function]:
-    """Modes at a time, and the arguments a + b t whose crossings are events."""
-    if not modes:
-        return {}
-    t, p = motion.t, motion.p
-    arguments = ca.vertcat(*[argument for argument, _ in _events(modes)])
-    slopes, offsets = ca.densify(ca.jtimes(arguments, t, ca.SX(1))), ca.substitute(arguments, t, ca.SX(0))
-    return {
-        "events": ca.Function("events", [p], [offsets, slopes], ["p"], ["a", "b"]),
-        "modes": ca.Function("modes", [t, p], [ca.vertcat(*[ca.SX(0) if mode.is_filled_in else mode.value for mode in modes])],
-                             ["t", "p"], ["d"])
-    }

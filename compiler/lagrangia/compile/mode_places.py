@@ -1,6 +1,11 @@
-"""Modes -> the lists of LagModel that say which of them belong to samplers, inputs and tables."""
+"""Where modes lie that the run time fills in or keeps: of tables, moving inputs, held values, attitudes; and their functions."""
+
+import casadi as ca
 
 from lagrangia.algebra.with_casadi import Mode
+from lagrangia.dynamics.motion import Motion
+from lagrangia.frames.kinematics import Kinematics
+from lagrangia.language.attitudes import parts_of
 
 
 def find_samplers(modes: list[Mode]) -> dict[str, tuple[int, ...]]:
@@ -14,6 +19,14 @@ def find_samplers(modes: list[Mode]) -> dict[str, tuple[int, ...]]:
         event += len(mode.arguments)
     held = tuple(k for k, mode in enumerate(modes) if mode.of_sampler is not None)
     return {"samplers": tuple(places[k] for k in sorted(places)), "held": held} if held else {}
+
+
+def find_attitudes(kinematics: Kinematics, modes: list[Mode]) -> dict[str, tuple[int, ...]]:
+    """LagModel.attitudes: of each its first coordinate and the first mode of its reference. Nothing where there are none."""
+    places = {name: k for k, name in enumerate(kinematics.symbols.positions)}
+    firsts = {mode.of_attitude: k for k, mode in reversed([*enumerate(modes)]) if mode.of_attitude}
+    found = tuple(x for name in kinematics.symbols.attitudes for x in (places[parts_of(name)[0]], firsts[name]))
+    return {"attitudes": found} if found else {}
 
 
 def find_pieces(modes: list[Mode]) -> tuple[int, ...]:
@@ -31,3 +44,23 @@ def find_lookups(modes: list[Mode]) -> tuple[int, ...]:
         event += len(mode.arguments)
     firsts = {id(mode.arguments): k for k, mode in reversed([*enumerate(modes)]) if mode.use}
     return tuple(x for key in shared if key in firsts for x in (starts[key], firsts[key]))
+
+
+def events_of(modes: list[Mode]) -> list[tuple[ca.SX, int]]:
+    """The arguments of the modes with their kinds; what modes of one table share stands there once."""
+    shared = {id(mode.arguments): mode for mode in modes}
+    return [(argument, mode.kind) for mode in shared.values() for argument in mode.arguments]
+
+
+def mode_functions(motion: Motion, modes: list[Mode]) -> dict[str, ca.Function]:
+    """Modes at a time, and the arguments a + b t whose crossings are events."""
+    if not modes:
+        return {}
+    t, p = motion.t, motion.p
+    arguments = ca.vertcat(ca.SX(0, 1), *[argument for argument, _ in events_of(modes)])
+    slopes, offsets = ca.densify(ca.jtimes(arguments, t, ca.SX(1))), ca.substitute(arguments, t, ca.SX(0))
+    return {
+        "events": ca.Function("events", [p], [offsets, slopes], ["p"], ["a", "b"]),
+        "modes": ca.Function("modes", [t, p], [ca.vertcat(*[ca.SX(0) if mode.is_filled_in else mode.value for mode in modes])],
+                             ["t", "p"], ["d"])
+    }

@@ -159,7 +159,7 @@ def _flow(kinematics: "Kinematics", constraints: "Constraints", energies: "Energ
     from lagrangia.dynamics.hamilton import build_hamilton, energy_flow, is_separable, no_momenta
 
     flow = energy_flow(kinematics, constraints, energies, run)
-    stuck = flow or no_momenta(constraints, energies, run)
+    stuck = flow or no_momenta(kinematics, constraints, energies, run)
     return flow, stuck, None if waits or stuck or is_separable(run) else build_hamilton(kinematics, run)
 
 
@@ -189,7 +189,7 @@ def _reported(graph: "ComponentGraph", outputs: tuple[str, ...]) -> tuple[str, .
     declared = (v.name for v in graph.model.variables.values() if v.is_output or v.kind == "held")
     lost = (*(c.name for c in graph.dependent_coordinates), *graph.cut_coordinates)
     reactions = all_reactions(graph) if ALL_REACTIONS in outputs else []
-    names = dict.fromkeys((*declared, *outputs, *reactions, *lost, *(f"der({name})" for name in lost)))
+    names = dict.fromkeys((*graph.attitudes, *declared, *outputs, *reactions, *lost, *(f"der({name})" for name in lost)))
     return tuple(name for name in names if name != ALL_REACTIONS)
 
 

@@ -1,6 +1,6 @@
 """Functions -> Scene: names, units, defaults and tapes, as plain data."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from math import prod
 from typing import Any
@@ -8,6 +8,7 @@ from typing import Any
 import casadi as ca
 
 from lagrangia.algebra.scalars import symbols_in
+from lagrangia.algebra.with_casadi import Mode
 from lagrangia.base.diagnostics import fail
 from lagrangia.compile.functions import Functions, build_island_functions, elements_of
 from lagrangia.compile.hoisted_tapes import tapes_of
@@ -25,8 +26,9 @@ from lagrangia.dynamics.jumping_energies import find_jumping_energies
 from lagrangia.dynamics.motion import Motion
 from lagrangia.dynamics.negative_inertia import tell_unlooked, written_inertias
 from lagrangia.dynamics.switches import corners_remain
-from lagrangia.frames.graph import Coordinate
+from lagrangia.frames.graph import ComponentGraph, Coordinate
 from lagrangia.frames.kinematics import Kinematics
+from lagrangia.language.attitudes import parts_of
 from lagrangia.language.consequences import place_of_felt_reactions
 from lagrangia.language.dimensions import unit_of
 from lagrangia.language.events import kept_by
@@ -46,24 +48,26 @@ def build_scene(
     is_still: bool, flow: str, no_momenta: str,
 ) -> Scene:
     """`flow`: why it does not keep its energy, `no_momenta`: why it has no conservative steps; "" where it does and has."""
-    model, graph = kinematics.graph.model, kinematics.graph
+    model, graph, attitudes = kinematics.graph.model, kinematics.graph, kinematics.symbols.attitudes
     tapes = tapes_of(functions)
     coordinates = tuple(Column(c.name, c.unit, c.display_unit, c.description) for c in graph.coordinates)
     states = {state.coordinate: model.variables[name] for name, state in model.states.items()}
     rates = tuple(_rate_column(c, states.get(c.name)) for c in graph.coordinates)
-    outputs = tuple(Column(name, *_units(model, name)) for name in functions.outputs)
+    outputs = tuple(Column(name, *_units(graph, name)) for name in functions.outputs)
     started = (*graph.coordinates, *initial.lost)
     kinds = {unit: k + 1 for k, unit in enumerate(sorted({c.unit for c in started} - {"rad"}))} | {"rad": 0}
     slots = {c.name: k for k, c in enumerate(graph.coordinates)}
     aliases = {v.name: len(slots) + slots[of] for v in model.variables.values() if (of := rate_of(v)) in slots and of is not None}
+    turning = ((v.name, of) for v in model.variables.values() if (of := rate_of(v)) in attitudes and of is not None)
+    aliases |= {f"{name}[{k}]": len(slots) + slots[part] for name, of in turning for k, part in enumerate(parts_of(of), 1)}
     experiment = model.experiment
     parameters = _parameters(model, "parameter", kinematics.symbols.compiled)
     inputs = _parameters(model, "input", {})
     sizes = _sizes(len(coordinates), len(parameters), len(inputs), len(kinematics.algebra.modes), functions, motion, tapes) | {
         "n_outputs": len(outputs), "n_initial": initial.residuals.numel(), "n_initial_positions": initial.n_positions,
         "n_lost": len(initial.lost), "outputs_need_acceleration": int(functions.outputs_need_acceleration),
-        "is_separable": int(not no_momenta and is_separable(motion)),
-        "is_swing": int(not flow and _is_of_one_freedom(motion)),
+        "is_separable": int(not no_momenta and not attitudes and is_separable(motion)),
+        "is_swing": int(not flow and not attitudes and _is_of_one_freedom(motion)),
     }
     return _with_series(Scene(
         name=model.name, description=model.description, structural=dict(model.structural),
@@ -77,8 +81,17 @@ def build_scene(
         | {"form": functions.form.why if functions.form else "", "thresholds": [*functions.thresholds]}
         | _freedom(kinematics, motion, constraints, is_still) | _told(kinematics, initial)
         | ({"guards": tell_guards(model, functions.guarding)} if model.guards else {}),
-        refused={**functions.refused, **({"conservative": no_momenta} if no_momenta else {})},
+        refused={**functions.refused, **({"conservative": no_momenta} if no_momenta else {}), **_refusals(kinematics)},
     ))
+
+
+def _refusals(kinematics: Kinematics) -> dict[str, str]:
+    """Solvers that no attitudes have, and why."""
+    attitudes = kinematics.symbols.attitudes
+    if not attitudes:
+        return {}
+    why = f"not supported yet: attitudes as coordinates ({next(iter(attitudes))})"
+    return dict.fromkeys(("adams", "taylor", "conservative", "linear", "islands"), why)
 
 
 def _rate_column(coordinate: Coordinate, state: Variable | None) -> Column:
@@ -95,7 +108,7 @@ def _is_of_one_freedom(motion: Motion) -> bool:
 
 def divide(scene: Scene, kinematics: Kinematics, motion: Motion, initial: InitialConditions) -> Scene:
     """The scene with its islands, each as a scene of its own, where there are some."""
-    reason, groups = _whole(motion, kinematics.graph.model)
+    reason, groups = _whole(motion, kinematics.graph.model, kinematics.algebra.modes)
     if any(kind < OF_PARAMETERS for kind in scene.patterns.get("guard_kinds", ())):
         reason = "not supported yet: islands of scenes with assertions of the motion, or terminate"
     if reason:
@@ -109,7 +122,7 @@ def divide(scene: Scene, kinematics: Kinematics, motion: Motion, initial: Initia
                    notes={**scene.notes, "form": form.why})
 
 
-def _whole(motion: Motion, model: FlatModel) -> tuple[str, list[tuple[int, ...]]]:
+def _whole(motion: Motion, model: FlatModel, modes: Sequence[Mode]) -> tuple[str, list[tuple[int, ...]]]:
     """Why a scene is not divided; its islands."""
     if motion.q.numel() > MOST_COORDINATES:
         return f"not supported yet: islands of more than {MOST_COORDINATES} coordinates", []
@@ -121,6 +134,8 @@ def _whole(motion: Motion, model: FlatModel) -> tuple[str, list[tuple[int, ...]]
         return "not supported yet: islands of scenes with values that are held between instants", []
     if model.delays:
         return "not supported yet: islands of scenes with delays", []
+    if any(mode.of_attitude for mode in modes):
+        return "not supported yet: islands of scenes with attitudes as coordinates", []
     groups = find_islands(motion)
     if len(groups) > MOST_ISLANDS:
         return f"not supported yet: more than {MOST_ISLANDS} islands", []
@@ -171,6 +186,8 @@ def _sizes(n: int, n_parameters: int, n_inputs: int, n_modes: int, functions: Fu
         found |= {"n_held": len(functions.patterns["held"]), "n_samplers": len(functions.patterns["samplers"])}
     if "stated" in functions.patterns:
         found |= {"n_delays": len(functions.patterns["stated"]), "is_steady": 0}
+    if "attitudes" in functions.patterns:
+        found["n_attitudes"] = len(functions.patterns["attitudes"]) // 2
     if "pieces" in functions.patterns:
         found["n_pieces"] = len(functions.patterns["pieces"]) // 4
     found["jacobian_cost"] = _jacobian_cost(tapes, found["n_colours"])
@@ -212,7 +229,7 @@ def _evenness(motion: Motion) -> Tape | None:
 
 def _with_series(scene: Scene) -> Scene:
     """With Taylor coefficients of its motion, or the reason why there are none."""
-    found = jet_tape(scene.tapes)
+    found = jet_tape(scene.tapes) if not scene.patterns.get("attitudes") else scene.refused["taylor"]
     if isinstance(found, str):
         return replace(scene, refused={**scene.refused, "taylor": found})
     sizes, patterns, tapes = found
@@ -261,6 +278,7 @@ def _told(kinematics: Kinematics, initial: InitialConditions) -> dict[str, objec
             **({"samplers": [str(sampler.span) for sampler in model.samplers],
                 "held": [held.name for sampler in model.samplers for held in sampler.held]} if model.samplers else {}),
             **({"delays": [str(delay.span) for delay in model.delays]} if model.delays else {}),
+            "attitudes": {name: parts_of(name) for name in kinematics.symbols.attitudes},
             "signals": {state.coordinate: name for name, state in model.states.items()}}
 
 
@@ -282,9 +300,11 @@ def _per_second(unit: str) -> str:
     return f"{unit}/s" if unit and unit != "1" else "1/s"
 
 
-def _units(model: FlatModel, name: str) -> tuple[str, str, str]:
+def _units(graph: ComponentGraph, name: str) -> tuple[str, str, str]:
     """Unit, display unit and description of an output."""
-    base = name if name in model.variables else name.partition("[")[0]
+    model, base = graph.model, name if name in graph.model.variables else name.partition("[")[0]
+    if (attitude := graph.attitudes.get(name.rpartition("[")[0])) is not None:
+        return "1", "", f"unit quaternion: {attitude.description}" if attitude.description else "unit quaternion"
     variable = model.variables.get(base)
     if variable is not None:
         return variable.unit, variable.display_unit, variable.description
@@ -293,7 +313,7 @@ def _units(model: FlatModel, name: str) -> tuple[str, str, str]:
 
 def columns_of(kinematics: Kinematics, name: str) -> tuple[Column, ...]:
     """The elements of any quantity, as columns of results. Raises LagError L0701."""
-    return tuple(Column(label, *_units(kinematics.graph.model, label)) for label in elements_of(kinematics, name))
+    return tuple(Column(label, *_units(kinematics.graph, label)) for label in elements_of(kinematics, name))
 
 
 def _parameters(model: FlatModel, kind: str, compiled_in: Mapping[str, Any]) -> tuple[Parameter, ...]:

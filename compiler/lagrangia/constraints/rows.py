@@ -117,7 +117,7 @@ def derived(value: ca.SX, kinematics: Kinematics, level: int) -> Scalar:
 def _along_motion(value: ca.SX, kinematics: Kinematics) -> ca.SX:
     symbols = kinematics.symbols
     state = ca.vertcat(*symbols.positions.values(), *symbols.rates.values(), symbols.time)
-    pace = ca.vertcat(*symbols.rates.values(), *symbols.accelerations.values(), symbols.tau)
+    pace = ca.vertcat(kinematics.paced([*symbols.rates.values()]), *symbols.accelerations.values(), symbols.tau)
     return ca.jtimes(value, state, pace)
 
 

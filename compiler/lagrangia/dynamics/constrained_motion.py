@@ -36,6 +36,11 @@ class FreeMotion:
     h: ca.SX
     load_power: ca.SX  # put in by loads
     tree: FreeTree | None = None  # along which M is solved; None: by its factors
+    pace: ca.SX | None = None  # what v is of positions, (n,); None: the same
+
+    def moved(self, correction: ca.SX) -> ca.SX:
+        """Of positions, (n,), what a small motion along the rates is."""
+        return correction if self.pace is None else ca.substitute(self.pace, self.v, correction)
 
     @cached_property
     def M(self) -> ca.SX:
@@ -104,7 +109,7 @@ def constrain(
     acceleration, multipliers = _accelerate(system, rows, free, refine=True)
     lambdas = ca.vertcat(*[ca.SX.sym(f"lambda_{i}") for i in range(J.size1())])
     regular = None if is_robust else _regular(rows, free, system.without_small())
-    place, steer = _place(system, rows, is_robust), system.least(-rows.rate)
+    place, steer = free.moved(_place(system, rows, is_robust)), system.least(-rows.rate)
     held = ConstrainedMotion(rows, J, free.load_power, multipliers, lambdas, place, steer, ca.SX(0, 1) if is_robust else evenness,
                              regular, system.tree if isinstance(system, SchurComplement) else None)
     return acceleration, free.load_power + _power(rows.rate, free.v, multipliers), held
@@ -141,7 +146,7 @@ def _regular(rows: ConstraintRows, free: FreeMotion, system: System | NullSpace)
     source = free.load_power + _power(rows.rate, free.v, multipliers)
     dq = dv = ca.SX(0, 1)
     if rows.phi.numel() == rows.rate.numel():
-        dq = system.least(-rows.phi)
+        dq = free.moved(system.least(-rows.phi))
         dv = system.least(-ca.substitute(rows.rate, free.q, free.q + dq))
     return RegularMotion(acceleration, system.doubt, source, dq, dv)
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import casadi as ca
 
-from lagrangia.algebra.duals import Scalar
+from lagrangia.algebra.duals import Scalar, rate_of
 from lagrangia.algebra.scalars import as_expression, column
 from lagrangia.base.diagnostics import LagError, Report
 from lagrangia.base.records import dataclass
@@ -38,6 +38,12 @@ class Load:
     position: tuple[Scalar, ...]
     statement: Work
     is_by_rate: bool = False
+    pace: tuple[Scalar, ...] | None = None  # of the position, where attitudes are coordinates: their rates are no derivatives
+
+    @property
+    def moving(self) -> tuple[tuple[Scalar, ...], bool]:
+        """What it works on, and whether that is a rate."""
+        return (self.position, self.is_by_rate) if self.pace is None else (self.pace, True)
 
     @property
     def moved(self) -> Flat:
@@ -67,14 +73,14 @@ class Energies:
 
 def generalised_force(loads: Sequence[Load], q: ca.SX, v: ca.SX) -> ca.SX:
     """sum_i (dr_i/dq)^T F_i, in one reverse sweep, and of torques on attitudes sum_i (dw_i/dv)^T M_i in another."""
-    by_place, by_rate = ([load for load in loads if load.is_by_rate is is_by_rate] for is_by_rate in (False, True))
+    by_place, by_rate = ([load for load in loads if load.moving[1] is is_by_rate] for is_by_rate in (False, True))
     found = [_along(chosen, moving) for chosen, moving in ((by_place, q), (by_rate, v)) if chosen]
     return sum(found[1:], found[0]) if found else ca.SX.zeros(q.numel())
 
 
 def _along(loads: Sequence[Load], moving: ca.SX) -> ca.SX:
     places, forces = (ca.vertcat(*[x for part in parts for x in part])
-                      for parts in ([load.position for load in loads], [load.force for load in loads]))
+                      for parts in ([load.moving[0] for load in loads], [load.force for load in loads]))
     return ca.densify(ca.jtimes(places, moving, forces, True))
 
 
@@ -95,7 +101,7 @@ def evaluate_energies(kinematics: Kinematics) -> Energies:
     for energy, value in zip(model.energies, values, strict=True):
         _check_scalar(value, energy, report)
         terms[energy.kind].append(Term(value, energy))
-    loads = [_load(work, kinematics.evaluator.value, report) for work in model.works]
+    loads = [paced(_load(work, kinematics.evaluator.value, report), kinematics) for work in model.works]
     report.in_order().raise_errors()
     return Energies(tuple(terms["kinetic"]), tuple(terms["potential"]), tuple(terms["dissipation"]), tuple(loads))
 
@@ -120,6 +126,19 @@ def _load(work: Work, value: Callable[..., Value], report: Report) -> Load:
     if isinstance(force, tuple):
         return Load(force, position, work, is_by_rate)
     return Load((force,), (position,), work)
+
+
+def paced(load: Load, kinematics: Kinematics) -> Load:
+    """A load on a position with its pace, where it needs one."""
+    if load.is_by_rate or not kinematics.symbols.attitudes:
+        return load
+    moved = kinematics.evaluator.value(load.statement.position, 1)
+    return replace(load, pace=tuple(map(rate_of, moved if isinstance(moved, tuple) else (moved,))))
+
+
+def rate_of_potential(kinematics: Kinematics, terms: Sequence[Term]) -> ca.SX:
+    """dV/dt, linear in the rates."""
+    return _balanced_sum([as_expression(rate_of(kinematics.evaluator.value(term.statement.value, 1))) for term in terms])
 
 
 def _check_scalar(value: Value, energy: Energy, report: Report) -> None:

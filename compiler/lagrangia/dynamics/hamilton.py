@@ -44,13 +44,15 @@ def energy_flow(kinematics: Kinematics, constraints: Constraints, energies: Ener
     for name, span in moved_in_time(kinematics, constraints):
         return f"{name} is moved in time ({span})"
     spoken = ca.vertcat(motion.acceleration, motion.T, motion.V) if kinematics.is_timed else ca.SX(0, 1)
-    if kinematics.algebra.modes or ca.depends_on(spoken, motion.t):
+    if any(not mode.of_attitude for mode in kinematics.algebra.modes) or ca.depends_on(spoken, motion.t):
         return "time stands in its equations"
     return ""
 
 
-def no_momenta(constraints: Constraints, energies: Energies, motion: Motion) -> str:
+def no_momenta(kinematics: Kinematics, constraints: Constraints, energies: Energies, motion: Motion) -> str:
     """Why a scene that keeps its energy cannot be stepped in momenta; "" when it can."""
+    for name in kinematics.symbols.attitudes:
+        return f"not supported yet with attitudes as coordinates ('{name}')"
     if constraints.rows:
         return f"not supported yet with constraints that stay in the equations ({constraints.rows[0].span})"
     if not is_quadratic(energies.of_mechanism(), motion.v, but_for_rest=True):

@@ -25,7 +25,7 @@ from lagrangia.algebra.scalars import symbols_in
 from lagrangia.base.diagnostics import fail
 from lagrangia.base.records import dataclass
 from lagrangia.constraints.parameters import usual_parameters
-from lagrangia.dynamics.energies import Load
+from lagrangia.dynamics.energies import Load, paced
 from lagrangia.frames.evaluation import scalars_of
 from lagrangia.frames.kinematics import Kinematics
 from lagrangia.language.consequences import contact_forces_in
@@ -67,7 +67,8 @@ class Impacts:
     def loads_in(self, kinematics: Kinematics) -> tuple[Load, ...]:
         """The same where positions are others."""
         value = kinematics.evaluator.value
-        return tuple(Load(x.force, tuple(scalars_of(value(x.statement.position))), x.statement) for x in self.loads)
+        return tuple(paced(Load(x.force, tuple(scalars_of(value(x.statement.position))), x.statement), kinematics)
+                     for x in self.loads)
 
 
 def find_impacts(kinematics: Kinematics) -> Impacts:
@@ -180,7 +181,7 @@ class _Event:
         unit = Number(1.0, None, span)
         if self.held is not None:
             work = Work(unit, self.held, component, span)
-            yield Load((force,), tuple(scalars_of(value(work.position))), work)
+            yield paced(Load((force,), tuple(scalars_of(value(work.position))), work), self.kinematics)
         for position in self.positions:
             moved = tuple(scalars_of(value(position)))
             yield Load(tuple(next(impulses) for _ in moved), moved, Work(unit, position, component, span))
@@ -209,7 +210,7 @@ class _Event:
         q, v = (ca.vertcat(_NONE, *x.values()) for x in (symbols.positions, symbols.rates))
         if ca.depends_on(g, v):
             return False
-        pace = ca.jtimes(g, ca.vertcat(q, symbols.time), ca.vertcat(v, 1))
+        pace = ca.jtimes(g, ca.vertcat(q, symbols.time), ca.vertcat(self.kinematics.paced(v.elements()), 1))
         look, numbers = self._numbers_of([pace, rate, wanted, *(ca.densify(ca.gradient(x, v)) for x in (pace, rate))])
         return all(_turns_back(look, numbers, np.random.default_rng(seed)) for seed in (3, 4))
 

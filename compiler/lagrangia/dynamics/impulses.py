@@ -58,7 +58,7 @@ def find_kick(kinematics: Kinematics, motion: Motion) -> Kick:
     modes, held = kinematics.algebra.mode_symbols, motion.constrained
     rows = held.rows.rate if held else ca.SX(0, 1)
     before = ca.vertcat(*[ca.SX.sym(f"before_{k}") for k in range(modes.numel())])
-    if not modes.numel():
+    if all(mode.of_attitude for mode in kinematics.algebra.modes):
         return Kick(ca.SX(0, 1), before)
     impulse = _impulse_of_dampers(kinematics, motion.q, motion.v, modes, before)
     jumping, earlier = _jumping(kinematics), [before[k] for k, mode in enumerate(kinematics.algebra.modes) if mode.jumps]

@@ -67,7 +67,7 @@ def build_jacobian(kinematics: Kinematics, motion: Motion, is_asked: bool = True
     force, momentum, bias = ca.jtimes(motion.momentum, v, a) + motion.h, motion.momentum, nothing
     if held:
         force = force + ca.jtimes(held.rows.rate, v, held.symbols, True)
-        bias = ca.jtimes(held.rows.rate, ca.vertcat(q, motion.t), ca.vertcat(v, 1))
+        bias = ca.jtimes(held.rows.rate, ca.vertcat(q, motion.t), ca.vertcat(motion.pace, 1))
         momentum = ca.vertcat(momentum, held.rows.rate)
         bias = bias + ca.jtimes(held.rows.rate, v, a)
     residual = ca.vertcat(force, bias)

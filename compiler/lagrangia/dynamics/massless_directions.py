@@ -48,7 +48,7 @@ class Direction:
 
 def numbers_at(kinematics: Kinematics, expressions: list[ca.SX], seed: int = 1) -> list[Vector]:
     """At a general state, with parameters beside the declared ones; rates of either sign."""
-    p, numbers = usual_parameters(kinematics)
+    expressions, (p, numbers) = kinematics.unturned(expressions), usual_parameters(kinematics)
     known = symbols_in(p) if p.numel() else frozenset()
     free = [x for x in ca.symvar(ca.veccat(*expressions)) if x.__hash__() not in known]
     random, rates = np.random.default_rng(seed), {x.__hash__() for x in kinematics.symbols.rates.values()}
@@ -91,6 +91,7 @@ class _Looks:
         self.v = ca.vertcat(*[kinematics.symbols.rates[name] for name in names])
         momentum = ca.densify(ca.gradient(energies.total(energies.kinetic), self.v))
         rates = ca.vertcat(ca.SX(0, 1), *[row.rate(kinematics) for row in constraints.rows])
+        momentum, rates = kinematics.unturned([momentum, rates])
         self.p, self.numbers = usual_parameters(kinematics)
         changing = symbols_in(ca.vertcat(self.p, self.v))
         self.free = ca.vertcat(ca.SX(0, 1), *[x for x in ca.symvar(ca.vertcat(momentum, rates)) if x.__hash__() not in changing])

@@ -14,7 +14,7 @@ from functools import cached_property
 import casadi as ca
 
 from lagrangia.algebra.duals import Scalar
-from lagrangia.algebra.scalars import column, symbols_in
+from lagrangia.algebra.scalars import as_expression, column, symbols_in
 from lagrangia.algebra.with_casadi import operations_in
 from lagrangia.base.diagnostics import Span, fail
 from lagrangia.base.later import Later
@@ -26,7 +26,7 @@ from lagrangia.dynamics.bodies import Bodies, find_bodies
 from lagrangia.dynamics.collected_inertia import MOST_COORDINATES, Collected, blocks_of, collect, split_weights
 from lagrangia.dynamics.constrained_motion import ConstrainedMotion, FreeMotion, bring_down, constrain, constraint_rows
 from lagrangia.dynamics.dissipation import gradient_by_rates
-from lagrangia.dynamics.energies import Energies, generalised_force
+from lagrangia.dynamics.energies import Energies, generalised_force, rate_of_potential
 from lagrangia.dynamics.forces import forces_of_loops
 from lagrangia.dynamics.impacts import Impacts
 from lagrangia.dynamics.regularity import is_even
@@ -35,6 +35,7 @@ from lagrangia.frames.evaluation import scalars_of
 from lagrangia.frames.geometry import Inertia, inertial_reaction
 from lagrangia.frames.joints import all_reactions
 from lagrangia.frames.kinematics import Kinematics
+from lagrangia.language.attitudes import parts_of
 from lagrangia.language.frame_attributes import component_named
 
 # A mass matrix with more entries a coordinate than this is not formed when elimination along the tree is possible.
@@ -108,10 +109,16 @@ class Motion:
     collected: Collected | None = None  # where that is the way
     impacts: Impacts = field(default_factory=Impacts)  # whose forces are among those in h
     lengths: tuple[ca.SX, ...] = ()  # x of |x| that are lengths
+    turning: ca.SX | None = None  # dq/dt, (n,), where attitudes are among the coordinates
     asked: frozenset[str] = frozenset({"choice"})  # of the algebra, while the scene was put down
     felt: Felt | None = None  # where forces feel reactions
     unsolved: "Motion | None" = None  # the same with the amounts of `felt` for symbols, of those that are solved for
     solution: Solution | None = None  # of these, with conditions as they are
+
+    @property
+    def pace(self) -> ca.SX:
+        """dq/dt, (n,)."""
+        return self.v if self.turning is None else self.turning
 
     @property
     def h(self) -> ca.SX:
@@ -157,7 +164,7 @@ def build_motion(kinematics: Kinematics, energies: Energies, constraints: Constr
     if constraints.rows:
         if short is not None and short.is_shorter(kinematics, momentum, inertial.value):
             momentum, inertial = short.momentum, Later(short.whole)
-        free = FreeMotion(q, v, momentum, inertial.value, source)
+        free = FreeMotion(q, v, momentum, inertial.value, source, pace=kinematics.turning)
         found, counted = _hold(kinematics, bodies, energies, constraints, free, for_any_mass, partition)
         acceleration, source, constrained, way = *found, found[2].way
     else:
@@ -168,7 +175,7 @@ def build_motion(kinematics: Kinematics, energies: Energies, constraints: Constr
     p, u = _stack(kinematics, "parameter"), _stack(kinematics, "input", "delayed")
     inertia, index = short.inertia if short and way == "collected" else None, kinematics.algebra.index
     return Motion(q, v, a, t, u, p, T, V, D, H, momentum, inertial, acceleration, bodies, constrained, dissipated, source, way,
-                  counted, inertia, impacts, (*index.lengths.values(),), frozenset(index.asked))
+                  counted, inertia, impacts, (*index.lengths.values(),), kinematics.turning, frozenset(index.asked))
 
 
 def _kept_rates(kinematics: Kinematics, v: ca.SX) -> ca.SX:
@@ -201,6 +208,8 @@ def inertial_force(kinematics: Kinematics, energies: Energies, bodies: Bodies, q
     positions: list[Scalar] = [energies.total(energies.potential)]
     forces: list[Scalar] = [1.0]
     rates, powers = list[Scalar](), list[Scalar]()  # of what works by its rates
+    if kinematics.symbols.attitudes:
+        rates, powers, positions = [rate_of_potential(kinematics, energies.potential)], [1.0], [ca.SX(0)]
     for inertia in bodies.inertias:
         moved, wrench = (rates, powers) if kinematics.geometry.by_rates else (positions, forces)
         for position, force in body_reaction(remaining, inertia):
@@ -208,13 +217,26 @@ def inertial_force(kinematics: Kinematics, energies: Energies, bodies: Bodies, q
                 moved.append(position)
                 wrench.append(force)
     for load in energies.loads:
-        moved, wrench = (rates, powers) if load.is_by_rate else (positions, forces)
-        moved += load.position
+        place, is_rate = load.moving
+        moved, wrench = (rates, powers) if is_rate else (positions, forces)
+        moved += place
         wrench += [-force for force in load.force]
     h = ca.densify(ca.jtimes(column(*positions), q, column(*forces), True))
     if rates:
         h = h + ca.densify(ca.jtimes(column(*rates), v, column(*powers), True))
+    _refuse_turned(kinematics, bodies)
     return h + _lagrange(kinematics, energies.total(bodies.rest), q, v) if bodies.rest else h
+
+
+def _refuse_turned(kinematics: Kinematics, bodies: Bodies) -> None:
+    """Raises LagError L0901 for kinetic energies of attitudes that are no rigid body's."""
+    attitudes = kinematics.symbols.attitudes
+    turned = [x for name in attitudes for part in parts_of(name)
+              for x in (kinematics.symbols.positions[part], kinematics.symbols.rates[part])]
+    for term in bodies.rest if turned else ():
+        if ca.depends_on(as_expression(term.value), ca.vertcat(*turned)):
+            fail("L0901", "not supported yet: a kinetic energy that attitudes change, and that is of no rigid body",
+                 term.statement.span, "state it by hinges, or of a body: m*dot(f.v, f.v)/2, dot(f.omega, I*f.omega)/2")
 
 
 def body_reaction(kinematics: Kinematics, inertia: Inertia) -> list[tuple[Scalar, Scalar]]:
@@ -286,7 +308,7 @@ def _collected(kinematics: Kinematics, energies: Energies, bodies: Bodies, momen
     symbols = kinematics.symbols
     q, v = (column(*values.values()) for values in (symbols.positions, symbols.rates))
     most = _MOST_HELD if is_held else _MOST_FREE
-    if not 0 < v.numel() <= most or ca.jacobian_sparsity(momentum, v[0]).nnz() > MOST_COORDINATES:
+    if symbols.attitudes or not 0 < v.numel() <= most or ca.jacobian_sparsity(momentum, v[0]).nnz() > MOST_COORDINATES:
         return None  # a chain's whole pattern has as many entries as there are pairs of links
     largest = max(map(len, blocks_of(ca.jacobian_sparsity(momentum, v))), default=0)
     if largest > MOST_COORDINATES or (v.numel() > MOST_COORDINATES and not ca.depends_on(momentum, q)):

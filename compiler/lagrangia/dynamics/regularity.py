@@ -28,6 +28,7 @@ def find_evenness(kinematics: Kinematics, mass: ca.SX, pivots: ca.SX, J: ca.SX) 
     """
     p = parameter_symbols(kinematics)
     known = symbols_in(p) if p.numel() else frozenset()
+    mass, pivots, J = kinematics.unturned([mass, pivots, J])
     free = [s for s in ca.symvar(ca.veccat(mass, pivots, J)) if s.__hash__() not in known]
     looks = [_placed([pivots, ca.vertcat(ca.SX(0, 1), *((J * J) @ ca.diag(1 / mass)).nonzeros())], free, step)
              for step in _STEPS[: 2 if free else 1]]

@@ -20,6 +20,7 @@ from lagrangia.dynamics.forces import Forces, find_forces
 from lagrangia.dynamics.spatial_axes import SpatialJoint, lay_axes
 from lagrangia.dynamics.spatial_drift import STILL, Drift, drift_of
 from lagrangia.dynamics.spatial_elimination import SpatialTree
+from lagrangia.frames.attitude_starts import FLOATING
 from lagrangia.frames.edges import Edge
 from lagrangia.frames.evaluation import Evaluator, Value, scalars_of
 from lagrangia.frames.geometry import Pose
@@ -38,6 +39,7 @@ from lagrangia.frames.spatial_inertia import (
     transposed,
 )
 from lagrangia.frames.steps import Step
+from lagrangia.language.attitudes import parts_of
 
 _COORDINATES = "xyz"
 _SAME_FIELD = 1e-12  # of a force, what may be left of it
@@ -212,10 +214,10 @@ class _Finding:
     def _root(self, frame: str, attributes: Sequence[str]) -> _Place:
         if not attributes:
             return _Place(None)
-        self.is_known &= all(part in _COORDINATES for part in attributes)
+        self.is_known &= all(part in _COORDINATES or part == FLOATING for part in attributes)
         vectors: list[Vector] = [[0.0] * 3 for _ in range(3)]
         slopes: dict[int, Vector] = {}
-        for part in attributes:
+        for part in (x for x in attributes if x != FLOATING):
             k, name = _COORDINATES.index(part), f"{frame}.{part}"
             for vector, x in zip(vectors, _levels(self.still.coordinate(name, 2)), strict=True):
                 vector[k] = x
@@ -224,10 +226,15 @@ class _Finding:
         ahead, rate, second = vectors
         joint = SpatialJoint(None, "shift", SAME, STILL, tuple(slopes), [*slopes.values()], ahead=ahead, motion=(rate, second))
         self.joints.append(joint)
-        return _Place(len(self.joints) - 1)
+        place = _Place(len(self.joints) - 1)
+        return self._rotation(f"{frame}.{FLOATING}", place) if FLOATING in attributes else place
 
     def _along(self, edge: Edge, place: _Place) -> _Place:
         for step in edge.steps:
+            if (attitude := self.kinematics.attitude_of(step)) is not None:
+                self.is_known &= not step.is_inverse
+                place = self._rotation(attitude, place)
+                continue
             amount = self.still.evaluator.value(step.amount, 2)
             if not any(isinstance(x, Dual) for x in scalars_of(amount)):
                 pose: Pose = self.kinematics.step(step, self.kinematics.geometry.here, 0)
@@ -237,6 +244,15 @@ class _Finding:
                       if not is_nothing(slope := self._slope(step, name))}
             place = self._shift(step, amount, slopes, place) if step.kind == "shift" else self._turn(step, amount, slopes, place)
         return place
+
+    def _rotation(self, attitude: str, place: _Place) -> _Place:
+        parts = parts_of(attitude)
+        w = [base_of(rate_of(value_of(self.still.coordinate(part, 2)))) for part in parts]
+        coordinates = tuple(self.number[part] for part in parts)
+        joint = SpatialJoint(place.joint, "rotation", place.R, place.origin, coordinates, (1.0,) * 3,
+                             attitude=self.kinematics.axes_of(attitude), motion=(w, STILL))
+        self.joints.append(joint)
+        return _Place(len(self.joints) - 1)
 
     def _slope(self, step: Step, name: str) -> Vector:
         evaluator = Evaluator(self.kinematics.graph.model, self.kinematics.algebra, OneMoves(self.kinematics, name))

@@ -138,7 +138,7 @@ def _other_shapes(known: Motion, found: dict[Pair, Expression], movers: ca.SX, n
 
 
 def _rates_of(x: ca.SX, motion: Motion, slopes: ca.SX) -> ca.SX:
-    return ca.jtimes(x, ca.vertcat(motion.q, motion.v, motion.t, motion.u), ca.vertcat(motion.v, motion.a, 1, slopes))
+    return ca.jtimes(x, ca.vertcat(motion.q, motion.v, motion.t, motion.u), ca.vertcat(motion.pace, motion.a, 1, slopes))
 
 
 def jumps_at_rest(force: ca.SX, shares: ca.SX, v: ca.SX) -> list[bool]:
@@ -280,7 +280,7 @@ def find_roots(motion: Motion, switches: Switches) -> tuple[ca.SX, ca.SX]:
 
     rebuilt(switches.hold([(motion.unsolved or motion).h]), numbering, note)
     values = ca.vertcat(ca.SX(0, 1), *found.values())
-    return values, ca.jtimes(values, ca.vertcat(motion.q, motion.t), ca.vertcat(motion.v, 1)) if found else values
+    return values, ca.jtimes(values, ca.vertcat(motion.q, motion.t), ca.vertcat(motion.pace, 1)) if found else values
 
 
 def _find_rubs(motion: Motion, switches: Switches) -> tuple[int, ...]:

@@ -30,6 +30,7 @@ from lagrangia.fmu.variables import Exportable, FmuModel, build_fmu_model
 from lagrangia.fmu.xml import About
 from lagrangia.fmu.xml2 import write_fmi2
 from lagrangia.fmu.xml3 import write_build_description, write_fmi3
+from lagrangia.frames.attitude_starts import HINGES, refuse_attitudes
 from lagrangia.language.delays import refuse_delays
 from lagrangia.native.prebuilt import find_fmu
 from lagrangia.native.table_code import MOST_WRITTEN, are_long
@@ -121,6 +122,7 @@ def export_fmus(
 
 def _possible(model: Exportable, kinds: tuple[str, ...]) -> tuple[str, ...]:
     """The kinds that the scene can be. Raises LagError L0901."""
+    refuse_attitudes(model.compilation.graph.attitudes, "an FMU", HINGES)
     if model.compilation.flat.delays and kinds == ("me",):
         refuse_delays(model.compilation.flat, "an FMU for Model Exchange", "an importer's integrator keeps no past of its steps; "
                       "Co-Simulation does: --kind cs")

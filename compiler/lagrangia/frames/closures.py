@@ -12,7 +12,7 @@ from lagrangia.frames.evaluation import Evaluator, Leaves, Value
 from lagrangia.frames.geometry import Pose
 from lagrangia.frames.graph import ComponentGraph
 from lagrangia.frames.planar_joints import Slide
-from lagrangia.frames.quaternions import conjugate, quaternion_along, quaternion_product
+from lagrangia.frames.quaternions import Quaternion, conjugate, quaternion_along, quaternion_product
 from lagrangia.frames.steps import Step
 
 
@@ -32,6 +32,9 @@ class Frames(Leaves, Protocol):
 
     def step(self, step: Step, pose: Pose, level: int) -> Pose:
         """The pose behind a step that begins at another one."""
+
+    def turn_by(self, step: Step, level: int) -> Quaternion | None:
+        """The quaternion of a turn by an attitude; None of other steps."""
 
 
 def gaps(frames: Frames, closure: Closure, level: int) -> list[Scalar]:
@@ -83,7 +86,7 @@ def _ends(frames: Frames, closure: Closure, level: int) -> tuple[Pose, Pose]:
 
 def _turn(frames: Frames, closure: Closure) -> Sequence[Scalar]:
     """The quaternion of b against a, in the world's axes."""
-    a, b = ((frames.frame(name, "Q", 0), quaternion_along(steps, frames.evaluator.value, 0, frames.algebra))
+    a, b = ((frames.frame(name, "Q", 0), quaternion_along(steps, frames.evaluator.value, 0, frames.algebra, frames.turn_by))
             for name, steps in ((closure.a, closure.steps_a), (closure.b, closure.steps_b)))
     return quaternion_product(quaternion_product(*b), conjugate(quaternion_product(*a)))
 

@@ -6,17 +6,19 @@ coordinates of its own; a part without mass is an error, or is left out when not
 
 from collections import Counter, deque
 from collections.abc import Mapping
+from dataclasses import field
 from functools import cached_property
 
 from lagrangia.base.diagnostics import Report, Span, fail
 from lagrangia.base.records import dataclass
+from lagrangia.frames.attitude_starts import FLOATING, Attitude, element, of_frame, of_variable
 from lagrangia.frames.edges import Closure, Edge, choose_tree, close
 from lagrangia.frames.steps import Step
+from lagrangia.language.attitudes import parts_of
 from lagrangia.language.consequences import keep_consequences_out
 from lagrangia.language.flat import FlatModel, Frame, FrameEquation, rate_of
 from lagrangia.language.frame_attributes import Space, reading, reads_angle
 from lagrangia.language.mentions import leaves
-from lagrangia.language.space_limits import refuse_in_space
 from lagrangia.language.tree import Call, Flat, FrameRef, Number, Ref, Time
 
 _MOST_NAMES, _ENDS = 12, 4  # of the components along a loop that are told
@@ -36,6 +38,8 @@ class Coordinate:
     span: Span
     is_rate_fixed: bool = False
     state: str = ""  # the first-order state that is its rate
+    attitude: str = ""  # of which it is a part
+    part: int = 0  # from 1 on
 
     @property
     def has_start(self) -> bool:
@@ -45,7 +49,7 @@ class Coordinate:
     @property
     def rate_name(self) -> str:
         """As it is written in models and results."""
-        return self.state or f"der({self.name})"
+        return self.state or (f"der({self.attitude})[{self.part}]" if self.attitude else f"der({self.name})")
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,6 +78,7 @@ class ComponentGraph:
     unused_frames: tuple[str, ...]
     lost_coordinates: tuple[Coordinate, ...] = ()  # those of the cut joints
     dependent_coordinates: tuple[Coordinate, ...] = ()  # given by linear constraints
+    attitudes: Mapping[str, Attitude] = field(default_factory=dict)  # of which coordinates are parts
 
     def summary(self) -> str:
         """Counts, and a line for each root, edge and closure."""
@@ -102,6 +107,8 @@ class _Building:
         self.report = Report()
         self.bindings = {name: v.binding for name, v in model.variables.items()}
         self.candidates: list[Edge] = []
+        self.turning: set[str] = set()  # declared attitudes that turn frames
+        self.attitudes: dict[str, Attitude] = {}
         self.neighbours: dict[str, list[Edge]] = {name: [] for name in model.frames}
         self.parent: dict[str, str] = {}
         self.edges: list[Edge] = []
@@ -133,7 +140,8 @@ class _Building:
         found = self._coordinates(floating)
         coordinates, lost = (tuple(c for c in found if (c.name in cut) == is_lost) for is_lost in (False, True))
         self.report.raise_errors()
-        return ComponentGraph(self.model, (*roots, *floating), tuple(self.edges), closures, coordinates, cut, tuple(unused), lost)
+        return ComponentGraph(self.model, (*roots, *floating), tuple(self.edges), closures, coordinates, cut, tuple(unused), lost,
+                              attitudes=self.attitudes)
 
     # ------------------------------------------------------------ edges
 
@@ -147,7 +155,9 @@ class _Building:
                 fail("L0402", f"a joint's shift or turn cannot depend on the frame '{leaf.name}'", equation.span)
         self._require_steady_axes(steps, equation.span)
         names = {leaf.name: self.model.variables.get(leaf.name) for leaf in found if isinstance(leaf, Ref)}
-        coordinates = tuple(name for name, v in names.items() if v is not None and v.kind == "coordinate")
+        coordinates = tuple(part for name, v in names.items() if v is not None and v.kind == "coordinate"
+                            for part in (parts_of(name) if v.is_attitude else (name,)))
+        self.turning |= {v.name for v in names.values() if v is not None and v.is_attitude}
         is_moved = any(v is not None and v.kind == "input" for v in names.values())
         edge = Edge(right, left, steps, coordinates, is_moved or any(isinstance(leaf, Time) for leaf in found), equation.span)
         if left == right and not steps:
@@ -272,9 +282,8 @@ class _Building:
         has_angle = any(reads_angle(attribute, space) for name in turning for attribute in used.get(name, ())) or any(
             step.kind == "shift" for name in turning for edge in self.neighbours[name] for step in edge.steps
         )
-        if has_angle:
-            refuse_in_space(self.model, "attitude", self.model.frames[root].span)
-        return Root(root, tuple(component.name for component in space.components if has_angle or not component.is_angle))
+        names = [component.name for component in space.components if has_angle or not component.is_angle]
+        return Root(root, (*names, FLOATING) if has_angle and space.is_spatial else tuple(names))
 
     @cached_property
     def _order(self) -> dict[str, int]:
@@ -332,6 +341,12 @@ class _Building:
         for variable in self.model.variables.values():
             if variable.kind != "coordinate":
                 continue
+            if variable.is_attitude:
+                if variable.name not in self.turning:
+                    self.report.error("L0402", f"the attitude '{variable.name}' turns no frame", variable.span,
+                                      "write: b = turn(a, S)")
+                found += self._of_attitude(of_variable(variable, rates.get(variable.name), variable.name in fixed_rates))
+                continue
             if variable.shape:
                 self.report.error("L0906", f"not supported yet: the array of coordinates '{variable.name}'", variable.span,
                                   "declare an array of components with one coordinate each")
@@ -343,6 +358,16 @@ class _Building:
             found += self._floating_coordinates(root)
         self._refuse_other_starts({root.frame for root in floating})
         return found
+
+    def _of_attitude(self, attitude: Attitude) -> list[Coordinate]:
+        """Three coordinates, which begin at 0: what is said of the start is where their reference begins."""
+        self.attitudes[attitude.name] = attitude
+        nothing, rate = Number(0.0, "rad", attitude.span), attitude.rate
+        return [
+            Coordinate(name, "rad", "deg", nothing, element(rate, k) if rate is not None else None, attitude.is_fixed,
+                       attitude.description, attitude.span, attitude.is_rate_fixed, attitude=attitude.name, part=k)
+            for k, name in enumerate(parts_of(attitude.name), 1)
+        ]
 
     def _fixed_rates(self) -> set[str | None]:
         """`w(start = 2, fixed = true)` where w = der(phi) fixes the rate of phi."""
@@ -370,7 +395,7 @@ class _Building:
                        _start(frame, "velocity", k, space), _is_fixed(frame, "place", k, space),
                        f"{part.words} of the floating {frame.owner}", frame.span, _is_fixed(frame, "velocity", k, space))
             for k, part in enumerate(space.components) if part.name in root.attributes
-        ]
+        ] + (self._of_attitude(of_frame(frame)) if FLOATING in root.attributes else [])
 
     def _refuse_other_starts(self, roots: set[str]) -> None:
         for frame in self.model.frames.values():
@@ -403,9 +428,9 @@ def _start(frame: Frame, kind: str, k: int, space: Space) -> Flat | None:
     for name in reading(kind, k, space):
         if name in frame.starts:
             known, start = space.attributes[name], frame.starts[name]
-            index = Number(float(known.components.index(k) + 1), None, frame.span, True)
-            return Call("element", (start, index), (), frame.span) if known.is_vector else start
+            return element(start, known.components.index(k) + 1) if known.is_vector else start
     return None
+
 
 
 def _is_fixed(frame: Frame, kind: str, k: int, space: Space) -> bool:

@@ -17,16 +17,20 @@ from lagrangia.algebra.with_casadi import CasadiAlgebra
 from lagrangia.base.diagnostics import LagError, fail
 from lagrangia.base.records import dataclass
 from lagrangia.frames.alike import evaluate_all
+from lagrangia.frames.attitude_starts import FLOATING, Attitude
+from lagrangia.frames.attitudes import Attitudes
 from lagrangia.frames.closures import cut_coordinate
 from lagrangia.frames.edges import Edge
 from lagrangia.frames.evaluation import Evaluator, Value, scalars_of
 from lagrangia.frames.geometry import Geometry, Pose, geometry_of
 from lagrangia.frames.graph import ComponentGraph
-from lagrangia.frames.quaternions import quaternion_along
+from lagrangia.frames.quaternions import NOT_TURNED, Quaternion, quaternion_along
 from lagrangia.frames.space_checks import require_about_z
+from lagrangia.frames.spatial import Matrix
 from lagrangia.frames.stamped_poses import FEWEST, Placed, place_way, ways
 from lagrangia.frames.steps import Step
 from lagrangia.frames.vectors_on_a_line import line_of
+from lagrangia.language.attitudes import parts_of
 from lagrangia.language.compiled_numbers import compiled_numbers
 from lagrangia.language.consequences import CONSTRAINT_FORCE
 from lagrangia.language.flat import FlatModel, Sampler
@@ -60,6 +64,7 @@ class Symbols:
     values: dict[str, Any]  # parameters and inputs; tuples for arrays
     compiled: Mapping[str, Any] = field(default_factory=dict)  # the same, with numbers where these are compiled in
     pieces: Mapping[str, Any] = field(default_factory=dict)  # of moving inputs, as polynomials of time: Piece; tuples for arrays
+    attitudes: dict[str, tuple[Scalar, ...]] = field(default_factory=dict)  # references of coordinates that are attitudes
     held: dict[str, Scalar] = field(default_factory=dict)  # values that are held between instants
     asked: set[str] = field(default_factory=set)  # "time" as soon as an expression speaks of it, and "accelerations"
 
@@ -73,7 +78,7 @@ class Piece:
 
 
 @dataclass
-class Kinematics:
+class Kinematics(Attitudes):
     """Frames and symbols at each level; the `Leaves` of an Evaluator."""
 
     graph: ComponentGraph
@@ -90,6 +95,8 @@ class Kinematics:
     _poses: list[dict[str, Pose]] = field(default_factory=lambda: [{}, {}, {}])  # that were asked for, by levels
     _places: list[dict[str, Placed]] = field(default_factory=lambda: [{}, {}, {}])
     _still: "Kinematics | None" = None
+    quaternions: dict[str, Quaternion] = field(default_factory=dict)  # plain ones of attitudes, and their matrices
+    axes: dict[str, Matrix] = field(default_factory=dict)
     _amounts: dict[int, Value] = field(default_factory=dict)  # of steps that never change, by the ids of their expressions
 
     def __post_init__(self) -> None:
@@ -114,6 +121,8 @@ class Kinematics:
         """The value of a coordinate, parameter or input; None for a variable with a binding."""
         if name in self.symbols.positions or name in self.dependents:
             return self.coordinate(name, level)
+        if name in self.symbols.attitudes:
+            return self.rates_of_attitude(name, level)
         if name in self.graph.cut_coordinates:
             read = cut_coordinate(self, self.graph.cut_coordinates[name], level)
             return read + displacement(self.released[name], level) if name in self.released else read
@@ -190,7 +199,9 @@ class Kinematics:
             way.insert(0, edges[name])
             name = way[0].parent
         steps = (step for edge in way for step in edge.steps)
-        return quaternion_along(steps, self.evaluator.value, level, self.evaluator.algebras[level])
+        floating = f"{name}.{FLOATING}"
+        first = self.quaternion(floating, level) if floating in self.symbols.attitudes else NOT_TURNED
+        return quaternion_along(steps, self.evaluator.value, level, self.evaluator.algebras[level], self.turn_by, first)
 
     def _reaction(self, name: str, attribute: str, level: int) -> Value:
         """Symbols that stand for the force and torque of a joint on its port b, until dynamics/reactions.py works them out."""
@@ -218,6 +229,7 @@ class Kinematics:
         """Positions and velocities, these with what modes would add that change at this pace (n_modes,), and with what `given`
         adds to the rates of dependent coordinates, of each; the rate of time is 1."""
         modes = self.algebra.mode_symbols
+        pace = ca.vertcat(*[0 if mode.of_attitude else pace[k] for k, mode in enumerate(self.algebra.modes)])
 
         def glide(value: Scalar) -> Scalar:
             moves = isinstance(value, ca.SX) and ca.depends_on(value, modes)
@@ -333,8 +345,9 @@ class Kinematics:
         return pose.displaced(parts, self.evaluator.algebras[level])
 
     def _root_pose(self, frame: str, attributes: tuple[str, ...], level: int) -> Pose:
-        place = {a: self.coordinate(f"{frame}.{a}", level) for a in attributes}
-        return self.geometry.root_pose(place, self.algebra.number, self.evaluator.algebras[level], level)
+        place = {a: self.coordinate(f"{frame}.{a}", level) for a in attributes if a != FLOATING}
+        pose = self.geometry.root_pose(place, self.algebra.number, self.evaluator.algebras[level], level)
+        return self._turned(pose, f"{frame}.{FLOATING}", False, level) if FLOATING in attributes else pose
 
     def follow(self, edge: Edge, pose: Pose, level: int, evaluator: Evaluator | None = None) -> Pose:
         """The pose of the edge's child, given its parent's."""
@@ -347,12 +360,18 @@ class Kinematics:
 
     def step(self, step: Step, pose: Pose, level: int, evaluator: Evaluator | None = None) -> Pose:
         """The pose behind a step that begins at another one."""
+        if (attitude := self.attitude_of(step)) is not None:
+            return self._turned(pose, attitude, step.is_inverse, level)
         axis = self.evaluator.value(step.axis) if step.axis is not None else None
         return self.along(step, self._amount(step, level, evaluator), pose, level, axis)
 
     def _amount(self, step: Step, level: int, evaluator: Evaluator | None) -> Value:
         amount = self._amounts.get(id(step.amount)) if evaluator is None else None
         return (evaluator or self.evaluator).value(step.amount, level) if amount is None else amount
+
+    def _turned(self, pose: Pose, attitude: str, is_inverse: bool, level: int) -> Pose:
+        s = tuple(self.coordinate(part, level) for part in parts_of(attitude))
+        return pose.oriented(self.axes_of(attitude), s, is_inverse)
 
     def along(self, step: Step, amount: Value, pose: Pose, level: int, axis: Value | None = None) -> Pose:
         """The pose after a step of this amount."""
@@ -392,9 +411,22 @@ def build_kinematics(graph: ComponentGraph, is_general: bool = True, massless: t
     algebra = CasadiAlgebra(time, moving)
     pieces = {name: _pieces(algebra, graph.model, name, values, [x for x, _ in inputs]) for name in graph.model.moving_inputs}
     found = Kinematics(graph, Symbols(time, tau, positions, rates, accelerations, values, compiled, pieces), algebra)
+    for attitude in graph.attitudes.values():
+        _refer(found, attitude)
     for k, sampler in enumerate(graph.model.samplers):
         _hold(found, k, sampler)
     return found
+
+
+def _refer(kinematics: Kinematics, attitude: Attitude) -> None:
+    """An attitude's reference: four modes that the run time moves along, at first what is said of its start."""
+    algebra, first = kinematics.algebra, (1.0, 0.0, 0.0, 0.0)
+    if attitude.start is not None:
+        first = kinematics.evaluator.value(attitude.start)
+        if not algebra.changing.isdisjoint(symbols_in(ca.vertcat(ca.SX(0, 1), *first))):
+            fail("L0602", "a start value depends on parameters only", attitude.start.span, "write an initial equation instead")
+    kinematics.symbols.attitudes[attitude.name] = tuple(
+        algebra.reference(attitude.name, k, as_expression(x)) for k, x in enumerate(first))
 
 
 def _hold(kinematics: Kinematics, number: int, sampler: Sampler) -> None:

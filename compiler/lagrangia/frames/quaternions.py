@@ -11,12 +11,18 @@ from lagrangia.frames.spatial import unit_axis
 from lagrangia.frames.steps import Step
 
 Quaternion = tuple[Scalar, ...]  # (4,)
+NOT_TURNED: Quaternion = (1.0, 0.0, 0.0, 0.0)
 
 
-def quaternion_along(steps: Iterable[Step], value: Callable[..., Any], level: int, algebra: Algebra) -> Quaternion:
-    """Of what lies behind steps from the world; `value`: of an expression at a level."""
-    found: Quaternion = (1.0, 0.0, 0.0, 0.0)
+def quaternion_along(steps: Iterable[Step], value: Callable[..., Any], level: int, algebra: Algebra,
+                     attitude: Callable[[Step, int], Quaternion | None], first: Quaternion = NOT_TURNED) -> Quaternion:
+    """Of what lies behind steps from where it is the first one; `value`: of an expression at a level; `attitude`: of a turn by
+    one, at a level."""
+    found = first
     for step in (step for step in steps if step.kind == "turn"):
+        if (turned := attitude(step, level)) is not None:
+            found = quaternion_product(found, conjugate(turned) if step.is_inverse else turned)
+            continue
         half = value(step.amount, level) * (-0.5 if step.is_inverse else 0.5)
         axis = unit_axis(step, value(step.axis) if step.axis is not None else None, algebra)
         sine = algebra.call("sin", half)

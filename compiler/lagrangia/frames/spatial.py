@@ -69,6 +69,18 @@ class Pose:
             spin = tuple(plus(w, times(x, rate)) for w, x in zip(spin, about, strict=True))
         return Pose(self.origin, axes, spin, self.level)
 
+    def oriented(self, axes: Matrix, s: Sequence[Scalar], is_inverse: bool) -> "Pose":
+        """After a turn that takes vectors in the turned axes to these; the rates of `s`, which are at the level of the pose, are
+        the angular velocity in the turned axes."""
+        turned = product(self.axes, transposed(axes) if is_inverse else axes)
+        spin = self.spin
+        if self.level > 0:
+            below = tuple(map(value_of, spin)) if self.level > 1 else spin
+            # in the turned axes it is the same whichever of both frames carries them: w x w = 0
+            about = _turned(self.axes if is_inverse else turned, below, tuple(map(rate_of, s)), self.level - 1)
+            spin = tuple((minus if is_inverse else plus)(w, x) for w, x in zip(spin, about, strict=True))
+        return Pose(self.origin, turned, spin, self.level)
+
     def displaced(self, displacement: Sequence[Scalar], algebra: Algebra) -> "Pose":
         """After a small displacement, (SIZE,), along and about the world's axes: exact in its first derivatives where it is 0."""
         angles = displacement[3:]

@@ -3,6 +3,7 @@
 from typing import Protocol
 
 from lagrangia.base.diagnostics import Span, fail, suggest
+from lagrangia.language.attitudes import ATTITUDES
 from lagrangia.language.classes import ClassTable
 from lagrangia.language.elements import element, length
 from lagrangia.language.foreign_words import FOREIGN_CALLS
@@ -13,7 +14,8 @@ from lagrangia.language.functions import ALIASES, FUNCTIONS, REWRITTEN, SCALAR_F
 from lagrangia.language.instances import Scope
 from lagrangia.language.lookups import Lookup, lookup_of, options_of, plane_of
 from lagrangia.language.loops import Loops
-from lagrangia.language.matrices import ARRAY_FUNCTIONS, cross_of_three
+from lagrangia.language.matrices import ARRAY_FUNCTIONS as OF_ARRAYS
+from lagrangia.language.matrices import cross_of_three
 from lagrangia.language.tree import (
     Array,
     Call,
@@ -27,6 +29,8 @@ from lagrangia.language.tree import (
     Reference,
     Result,
 )
+
+ARRAY_FUNCTIONS = {**OF_ARRAYS, **ATTITUDES}
 
 
 class Calls(Loops, OwnCalls, Protocol):

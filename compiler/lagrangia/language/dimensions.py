@@ -145,7 +145,9 @@ class _Checker:
         for value, what in ((variable.binding, f"'{variable.name}'"), (variable.start, f"the start of '{variable.name}'")):
             if value is None:
                 continue
-            if declared.dimension is not None:
+            if variable.is_attitude:
+                self.expect(value, ONE, what, "1")
+            elif declared.dimension is not None:
                 self.expect(value, declared.dimension, what, variable.unit)
                 self.check_turns(value, what, variable.unit)
             else:

@@ -9,6 +9,7 @@ from lagrangia.base.diagnostics import Diagnostic, LagError, Report, Span, TooMu
 from lagrangia.language.algorithms import Functions
 from lagrangia.language.alike_elements import Alike
 from lagrangia.language.assertions import ending_of, guard_of, refuse_ending
+from lagrangia.language.attitudes import ROTATION
 from lagrangia.language.classes import ClassTable
 from lagrangia.language.connections import Bindings, Connection, bound_to, connected, require_bindings
 from lagrangia.language.delays import check_delays, declare_delays, variable_of, with_delays
@@ -269,6 +270,7 @@ class _Flattening:
             self._place(declaration.name_span, owner), kind == "parameter" and has_annotation(declaration, "Evaluate"),
             kind == "parameter" and has_annotation(declaration, "Varying"),
             "final" if slot.is_final else "protected" if "protected" in declaration.prefixes else "",
+            kind == "coordinate" and declaration.type_name == ROTATION,
         )
 
     def fitted(self, value: Flat, slot: Slot) -> Flat:

@@ -55,6 +55,8 @@ def _shift(call: Call[Flat], space: Space, size: Size) -> Flat:
 
 def _turn(call: Call[Flat], space: Space, size: Size) -> Flat:
     if len(call.arguments) < 3:
+        if not space.is_spatial and length(call.arguments[1], size) == 3:
+            leave_plane(call.span, f"it turns by the attitude {call.arguments[1].span.text}")
         return call
     _need_three(call.arguments[2], size, "an axis")
     return call if space.is_spatial else turn_of_plane(call)

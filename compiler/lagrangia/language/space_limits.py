@@ -9,7 +9,6 @@ from lagrangia.language.tree import Call, Flat, FrameRef
 
 # What is refused, and what can be done instead.
 NOT_YET: Mapping[str, tuple[str, str]] = {
-    "attitude": ("bodies that float with an attitude", "hinges turn them: three of them, or a Universal and a Revolute"),
     "events": ("events and contacts of frames", "events of coordinates are there: when hinge.phi < 0 then ..."),
     "pictures": ("pages that compute, and films of modes,", "lag draw and lag animate show it"),
     "drives": ("reactions of joints that are driven", "the force of the drive is there: constraint_force(x)"),

@@ -101,6 +101,17 @@ class Scene:
         return found
 
     @property
+    def turned(self) -> tuple[str, ...]:
+        """Coordinates of attitudes, which say nothing without the references that they are against."""
+        return tuple(part for parts in self.notes.get("attitudes", {}).values() for part in parts)
+
+    @property
+    def told(self) -> tuple[str, ...]:
+        """The names of the coordinates, for people: those of an attitude are one."""
+        parts = {part: name for name, of in self.notes.get("attitudes", {}).items() for part in of}
+        return tuple(dict.fromkeys(parts.get(c.name, c.name) for c in self.moving))
+
+    @property
     def moving(self) -> tuple[Column, ...]:
         """The coordinates of the mechanism: without those whose rates are first-order states."""
         return tuple(c for c in self.coordinates if c.name not in self.signals)

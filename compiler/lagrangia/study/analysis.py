@@ -19,6 +19,7 @@ from lagrangia.constraints.initial import FIXED, FREE
 from lagrangia.constraints.newton import start_equations
 from lagrangia.constraints.singular_positions import told
 from lagrangia.dynamics.equilibrium import Rest, find_all, find_rest, onto_constraints
+from lagrangia.frames.attitude_starts import HINGES, refuse_attitudes
 from lagrangia.frames.joints import all_reactions, reaction_ports
 from lagrangia.language.consequences import refuse_felt_reactions
 from lagrangia.language.delays import refuse_delays
@@ -63,6 +64,7 @@ class Study:
                       "what is late changes what is stable, and has endlessly many modes: run it from a start beside rest "
                       "(--initial), or put a lag in its place, FirstOrder")
         refuse_felt_reactions(compilation.flat, "rest and small motion")
+        refuse_attitudes(compilation.graph.attitudes, "rest and small motion", HINGES)
         self.c, self.scene, self.values = compilation, compilation.scene, values
         self.time = self.scene.start if time is None else a_number("time", time)
         if not math.isfinite(self.time):

@@ -19,6 +19,7 @@ from lagrangia.base.interruptions import noticed
 from lagrangia.base.records import dataclass
 from lagrangia.compile.pipeline import Compilation
 from lagrangia.dynamics.switches import has_dry_friction, live
+from lagrangia.frames.attitude_starts import refuse_attitudes
 from lagrangia.run.input_pieces import InputTable
 from lagrangia.run.request import Experiment, Values, check_parameters
 from lagrangia.run.runtime import Statistics
@@ -96,6 +97,7 @@ class _Run:
         self.y = self._start(table)
 
     def _start(self, table: Any) -> np.ndarray:
+        refuse_attitudes(self.compilation.graph.attitudes, "integrators of CasADi", "the other solvers know them")
         if refusal := casadi_refusal(self.compilation):
             fail("L0909", refusal[0], None, refusal[1])
         q, v = (np.array(x).ravel() for x in table["start"](self.p))

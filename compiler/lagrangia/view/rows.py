@@ -22,13 +22,14 @@ def columns(scene: Scene) -> tuple[Column, ...]:
 def shown(scene: Scene) -> tuple[Scene, Callable[[Sequence[float]], Sequence[float]]]:
     """The scene of what files have, and what makes rows of it of rows: of first-order states without the coordinates whose rates
     they are, on which nothing depends."""
-    if not scene.signals:
+    hidden = {*scene.signals, *(f"der({name})" for name in scene.signals), *scene.turned}
+    if not hidden:
         return scene, lambda values: values
-    hidden = {*scene.signals, *(f"der({name})" for name in scene.signals)}
     whole = columns(scene)
     width, places = len(whole) + ENERGIES, [k for k, column in enumerate(whole) if column.name not in hidden]
     places += range(len(whole), width)
-    told = replace(scene, coordinates=scene.moving, rates=tuple(c for c in scene.rates if c.name not in hidden))
+    coordinates, rates = (tuple(c for c in of if c.name not in hidden) for of in (scene.coordinates, scene.rates))
+    told = replace(scene, coordinates=coordinates, rates=rates)
     return told, lambda values: [values[k + place] for k in range(0, len(values), width) for place in places]
 
 
@@ -39,9 +40,13 @@ def moments(scene: Scene, parameters: "np.ndarray", values: Values, rows: "np.nd
     n = scene.n
     t, q, v = rows[:, :1].T, rows[:, 1 : 1 + n].T, rows[:, 1 + n : 1 + 2 * n].T
     u = InputTable(scene, values, float(t[0, 0]) if t.size else scene.start).at(t[0])
-    if held := scene.notes.get("held"):
-        places = [1 + 2 * n + [column.name for column in scene.outputs].index(name) for name in held]
-        u = np.vstack([u, rows[:, places].T])
+    attitudes = scene.notes.get("attitudes", {})
+    if kept := [*(f"{name}[{k}]" for name in attitudes for k in range(1, 5)), *scene.notes.get("held", ())]:
+        outputs = {column.name: 1 + 2 * n + k for k, column in enumerate(scene.outputs)}
+        u = np.vstack([u, rows[:, [outputs[name] for name in kept]].T])
+    if attitudes:  # against themselves they are not turned
+        q = q.copy()
+        q[[k for k, c in enumerate(scene.coordinates) if c.name in scene.turned]] = 0
     return t, q, v, u, parameters.reshape(-1, 1)
 
 

@@ -1,0 +1,24 @@
+"""The text of `lag help attitudes`."""
+
+ATTITUDES = """\
+model Top
+  World     world(gravity = {0, 0, -9.81});
+  Spherical tip(a = world, S(start = angles("zxz", 0, 30[deg], 0)), w(start = {0, 0, 200}));
+  Body      top(m = 0.5, I = {0.0008, 0.0008, 0.001}, center = shift(tip.b, {0, 0, 0.1}));
+end Top;
+
+coordinate Rotation S   three degrees of freedom: b = turn(a, S) turns a frame by it. der(S) is the angular velocity of b
+             against a in b's axes. Spherical and Free have one; a body that is joined to nothing has x, y, z and S.
+Starts       S(start = angles("zxz", a, b, c)): about the first axis, then about the second as it has moved, then about the
+             third; any of the twelve sequences of x, y, z whose neighbours differ. axis_angle({x, y, z}, angle), or
+             quaternion(a, b, c, d), real part first, both of any length but 0. w(start = {0, 0, 10[rpm]}); fixed as elsewhere.
+             Floating: Body b(center(r(start = ...), Q(start = angles(...)), omega(start = ...))), or w(start = ...) in the
+             world's axes. Initial equations of f.R, f.w, f.omega hold at the start as others do.
+Results      tip.S[1] to tip.S[4], a unit quaternion (b against a), real part first: not negative at the start, then continuous;
+             der(tip.S)[1] to [3], also called tip.w[1] to [3]. f.R (a matrix) and f.Q say how any frame is turned in the world.
+Equations    of a Rotation are Euler's: d/dt dT/dw + w x dT/dw = torque. The state is the modified Rodrigues vector of what the
+             attitude has turned since the latest step began, and w: no singular place, no norm to keep, no sines.
+Solvers      erk, erk5, erk9, pirk, implicit. adams, taylor, conservative, linear and islands do not know attitudes: auto takes
+             none of them.
+Not supported yet: small motion (equilibrium, linearize, modes, response), FMUs, exports, pictures, start values by --initial,
+kinetic energies of der(S) that are no rigid body's. Hinges (a Universal and a Revolute) have all but the pictures."""
