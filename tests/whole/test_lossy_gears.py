@@ -8,6 +8,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import lagrangia as lag
+from lagrangia.draw.film import animate_run
 from lagrangia.editor.modelica_import import imported
 
 Scene = Callable[[str], lag.Model]
@@ -160,3 +161,11 @@ def test_arguments_without_a_meaning_are_left_out(tmp_path: Path) -> None:
     end A;""")
     assert "c(fn_max = 3, peak = 2)" in " ".join(found.text.split())
     assert found.left_out == ("Modelica.Units.SI.Power P = c.flange_a.tau*2;",)
+
+
+def test_an_animation_without_a_picture_says_so(scene: Scene, tmp_path: Path) -> None:
+    model = scene("model M import Rotational.*; Inertia a(J = 1, w(start = 1)); Damper d(d = 1, flange_a = a.flange_b); Fixed f; "
+                  "equation connect(d.flange_b, f.flange); end M;")
+    told = list[str]()
+    animate_run(model.simulate(stop=1.0), tmp_path / "drive.html", note=told.append)
+    assert ["has a drawing" in text for text in told] == [True]

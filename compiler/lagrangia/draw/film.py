@@ -93,6 +93,8 @@ def animate_run(run: Trajectory, path: str | os.PathLike[str] | None = None, *, 
     first, *others = [thinned(one, most) for one in whole]
     reel = joined(reel_of(first, names or {}, traces), [reel_of(other, {}, traces) for other in others])
     curves = curves_of(first, quantities)
+    if note is not None and not reel.strokes and not reel.captions:
+        note("nothing in this scene has a drawing, so a page shows its curves alone: `lag help drawing` says how to give it one")
     if note is not None and not quantities and len(usual := _usual(run)) > MOST_CURVES:
         note(f"{MOST_CURVES} of {len(usual)} curves are shown: --curves names others")
     for label, other in zip(labels, others, strict=True):
