@@ -68,17 +68,23 @@ class _Apart:
     movable: frozenset[str]
     frames: dict[str, tuple[list[Scalar], list[Scalar]]] = field(default_factory=dict)
     coordinates: dict[str, tuple[Scalar, Scalar]] = field(default_factory=dict)
-    is_whole: bool = True  # no coordinate of a cut joint was read, which is read off frames itself
+    is_whole: bool = True  # no coordinate was read that has no displacement of its own, as that of a cut joint
 
     def symbol(self, name: str, level: int) -> Value | None:
         value = self.kinematics.symbol(name, level)
-        self.is_whole &= name not in self.kinematics.graph.cut_coordinates
         if name not in self.kinematics.symbols.positions:
+            self.is_whole &= not self._is_moved(name)
             return value
         if name not in self.coordinates:
             shift, rate = self.algebra.new_symbols(2)
             self.coordinates[name] = shift, rate
         return value + displacement(self.coordinates[name], level)
+
+    def _is_moved(self, name: str) -> bool:
+        """Whether it is a coordinate that has no symbol of its own to be displaced by, unless others give it."""
+        kinematics = self.kinematics
+        variable = kinematics.graph.model.variables.get(name)
+        return variable is not None and variable.kind == "coordinate" and name not in kinematics.dependents
 
     def time(self, level: int) -> Scalar:
         return self.kinematics.time(level)
