@@ -115,3 +115,19 @@ equation
 """
     made = compiled(tmp_path, text)
     assert made.motion.way == "tree" and made.scene.notes["acceleration_nodes"] <= 410 * n - 500
+
+
+def test_rates_of_attitudes_feel_their_dampers(tmp_path: Path) -> None:
+    text = f"""
+  Spherical s1(a = world), s2(a = shift(s1.b, {{0.5, 0.1, 0}}));
+  Body b1(center = shift(s1.b, {{0.2, 0.1, 0}}), {BODY}), b2(center = shift(s2.b, {{0.2, 0.1, 0}}), {BODY});
+energy
+  dissipation 0.3*dot(s2.w, s2.w);
+"""
+    made = compiled(tmp_path, text)
+    parts = made.kinematics.unturned([made.motion.acceleration, made.motion.h, mass_matrix(made.motion)])
+    given = [(s, ca.SX(0.1 + 0.01 * int(name[-4]) * int(name[-2]))) for s in ca.symvar(ca.veccat(*parts))
+             if (name := str(s)).endswith("]") and ".I[" in name]  # symmetric
+    parts = ca.substitute(parts, [s for s, _ in given], [x for _, x in given])
+    along, h, M = numbers(parts)
+    assert made.motion.way == "tree" and np.abs(M @ along + h).max() <= 1e-13 * np.abs(h).max()

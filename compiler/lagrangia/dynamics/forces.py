@@ -21,6 +21,7 @@ from lagrangia.dynamics.energies import Energies, Term
 from lagrangia.frames.alike import evaluate_all
 from lagrangia.frames.evaluation import Evaluator, Value, scalars_of
 from lagrangia.frames.kinematics import Kinematics, displacement
+from lagrangia.language.attitudes import parts_of
 
 
 @dataclass(frozen=True)
@@ -71,6 +72,8 @@ class _Apart:
     is_whole: bool = True  # no coordinate was read that has no displacement of its own, as that of a cut joint
 
     def symbol(self, name: str, level: int) -> Value | None:
+        if level > 0 and name in self.kinematics.symbols.attitudes:  # of which only the rate is asked
+            return tuple(self.symbol(part, level) for part in parts_of(name))
         value = self.kinematics.symbol(name, level)
         if name not in self.kinematics.symbols.positions:
             self.is_whole &= not self._is_moved(name)
