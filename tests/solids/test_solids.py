@@ -50,7 +50,7 @@ def test_volumes() -> None:
         return total
 
     assert volume(SOLIDS["box"]) == pytest.approx(6)
-    assert volume(SOLIDS["cylinder"]) == pytest.approx(2 * 12 * np.sin(np.pi / 12), rel=1e-12)
+    assert volume(SOLIDS["cylinder"]) == pytest.approx(2 * 18 * np.sin(np.pi / 18), rel=1e-12)
     assert volume(SOLIDS["cone"]) == pytest.approx(2 * np.pi / 3, rel=0.02)
     assert volume(SOLIDS["sphere"]) == pytest.approx(4 * np.pi / 3, rel=0.06)
 

@@ -28,6 +28,7 @@ _OF_A_POSE = 12  # numbers: an origin, and a matrix by its rows
 _LONGEST_ARROW = 3.0  # symbols
 _MOST_LABELS = 40
 _SEGMENTS = 48  # of a circle that is a line
+_BODIES = ("circle", "box", "cuboid", "cylinder", "cone", "ball")
 _LOADS = ("force", "torque", "other")
 
 
@@ -116,7 +117,9 @@ def build_stage(c: Compilation, figures: Sequence[Figure], states: States, names
     observe = observer_of(c.kinematics, c.motion, c.constraints, ca.densify(ca.vertcat(*rows.scalars)))
     values = np.array(observe(states.t, states.q, states.v, states.u, states.p), dtype=float).reshape(len(rows.scalars), -1).T
     places = {name: _pose(values[:, at]) for name, at in frames.items()}
-    symbol = _symbol([origins for origins, _ in places.values()])
+    sizes = [float(np.abs(values[0, at]).max()) for figure, (_, numbers, _) in zip(shown, asked, strict=True)
+             if figure.word in _BODIES for at in numbers]
+    symbol = _symbol([origins for origins, _ in places.values()], max((x for x in sizes if np.isfinite(x)), default=0.0))
     grounded = _grounded(c)
     given = [_given(c, figure, asks, values, symbol, grounded) for figure, asks in zip(shown, asked, strict=True)]
     greatest = _greatest(given)
@@ -170,11 +173,11 @@ def _up(kinematics: Kinematics) -> Sequence[Any]:
     return [-x for x in scalars_of(kinematics.symbols.values.get("world.gravity", (0.0, 0.0, 0.0)))]
 
 
-def _symbol(origins: Sequence[Vector]) -> float:
-    """The size of symbols, m: by how far apart frames are."""
+def _symbol(origins: Sequence[Vector], largest: float) -> float:
+    """The size of symbols, m: by how far apart frames are, and by the largest size of a body."""
     points = np.concatenate(origins) if origins else np.zeros((0, 3))
     points = points[np.isfinite(points).all(axis=1)]
-    reach = float(np.linalg.norm(np.ptp(points, axis=0))) if len(points) else 0.0
+    reach = max(2 * largest, float(np.linalg.norm(np.ptp(points, axis=0))) if len(points) else 0.0)
     return reach / _SYMBOLS_ACROSS if reach > 0 else 0.1
 
 

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 Vector = NDArray[np.float64]
-_SIDES = 24  # of a cylinder
+_SIDES = 36  # of a cylinder
 _PARALLELS = 8  # of a sphere
 _STEPS, _STRAIGHT = 12, 0.12  # of a coil: a turn's, and what is straight at either end
 
