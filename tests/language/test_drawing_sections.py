@@ -35,7 +35,7 @@ drawing
 end Scene;
 """
 # They say where things are, or tie numbers: nothing of theirs can be seen.
-UNSEEN = {"Capstan", "World", "Planar", "Motion", "Coupler", "TorsionStop", "PlanarJoint"}
+UNSEEN = {"Capstan", "Free", "World", "Planar", "Motion", "Coupler", "TorsionStop", "PlanarJoint"}
 WITHOUT_PLACE = "signals.lag"  # numbers that act on each other
 MODELS = [c for file in drawn_library() for c in file.classes
           if c.kind == "model" and not c.is_partial and Path(c.span.source.name).name != WITHOUT_PLACE]

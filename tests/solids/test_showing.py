@@ -99,3 +99,17 @@ def test_what_is_not_there_is_told(zoo: Path, monkeypatch: pytest.MonkeyPatch, c
     assert main(arguments) == 2
     assert told in capsys.readouterr().err
     assert sorted(path.name for path in zoo.parent.iterdir()) == ["flat.lag", "wrong.lag", "zoo.lag"]
+
+
+def test_what_floats_without_weight_is_drawn_and_turns_as_it_does() -> None:
+    """The poses of a satellite are those of its quaternion, whatever its attitude is counted against."""
+    from lagrangia.solids.showing import stage_of
+
+    model = lag.load(Path(lag.__file__).parents[2] / "models" / "examples" / "satellite.lag")
+    run = model.simulate(stop=20, interval=5)
+    stage = stage_of(run, {}, [])
+    hull = stage.bodies[0]
+    turned = np.stack([np.asarray(run[f"hull.center.S[{k}]"]) for k in range(1, 5)], axis=1)
+    same = np.abs(np.sum(hull.poses[:, 3:] * turned, axis=1))
+    assert np.abs(same - 1).max() < 1e-14 and np.ptp(turned, axis=0).max() > 0.1
+    assert (stage.up == [0, 0, 1]).all() and "<circle" in model.draw()

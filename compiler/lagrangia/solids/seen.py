@@ -129,7 +129,7 @@ def build_stage(c: Compilation, figures: Sequence[Figure], states: States, names
     rods = _rods(c, places, {g.figure.component for g in given}, grounded, symbol)
     return Stage(states.t[0], tuple(body for one in found for body in one.bodies),
                  (*(line for one in found for line in one.lines), *rods), tuple(_captions(c, given, names)), tuple(ways), symbol,
-                 values[0, up])
+                 _upwards(values[0, up]))
 
 
 def _ask(rows: _Rows, figure: Figure) -> tuple[list[slice], list[slice], dict[str, slice]]:
@@ -166,6 +166,11 @@ def _grounded(c: Compilation) -> set[str]:
         if edge.is_rigid and edge.parent in found:
             found.add(edge.child)
     return found
+
+
+def _upwards(against_gravity: Vector) -> Vector:
+    """z where nothing weighs anything."""
+    return against_gravity if np.isfinite(against_gravity).all() and against_gravity.any() else np.array([0.0, 0.0, 1.0])
 
 
 def _up(kinematics: Kinematics) -> Sequence[Any]:
