@@ -91,8 +91,11 @@ def tell_assembly(scene: Any, experiment: Experiment, row: Sequence[float], out:
         return
     size = max(map(abs, row[1 : 1 + scene.n]))
     kept = [x if abs(x) > 1e-12 * size else 0.0 for x in row[1 : 1 + scene.n]]  # but for rounding
-    shown = [f"{scene.coordinates[k].name} = {_quantity(kept[k], scene.coordinates[k].unit)}" for k in free[:4]]
-    more = ", ..." if len(free) > 4 else ""
+    turned = set(scene.turned)  # their numbers are against what they were turned to
+    told = [k for k in free if scene.coordinates[k].name not in turned]
+    shown = [f"{scene.coordinates[k].name} = {_quantity(kept[k], scene.coordinates[k].unit)}" for k in told[:4]]
+    shown += [f"{' and '.join(scene.notes['attitudes'])} as they fit"] if turned else []
+    more = ", ..." if len(told) > 4 else ""
     print(f"  loops closed at {', '.join(shown)}{more}; `lag check` tells whether there are other ways", file=out)
 
 
