@@ -1,5 +1,7 @@
 """`lag help space`."""
 
+from textwrap import fill
+
 SPACE = """
 A scene is in space as soon as its text says what no plane has: a turn about an axis that is not along z, a shift, a load or a
 gravity with a third component, or one of the words below. Nothing is declared; `lag explain` says which line it was. Gravity is
@@ -34,7 +36,7 @@ Example:
     output Length height = rod.center.z;
   end Furuta;
 
-Not there yet, and refused by name: {MISSING}.
+{MISSING}
 """
 
 
@@ -42,4 +44,5 @@ def space_topic() -> str:
     """The text, with what is refused as space_limits.py has it."""
     from lagrangia.language.space_limits import NOT_YET
 
-    return SPACE.replace("{MISSING}", ", ".join(told for told, _ in NOT_YET.values())).strip()
+    missing = f"Not there yet, and refused by name: {', '.join(told for told, _ in NOT_YET.values())}."
+    return SPACE.replace("{MISSING}", fill(missing, 128)).strip()
