@@ -206,11 +206,13 @@ static int account_by_run(LagInstance *s, double *sum)
     stand_at(s, s->vital.last_time, s->last);
     run->segment_over = 0;
     run->impacts.coarse = 0; /* errors are ours */
+    run->guards.is_idle = 1; /* and so is the motion between two completed steps */
     run->segment_end = fmax(run->segment_end, s->vital.t); /* events are the importer's */
     const int is_known = lag_segment_evaluate(run) == LAG_OK && lag_run_advance(run, &s->vital.t, 1, s->row, &done, 0) == LAG_OK;
     const double *account = s->row + 1 + 2 * n + run->model->n_outputs + 3;
     sum[0] = account[0];
     sum[1] = account[1];
+    run->guards.is_idle = 0;
     stand_at(s, s->vital.t, lag_instance_projected(s, s->vital.t, s->x));
     run->impacts.coarse = coarse;
     lag_switches_resume(run, s->switches);

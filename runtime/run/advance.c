@@ -162,5 +162,5 @@ LagStatus lag_run_row(LagRun *run, double *row)
 {
     if (!run->started)
         return lag_fail(run, LAG_NOT_STARTED, -1, 0, 0);
-    return row_at(run, run->motion.t, row);
+    return row_at(run, lag_guards_limit(run), row);
 }

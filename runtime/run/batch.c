@@ -192,7 +192,7 @@ static int is_beyond_doubt(const LagBatch *batch, const LagRun *run, const LagSt
 /* Each row judges the energy account: there is one at the end, whatever was asked for. */
 static LagStatus close_account(LagFollower *f)
 {
-    return f->row[0] == lag_run_time(f->run) ? LAG_OK : lag_run_row(f->run, f->row);
+    return f->row[0] == lag_guards_limit(f->run) ? LAG_OK : lag_run_row(f->run, f->row);
 }
 
 static void tell_failure(const LagRun *run, LagStatus status, LagOutcome *outcome)

@@ -301,11 +301,20 @@ static void judge(LagRun *run, Part part)
     }
 }
 
+/* Whether a guard is of more than parameters, which do not change within a step. */
+static int watches_motion(const LagModel *model)
+{
+    for (int i = 0; i < model->n_guards; ++i)
+        if (!is_of_parameters(model, i))
+            return 1;
+    return 0;
+}
+
 void lag_guards_watch(LagRun *run)
 {
     LagGuards *s = &run->guards;
     double width = 1, fine = 1;
-    if (run->model->n_guards == 0)
+    if (s->is_idle || !watches_motion(run->model))
         return;
     s->end = INFINITY;
     sample(run, (Part){0, 1}, 0);
@@ -335,6 +344,8 @@ void lag_guards_forget(LagRun *run, double t)
     LagGuards *s = &run->guards;
     if (s->broken && s->end > t)
         s->broken = 0;
+    if (s->row > t)
+        s->row = NAN;
     for (int i = 0; i < run->model->n_guards; ++i)
         if (s->told[i] > t) {
             s->told[i] = NAN;

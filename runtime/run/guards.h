@@ -22,6 +22,7 @@ typedef struct {
     double end;            /* the time at which the guard `broken` - 1 ends the run, within the latest step */
     double row;            /* the time of the latest row */
     int broken;
+    int is_idle;           /* a motion of our own is only measured: nothing is watched */
 } LagGuards;
 
 void lag_guards_layout(LagGuards *s, const LagModel *model, int size, LagArena *arena);

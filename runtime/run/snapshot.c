@@ -95,6 +95,8 @@ static void keep_own(LagRun *result, const LagRun *run)
     result->inputs = run->inputs;
     result->inputs.rows = rows;
     result->inputs.left = left;
+    result->motion.attitudes = run->motion.attitudes;
+    result->scale.kind = run->scale.kind;
     result->history.pieces = run->history.pieces;
     result->history.marks = run->history.marks;
     result->history.first = run->history.first;

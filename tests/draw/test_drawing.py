@@ -21,7 +21,7 @@ from lagrangia.draw.strokes import SHAPES, Given
 from lagrangia.draw.tikz import write_tikz
 from lagrangia.language.figures import OF_SPACE, WORDS
 from lagrangia.run.request import Request
-from lagrangia.solids.seen import WORDS_IN_SPACE
+from lagrangia.solids.seen import SHOWN
 
 EXAMPLES = data_folder("models") / "examples"
 TEXTBOOK = ("suspended_bar", "disc_and_block", "disc_and_block_damped")
@@ -57,7 +57,7 @@ def crossings(page: Page, low: np.ndarray, high: np.ndarray) -> int:
 
 def test_every_word_has_its_shape() -> None:
     assert SHAPES.keys() == WORDS.keys() - {"trace"} - OF_SPACE, "a trace is made of many moments"
-    assert WORDS.keys() - {"trace", "text", "gears", "belt"} == WORDS_IN_SPACE
+    assert WORDS.keys() - {"trace", "text", "gears", "belt"} == SHOWN.keys()
 
 
 @pytest.mark.parametrize(("name", "expected"), [

@@ -272,12 +272,14 @@ def _told(kinematics: Kinematics, initial: InitialConditions) -> dict[str, objec
              *odd.diagnostics, *find_idle_starts(kinematics).diagnostics)
     told = [warning.render() for warning in found if warning.code not in model.allowed]
     files = sorted({lookup.path for lookup in model.lookups})
+    inertias = [v.name for v in model.variables.values() if v.is_inertia and v.kind == "parameter"]
     kinetic, felt = [str(span) for span in written_inertias(kinematics)], place_of_felt_reactions(model)
     return {"warnings": told, "allowed": list(model.allowed), "contacts": contacts, "files": files, "kinetic": kinetic,
             "felt": str(felt) if felt else "",
             **({"samplers": [str(sampler.span) for sampler in model.samplers],
                 "held": [held.name for sampler in model.samplers for held in sampler.held]} if model.samplers else {}),
             **({"delays": [str(delay.span) for delay in model.delays]} if model.delays else {}),
+            **({"inertias": inertias} if inertias else {}),
             "attitudes": {name: parts_of(name) for name in kinematics.symbols.attitudes},
             "signals": {state.coordinate: name for name, state in model.states.items()}}
 

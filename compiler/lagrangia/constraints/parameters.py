@@ -122,7 +122,7 @@ def find_odd_inertias(kinematics: Kinematics) -> Report:
     values = iter(default_parameters(kinematics)[1].elements())
     for variable in (v for v in model.variables.values() if v.kind == "parameter"):
         own = np.array([float(next(values)) for _ in variable.elements()]).reshape(variable.shape)
-        if variable.unit != "kg.m2" or variable.shape not in ((3,), (3, 3)) or not np.isfinite(own).all():
+        if not variable.is_inertia or not np.isfinite(own).all():
             continue
         matrix = np.diag(own) if own.ndim == 1 else own
         if not np.array_equal(matrix, matrix.T):

@@ -94,7 +94,8 @@ class _Apart:
 
     def frame(self, name: str, attribute: str, level: int) -> Value:
         value = self.kinematics.frame(name, attribute, level)
-        if name not in self.movable:
+        known = self.kinematics.graph.model.space.attributes[attribute]
+        if name not in self.movable or known.kind == "reaction":  # reactions move with nothing
             return value
         if name not in self.frames:
             size = self.kinematics.geometry.size
@@ -103,7 +104,6 @@ class _Apart:
         shift, rate = self.frames[name]
         if self.kinematics.geometry.by_rates:
             return self._displaced(name, attribute, level)
-        known = self.kinematics.graph.model.space.attributes[attribute]
         if known.kind == "place":
             moved = tuple(displacement((shift[k], rate[k]), level) for k in known.components)
         else:

@@ -96,7 +96,7 @@ def solve(motion: Motion, hold: _Hold) -> Solution:
     bent = [not law.is_symbolic() and law.op() == ca.OP_FABS for law in felt.laws.elements()]
     found, margins = _Laws(felt.reactions, laws, bent).meet(A, B)
     state = ca.vertcat(motion.t, motion.q, motion.v, motion.u)
-    found += nothing_unless([x for x in margins if not x.is_constant()], state)
+    found += nothing_unless([x for x in margins if not (x.is_constant() and float(x) > 0)], state)
     return Solution(felt, found, A + B @ found)
 
 

@@ -38,7 +38,8 @@ def without_negative_inertia(kinematics: Kinematics, motion: Motion) -> Motion:
     Raises LagError L0506 where it is so whatever the motion and the parameters.
     """
     places, held = written_inertias(kinematics), motion.constrained
-    if not places or not 0 < motion.v.numel() <= _MOST_COORDINATES or (held is not None and held.regular is None):
+    if not places or not 0 < motion.v.numel() <= _MOST_COORDINATES or (
+            held is not None and held.regular is None and motion.unsolved is None):
         return motion
     margins = _margins(mass_matrix(motion))
     if any(x.is_constant() and not float(x) >= 0 for x in margins):

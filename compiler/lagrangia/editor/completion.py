@@ -10,7 +10,7 @@ from lagrangia.editor.surroundings import brackets_at, followed, modified, secti
 from lagrangia.editor.telling import heading, unit_of
 from lagrangia.language.classes import BUILTIN_TYPES
 from lagrangia.language.figures import WORDS
-from lagrangia.language.frame_attributes import ATTRIBUTES, OF_ANY_FRAME
+from lagrangia.language.frame_attributes import ABOUT_Z, ATTRIBUTES, PLANE, REACTIONS, SPACE
 from lagrangia.language.functions import FRAME_FUNCTIONS, FUNCTIONS
 from lagrangia.language.instantiation import ATTRIBUTES as VARIABLE_ATTRIBUTES
 from lagrangia.language.tree import ClassDefinition, Declaration
@@ -26,6 +26,8 @@ _IN_SECTIONS = {"equation": ("connect", "for", "if", "when", "initial equation",
                 "initial equation": ("equation", "energy", "drawing", "annotation", "end"),
                 "energy": ("kinetic", "potential", "dissipation", "work", "drawing", "annotation", "end"),
                 "algorithm": ("for", "while", "if", "end"), "drawing": ("for", "if", "annotation", "end")}
+_OF_FRAMES = {name: space.attributes[name] for space in (SPACE, PLANE) for name in sorted(space.of_any_frame)
+              if name not in (ABOUT_Z, "attitude")}  # whichever the scene will be in
 _OUTSIDE = ("model", "partial model", "function", "type", "import")
 
 
@@ -101,13 +103,13 @@ def _members_of(index: Index, owner: ClassDefinition, names: str) -> Iterator[Pr
     kind = found.type_name if isinstance(found, Declaration) else found.name if found is not None else ""
     definition = found if isinstance(found, ClassDefinition) else class_named(index.table, kind, owner.name_span)
     if kind in ("Frame", "World"):
-        yield from (Proposal(name, "property", a.unit) for name, a in ATTRIBUTES.items() if name in OF_ANY_FRAME)
+        yield from (Proposal(name, "property", a.unit) for name, a in _OF_FRAMES.items())
     if isinstance(found, ClassDefinition) and found.name != "World":
         yield from _of_class(index, found)
     elif definition is not None:
         visible = (d for d in index.members(definition).values() if "protected" not in d.prefixes)
         yield from (_member(index, declaration) for declaration in visible)
-        yield from (Proposal(name, "property", a.unit) for name, a in ATTRIBUTES.items() if name not in OF_ANY_FRAME)
+        yield from (Proposal(name, "property", ATTRIBUTES[name].unit) for name in REACTIONS)
 
 
 def _of_class(index: Index, definition: ClassDefinition) -> Iterator[Proposal]:
@@ -124,7 +126,7 @@ def _of_class(index: Index, definition: ClassDefinition) -> Iterator[Proposal]:
 def _arguments(index: Index, definition: ClassDefinition | None, kind: str) -> Iterator[Proposal]:
     """What can be given to a component, or to a variable of a builtin type."""
     if definition is None or definition.kind == "type":
-        names = OF_ANY_FRAME if kind == "Frame" else VARIABLE_ATTRIBUTES
+        names = _OF_FRAMES.keys() if kind == "Frame" else VARIABLE_ATTRIBUTES
         yield from (Proposal(name, "property", f"of {kind}") for name in sorted(names))
         return
     for declaration in index.members(definition).values():

@@ -68,7 +68,8 @@ class _Robot:
         title = self.root.get("name") or "Robot"
         counts = ((moving["Revolute"], "hinge"), (moving["Prismatic"], "slider"), (len(self.links), "link"))
         told = ", ".join(f"{count} {what}{'s' * (count != 1)}" for count, what in counts if count) + f", from {self.file}"
-        lines = [f"model {self._fresh(title)} \"{_quoted(told)}\"", "World world(gravity = {0, 0, -9.81});"]
+        name = self._fresh(title)
+        lines = [f"model {name} \"{_quoted(told)}\"", "World world(gravity = {0, 0, -9.81});"]
         lines += [f"Frame {self.frames[name]};" for name in self.links if self.frames[name] != "world"]
         lines += [line for joint in self.joints if (line := self._joint_line(joint))]
         lines += [line for name in self.links if name not in roots and (line := self._body(name))]
@@ -78,7 +79,7 @@ class _Robot:
         lines += ["equation", *equations] if equations else []
         lines += ["energy", *losses] if losses else []
         self._tell_rest()
-        return Imported("\n".join([*lines, f"end {lines[0].split()[1]};"]) + "\n", tuple(self.left_out))
+        return Imported("\n".join([*lines, f"end {name};"]) + "\n", tuple(self.left_out))
 
     # ------------------------------------------------------------ names
 
@@ -194,7 +195,8 @@ class _Robot:
         factor, offset = (self._numbers(mimic, name, 1)[0] if mimic.get(name) else usual
                           for name, usual in (("multiplier", 1.0), ("offset", 0.0)))
         own, led = (f"{x.name}.{'s' if x.kind == 'prismatic' else 'phi'}" for x in (joint, other))
-        return [f"{own} = {_number(factor)}*{led}" + (f" + {_number(offset)};" if offset else ";")]
+        more = f" {'-' if offset < 0 else '+'} {_number(abs(offset))}" if offset else ""
+        return [f"{own} = {_number(factor)}*{led}{more};"]
 
     def _dissipation(self, joint: _Joint) -> list[str]:
         dynamics = joint.element.first("dynamics")

@@ -8,6 +8,7 @@ from lagrangia.language.flat import Frame, Variable
 from lagrangia.language.tree import Array, Binary, Call, Flat, Number
 
 HINGES = "hinges turn it as well, and are known there: a Universal and a Revolute, instead of a Spherical or of floating"
+_READ_ALONE = frozenset({"R", "attitude", "omega_z"})
 FLOATING = "S"  # the attitude of a floating frame
 
 
@@ -32,7 +33,13 @@ def of_variable(variable: Variable, rate: Flat | None, is_rate_fixed: bool) -> A
 
 def of_frame(frame: Frame) -> Attitude:
     """Of a floating frame, by what its declaration says of Q, and of omega, or of w in the world's axes."""
+    for name in _READ_ALONE & frame.starts.keys():
+        fail("L0208", f"a frame does not begin by its {name}", frame.starts[name].span,
+             'its attitude begins at Q(start = angles("zxz", 10[deg], 20[deg], 0)), its rates at omega(start = {0, 0, 1})')
     start, rate, in_world = (frame.starts.get(name) for name in ("Q", "omega", "w"))
+    if rate is not None and in_world is not None:
+        fail("L0601", "the angular velocity is said twice, by omega in the frame's axes and by w in the world's", in_world.span,
+             "leave one of them out")
     if rate is None and in_world is not None:
         rate = in_world if start is None else _seen_from(start, in_world)
     return Attitude(f"{frame.name}.{FLOATING}", start, rate, "Q" in frame.fixed, not frame.fixed.isdisjoint(("omega", "w")),

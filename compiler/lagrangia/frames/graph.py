@@ -290,12 +290,13 @@ class _Building:
         return {name: k for k, name in enumerate(self.model.frames)}
 
     def _turning_with(self, root: str) -> set[str]:
-        """The frames that turn with the root: not those behind hinges whose coordinates nothing but the motion speaks of."""
-        found, queue = {root}, [root]
+        """The frames that turn with the root: in the plane not those behind hinges whose coordinates nothing but the motion
+        speaks of; in space one hinge stands for no attitude."""
+        found, queue, is_planar = {root}, [root], not self.model.space.is_spatial
         while queue:
             here = queue.pop()
             for edge in self.neighbours[here]:
-                is_hinge = len(edge.steps) == 1 and edge.steps[0].kind == "turn" and len(edge.coordinates) == 1
+                is_hinge = len(edge.steps) == 1 and edge.steps[0].kind == "turn" and len(edge.coordinates) == 1 and is_planar
                 is_free = is_hinge and isinstance(edge.steps[0].amount, Ref) and edge.coordinates[0] not in self._spoken_of
                 for end in (edge.parent, edge.child):
                     if end not in found and not (is_free and self.uses[edge.coordinates[0]] == 1):
@@ -309,7 +310,7 @@ class _Building:
         model = self.model
         stated: list[Flat] = [e.value for e in model.energies] + [x for w in model.works for x in (w.force, w.position)]
         stated += [x for e in model.constraints for x in (e.left, e.right)]
-        stated += [x for when in (*model.whens, *model.samplers, *model.delays) for x in when.expressions()]
+        stated += model.looks()
         return {leaf.name for leaf in leaves(stated, self.bindings) if isinstance(leaf, Ref)}
 
     def _report_unbound(self, island: set[str], used: dict[str, set[str]]) -> None:

@@ -184,7 +184,7 @@ class Kinematics(Attitudes):
             return self._reaction(name, attribute, level)
         if kind == "velocity" and level >= 2:
             fail("L0503", f"the second derivative of {name}.{attribute} is not known", self.graph.model.frames[name].span)
-        if attribute == ABOUT_Z:
+        if attribute == ABOUT_Z and not self.is_displaced:  # virtual displacements turn as nothing turns
             own = self.geometry.attribute_of(self.pose(name, 1), "omega")
             require_about_z(name, own, self.symbols.rates, self.graph.model.frames[name].span)
         return self.geometry.attribute_of(self.pose(name, level + 1 if kind == "velocity" else level), attribute)
@@ -194,6 +194,9 @@ class Kinematics(Attitudes):
         if attribute != "Q":
             fail("L0302", f"{name}.{attribute} is no number: a torque works on it", self.graph.model.frames[name].span,
                  "write: work M on frame.attitude; the attitude itself is R (a matrix) or Q (a quaternion)")
+        if self.is_displaced:  # by which this way along the tree knows nothing
+            fail("L0901", f"not supported yet: reactions, and forces on frames, where something depends on {name}.Q",
+                 self.graph.model.frames[name].span, "the elements of its matrix R are known there")
         edges, way = {edge.child: edge for edge in self.graph.edges}, list[Edge]()
         while name in edges:
             way.insert(0, edges[name])
@@ -423,6 +426,9 @@ def _refer(kinematics: Kinematics, attitude: Attitude) -> None:
     algebra, first = kinematics.algebra, (1.0, 0.0, 0.0, 0.0)
     if attitude.start is not None:
         first = kinematics.evaluator.value(attitude.start)
+        if not isinstance(first, tuple) or len(first) != len(NOT_TURNED) or any(isinstance(x, tuple) for x in first):
+            fail("L0303", f"'{attitude.name}' begins at an attitude", attitude.start.span,
+                 'write angles("zxz", 10[deg], 20[deg], 0), axis_angle({1, 0, 0}, 30[deg]) or quaternion(1, 0, 0, 0)')
         if not algebra.changing.isdisjoint(symbols_in(ca.vertcat(ca.SX(0, 1), *first))):
             fail("L0602", "a start value depends on parameters only", attitude.start.span, "write an initial equation instead")
     kinematics.symbols.attitudes[attitude.name] = tuple(

@@ -27,6 +27,7 @@ def require_about_z(frame: str, own: Sequence[Scalar], rates: Mapping[str, Scala
         return
     joint = next((name for name, rate in rates.items() if ca.depends_on(turning[:2], rate)), "")
     body = frame.rpartition(".")[0] or frame
-    by = f"'{joint}' turns it there" if joint else "it is turned there"
+    joint, _, part = joint.partition(".s[")
+    by = f"{'the attitude ' if part else ''}'{joint}' turns it there" if joint else "it is turned there"
     fail("L0507", f"the inertia of '{body}' is given about z alone, and it turns about its x or y as well: {by}",
          span, "give the inertia about all axes: I = {Ixx, Iyy, Izz}")

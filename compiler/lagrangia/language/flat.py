@@ -38,6 +38,7 @@ class Variable:
     may_vary: bool = False  # annotation(Varying = true): a parameter, unless what it is bound to changes during the run
     locked: str = ""  # "final" or "protected" where it cannot be set from outside
     is_attitude: bool = False  # a coordinate of the type Rotation
+    is_inertia: bool = False  # of three axes, in space
 
     def elements(self) -> list[tuple[str, tuple[int, ...]]]:
         """Names and indices of the scalars it is made of."""

@@ -63,7 +63,7 @@ from lagrangia.language.names import Names
 from lagrangia.language.other_starts import with_other_starts
 from lagrangia.language.overrides import override_tree
 from lagrangia.language.samplers import check_held, declare_held
-from lagrangia.language.space_values import fitted, least_of
+from lagrangia.language.space_values import fitted, is_inertia, least_of
 from lagrangia.language.spaces import Found, FoundSpaceError
 from lagrangia.language.stamps import stamp
 from lagrangia.language.states import find_states, refuse_states_elsewhere
@@ -270,7 +270,7 @@ class _Flattening:
             self._place(declaration.name_span, owner), kind == "parameter" and has_annotation(declaration, "Evaluate"),
             kind == "parameter" and has_annotation(declaration, "Varying"),
             "final" if slot.is_final else "protected" if "protected" in declaration.prefixes else "",
-            kind == "coordinate" and declaration.type_name == ROTATION,
+            kind == "coordinate" and declaration.type_name == ROTATION, is_inertia(slot),
         )
 
     def fitted(self, value: Flat, slot: Slot) -> Flat:

@@ -50,7 +50,9 @@ class FrameAttribute:
         return len(index) <= len(self.shape) and all(1 <= i <= n for i, n in zip(index, self.shape, strict=False))
 
     def picked(self, index: tuple[int, ...]) -> tuple[int, ...]:
-        """The components that subscripts pick."""
+        """The components that subscripts pick; none of what has none."""
+        if not self.components:
+            return ()
         return (self.components[index[0] - 1],) if index else self.components
 
 
@@ -197,7 +199,7 @@ def place_of(node: FrameRef) -> str | None:
 def as_element(node: FrameRef) -> tuple[str, tuple[int, ...]]:
     """x is r[1], y is r[2]: the same for what is the same; other attributes as they are."""
     known = known_of(node) if node.attribute else None
-    if known is None or known.shape:
+    if known is None or known.shape or not known.components:
         return node.attribute, node.index
     for vector in (a for a in space_of(node).attributes.values() if a.is_vector and a.kind == known.kind):
         if known.components[0] in vector.components:

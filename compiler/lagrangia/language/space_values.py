@@ -67,6 +67,11 @@ def fitted(value: Flat, slot: Slot, space: Space, size: Size) -> Flat:
     return _about_z(value, size, form) if form in (_VECTOR, _TENSOR) else value
 
 
+def is_inertia(slot: Slot) -> bool:
+    """Whether it is one of a body about three axes."""
+    return bool(slot.dimensions) and form_of(slot.declaration) == _TENSOR
+
+
 def least_of(slot: Slot, least: float | None) -> float | None:
     """The least value of its elements: products of inertia may be negative."""
     return None if len(slot.dimensions) == 2 and form_of(slot.declaration) == _TENSOR else least

@@ -120,6 +120,8 @@ class PreparedRun:
 
 def _start_place(scene: Scene, name: str) -> int:
     slot = scene.slot(name)
+    if name in scene.turned:
+        fail("L0901", f"not supported yet: another start of the attitude that '{name}' is a part of")
     if slot is None:
         fail("L0901", f"not supported yet: a prepared run from other starts of '{name}', which other coordinates give", None,
              "prepare it for the coordinates themselves, or call simulate")

@@ -19,6 +19,7 @@ from lagrangia.run.solvers import AUTO, is_casadi, number_of
 _PORTION = 4096  # rows
 _INTERVALS = 500
 _MOST_ROWS = 100_000_000
+_ROUNDING = 1e-12  # of moments of inertia, relative
 
 
 @dataclass(frozen=True)
@@ -200,6 +201,9 @@ def _start_values(scene: Scene, initial: Mapping[str, float], report: Report) ->
         slot = scene.slot(name)
         if not math.isfinite(a_number(f"initial value of '{name}'", value)):
             report.error("L0605", f"the initial value of '{name}' must be a finite number, not {value}")
+        elif name in scene.turned:
+            report.error("L0901", f"not supported yet: another start of the attitude that '{name}' is a part of", None,
+                         "its start is declared; rates can be given")
         elif slot is not None:
             start[slot] = float(value)
         elif name in scene.lost:
@@ -254,7 +258,25 @@ def check_parameters(scene: Scene, parameters: Sequence[float]) -> None:
     report = Report()
     for known, value in zip(scene.parameters, parameters, strict=True):
         _require_possible("parameter", known, value, report)
+    for name in scene.notes.get("inertias", ()):
+        own = [value for known, value in zip(scene.parameters, parameters, strict=True) if known.name.startswith(f"{name}[")]
+        if wrong := _odd_inertia(own):
+            report.error("L0605", f"the inertia '{name}' {wrong}")
     report.raise_errors()
+
+
+def _odd_inertia(own: Sequence[float]) -> str:
+    """What is wrong with three moments, or with a matrix by its rows; "" where no moment is negative (Sylvester)."""
+    if len(own) == 3:
+        return "is negative about an axis" if min(own) < 0 else ""
+    a, b, c, d, e, f, g, h, i = own
+    if (b, c, f) != (d, g, h):
+        return "is not symmetric"
+    size = max(map(abs, own))
+    minors = (a / (size or 1), e / (size or 1), i / (size or 1), *((x * y - z * z) / (size * size or 1)
+              for x, y, z in ((a, e, b), (a, i, c), (e, i, f))),
+              (a * (e * i - f * f) - b * (b * i - f * c) + c * (b * f - e * c)) / (size**3 or 1))
+    return "is negative about an axis" if min(minors) < -_ROUNDING else ""
 
 
 def _require_possible(what: str, known: Parameter, value: float, report: Report) -> None:

@@ -34,7 +34,7 @@ class _Writer:
         self.samplers: list[dict[str, Any]] = []
         self.channels: list[dict[str, Any]] = []
         self.known: dict[tuple[int, str], int] = {}
-        self.times = self._numbers(stage.t - stage.t[0] if len(stage.t) else stage.t, "SCALAR") if len(stage.t) > 1 else -1
+        self.times = self._numbers(stage.t - stage.t[0], "SCALAR") if len(stage.t) > 1 else -1
 
     def whole(self) -> bytes:
         """Header, description, numbers."""
@@ -88,7 +88,7 @@ class _Writer:
 
     def _node(self, mesh: int, places: Vector, turns: Vector, sizes: Vector | None) -> None:
         tracks = {"translation": places, "rotation": turns} | ({"scale": sizes} if sizes is not None else {})
-        tracks = {path: np.where(np.isfinite(values), values, 0.0) for path, values in tracks.items()}
+        tracks = {path: _kept_on(values, path) for path, values in tracks.items()}
         self.nodes.append({"mesh": mesh} | {path: values[0].tolist() for path, values in tracks.items()})
         for path, values in tracks.items():
             if self.times >= 0 and np.ptp(values, axis=0).max() > 0:
@@ -133,6 +133,16 @@ def _triangles(solid: Solid) -> tuple[Vector, Vector, Vector]:
             normals.append(solid.normals[k])
         triangles += [[first, first + j, first + j + 1] for j in range(1, len(face) - 1)]
     return np.array(points), np.array(normals), np.array(triangles)
+
+
+def _kept_on(values: Vector, path: str) -> Vector:
+    """Where there is nothing to be seen it stays where it was last: numbers are finite there."""
+    usual = {"rotation": [0.0, 0.0, 0.0, 1.0], "scale": [1.0, 1.0, 1.0]}.get(path, [0.0, 0.0, 0.0])
+    found, last = values.copy(), np.array(usual)
+    for k, row in enumerate(values):
+        last = row if np.isfinite(row).all() else last
+        found[k] = last
+    return found
 
 
 def _as_xyzw(turns: Vector) -> Vector:

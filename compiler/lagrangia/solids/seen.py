@@ -20,7 +20,7 @@ from lagrangia.language.figures import CHOICES, WORDS
 from lagrangia.language.flat import Figure, places_of
 from lagrangia.language.tree import Call, Flat, FrameRef, String
 from lagrangia.solids.shapes import Solid, across, arc, arrow, box, cylinder, dashpot, moved, sphere, turns_of
-from lagrangia.solids.stage import Body, Caption, Line, Stage, quaternions
+from lagrangia.solids.stage import SHADES, Body, Caption, Line, Stage, quaternions
 
 Vector = NDArray[np.float64]
 _SYMBOLS_ACROSS = 14.0
@@ -59,9 +59,8 @@ class _Rows:
         if not isinstance(node, Call) or node.function not in ("shift", "turn"):
             return None
         base, amount, *axis = node.arguments
-        value = self.kinematics.evaluator.value
         step = Step(node.function, amount, False, axis[0] if axis else None)
-        return self.kinematics.along(step, value(amount), self._pose(base), 0, value(axis[0]) if axis else None)
+        return self.kinematics.step(step, self._pose(base), 0)
 
 
 @dataclass(frozen=True)
@@ -85,6 +84,12 @@ class _Given:
     def number(self, k: int) -> float | None:
         """A size at the first moment; None where it was left out."""
         return abs(float(self.numbers[k][0, 0])) if k < len(self.numbers) else None
+
+    @property
+    def shade(self) -> str:
+        """Of a solid, which has none that is see-through."""
+        found = self.choice("fill", "white")
+        return found if found in SHADES else "white"
 
     def choice(self, name: str, usual: str) -> str:
         """Of fill or style."""
@@ -123,7 +128,7 @@ def build_stage(c: Compilation, figures: Sequence[Figure], states: States, names
     grounded = _grounded(c)
     given = [_given(c, figure, asks, values, symbol, grounded) for figure, asks in zip(shown, asked, strict=True)]
     greatest = _greatest(given)
-    found = [_WORDS[g.figure.word](g, greatest) for g in given if g.poses and g.figure.word in _WORDS]
+    found = [SHOWN[g.figure.word](g, greatest) for g in given if g.poses and g.figure.word in SHOWN]
     ways = [(g.frames[0], g.poses[0][0]) for g in given if g.poses and g.figure.word == "trace"]
     ways += [(name, places[name][0]) for name in traces]
     rods = _rods(c, places, {g.figure.component for g in given}, grounded, symbol)
@@ -246,7 +251,7 @@ def _circle(g: _Given, greatest: Mapping[str, float]) -> _Shown:
         angles = np.linspace(0.0, 2 * np.pi, _SEGMENTS + 1)
         ring = radius * np.stack([np.cos(angles), np.sin(angles), 0 * angles], axis=1) @ across(g.axis).T
         return _Shown(lines=[_line_in(g, ring)])
-    return _riding(g, _turned(cylinder(radius, 0.12 * radius), g.axis), g.choice("fill", "white"))
+    return _riding(g, _turned(cylinder(radius, 0.12 * radius), g.axis), g.shade)
 
 
 def _line_in(g: _Given, points: Vector) -> Line:
@@ -256,20 +261,20 @@ def _line_in(g: _Given, points: Vector) -> Line:
 
 def _ball(g: _Given, greatest: Mapping[str, float]) -> _Shown:
     radius = g.number(0)
-    return _riding(g, sphere(0.25 * g.size if radius is None else radius), g.choice("fill", "white"))
+    return _riding(g, sphere(0.25 * g.size if radius is None else radius), g.shade)
 
 
 def _cylinder(g: _Given, greatest: Mapping[str, float]) -> _Shown:
     radius, height = g.number(0), g.number(1)
     solid = cylinder(0.15 * g.size if radius is None else radius, 0.5 * g.size if height is None else height)
-    return _riding(g, _turned(solid, g.axis), g.choice("fill", "white"))
+    return _riding(g, _turned(solid, g.axis), g.shade)
 
 
 def _cone(g: _Given, greatest: Mapping[str, float]) -> _Shown:
     """Its centre of mass, a quarter above its base, is where it stands."""
     radius, height = g.number(0) or 0.0, g.number(1) or 0.0
     return _riding(g, _turned(moved(cylinder(radius, height, 0.0), np.array([0.0, 0.0, height / 4])), g.axis),
-                   g.choice("fill", "white"))
+                   g.shade)
 
 
 def _box(g: _Given, greatest: Mapping[str, float]) -> _Shown:
@@ -279,11 +284,11 @@ def _box(g: _Given, greatest: Mapping[str, float]) -> _Shown:
     along = g.options["along"][0] if "along" in g.options else np.array([1.0, 0.0, 0.0])
     solid = box(0.6 * g.size if length is None else length, thick, thick)
     turn = across(along) @ across(np.array([1.0, 0.0, 0.0])).T if along[1:].any() else None
-    return _riding(g, solid if turn is None else moved(solid, np.zeros(3), turn), g.choice("fill", "white"))
+    return _riding(g, solid if turn is None else moved(solid, np.zeros(3), turn), g.shade)
 
 
 def _cuboid(g: _Given, greatest: Mapping[str, float]) -> _Shown:
-    return _riding(g, box(*(g.number(k) or 0.0 for k in range(3))), g.choice("fill", "white"))
+    return _riding(g, box(*(g.number(k) or 0.0 for k in range(3))), g.shade)
 
 
 def _hatch(g: _Given, greatest: Mapping[str, float]) -> _Shown:
@@ -342,9 +347,8 @@ def _curved_arrow(g: _Given, greatest: Mapping[str, float]) -> _Shown:
     return _Shown(lines=[Line(points, "thick")])
 
 
-_WORDS = {
+SHOWN = {
     "line": _way, "polyline": _way, "rail": _way, "polygon": _polygon, "circle": _circle, "arc": _arc, "box": _box,
     "cuboid": _cuboid, "cylinder": _cylinder, "cone": _cone, "ball": _ball, "zigzag": _zigzag, "dashpot": _dashpot,
     "arrow": _arrow, "curved_arrow": _curved_arrow, "hatch": _hatch,
 }  # gears and belts are of the plane
-WORDS_IN_SPACE = frozenset(_WORDS)

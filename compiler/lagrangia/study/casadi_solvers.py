@@ -65,7 +65,7 @@ def casadi_refusal(compilation: Compilation) -> tuple[str, str] | None:
         return ("not supported yet: values that are held between instants, with CasADi's integrators",
                 "the run time takes them: a C compiler (pip install ziglang)")
     if compilation.flat.guards:
-        return ("not supported yet: assertions of the motion and terminate, with CasADi's integrators",
+        return ("not supported yet: assertions and terminate, with CasADi's integrators",
                 "the run time takes them: a C compiler (pip install ziglang)")
     if compilation.flat.delays:
         return ("not supported yet: delays, with CasADi's integrators",

@@ -116,10 +116,9 @@ def usual_probes(kinematics: Kinematics) -> tuple[Probe, ...]:
 def _moving_frames(kinematics: Kinematics) -> list[Probe]:
     """The places of frames whose own equation mentions time."""
     found, t = list[Probe](), kinematics.symbols.time
-    if kinematics.graph.model.space.is_spatial:
-        return found  # `probes` of space_limits.py
     for edge in kinematics.graph.edges:
         if any(isinstance(node, Time) for step in edge.steps for node in nodes(step.amount)):
+            refuse_in_space(kinematics.graph.model, "probes", edge.span)
             above, here = kinematics.pose(edge.parent, 0), kinematics.pose(edge.child, 0)
             found += [Probe(f"{edge.child}.{part.name}", "frame", edge.child, k, part.unit)
                       for k, (part, x, y) in enumerate(zip(COMPONENTS, here.place, above.place, strict=True))

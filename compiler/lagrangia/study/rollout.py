@@ -67,6 +67,8 @@ def roll_out(model: Asked, q0: "ArrayLike | None", v0: "ArrayLike | None", p: "M
     if at.ndim != 1 or len(at) < 2:
         fail("L0702", f"the times of a rollout are two numbers or more, not an array of the shape {at.shape}")
     scene = model.scene
+    if scene.turned:
+        fail("L0901", f"not supported yet: rollouts of scenes with attitudes ('{scene.turned[0]}')")
     given = {**_states(scene, q0, v0), **(p or {})}
     table = _table(given, _runs_of(u, len(at), len(scene.inputs)))
     request = Request(float(at[0]), float(at[-1]), tolerance, at=at.tolist(), solver=solver)

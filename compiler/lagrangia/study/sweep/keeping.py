@@ -27,8 +27,13 @@ class Keeper(Protocol):
         """Those of the runs from `first` on."""
 
 
+def _hidden(scene: Scene) -> list[int]:
+    """Columns of attitudes, whose numbers say nothing without what they are counted from: NaN."""
+    return [k for k, column in enumerate(columns(scene)) if column.name in scene.turned]
+
+
 class InMemory:
-    """`rows` are all of them, (runs, times, columns), which runs write themselves where they are computed here."""
+    """All rows, which runs write themselves where they are computed here."""
 
     def __init__(self, scene: Scene, runs: int, times: int, are_all_new: bool = False) -> None:
         """`are_all_new`: every run comes here, or nobody asks for rows. Raises LagError L0712 for what would not fit."""
@@ -40,7 +45,13 @@ class InMemory:
             fail("L0712", f"{runs} trajectories of {times} rows take {8e-9 * runs * times * whole:.3g} GB of memory", None,
                  "a longer interval, or fewer runs; lag sweep --keep writes them to files")
         self.all = np.empty((runs, times, whole)) if are_all_new else np.full((runs, times, whole), np.nan)
-        self.rows = self.all[:, :, : self.width]
+        self.hidden = _hidden(scene)
+
+    @property
+    def rows(self) -> "np.ndarray":
+        """All of them, (runs, times, columns)."""
+        self.all[:, :, self.hidden] = float("nan")
+        return self.all[:, :, : self.width]
 
     def keep(self, first: int, rows: "np.ndarray") -> None:
         """Those of the runs from `first` on, unless they are in their place."""
@@ -59,6 +70,7 @@ class Dataset:
         self.folder = folder
         self.pyarrow, self.parquet = require_parquet()
         run = self.pyarrow.field("run", self.pyarrow.int64())
+        self.hidden = _hidden(scene)
         self.schema = self.pyarrow.schema([run, *parquet_fields(self.pyarrow, scene)])
         try:
             folder.mkdir(exist_ok=True)
@@ -80,7 +92,8 @@ class Dataset:
         import numpy as np
 
         count, width = len(rows), len(self.schema) - 1
-        flat = rows[:, :, :width].reshape(-1, width)
+        flat = rows[:, :, :width].reshape(-1, width).copy()
+        flat[:, self.hidden] = np.nan
         there = np.isfinite(flat[:, 0])
         runs = np.repeat(np.arange(first, first + count), rows.shape[1])[there]
         arrays = [self.pyarrow.array(runs), *map(self.pyarrow.array, flat[there].T)]

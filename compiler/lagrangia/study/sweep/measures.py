@@ -210,6 +210,9 @@ def _column(scene: Scene, measure: Measure) -> int:
     if name == "time":
         return 0
     slot = scene.slot(name)
+    if name in scene.turned:
+        fail("L0711", f"'{measure.text}': '{name}' says nothing without the attitude that it is counted from", None,
+             "ask for elements of a frame's Q or R as outputs")
     if slot is not None:
         return 1 + slot
     outputs = [column.name for column in scene.outputs]

@@ -160,7 +160,8 @@ class Sweep:
         varied = {name: ("run", self[name], {"units": unit}) for name, unit in zip(self.names, self.units(), strict=False)
                   if name in self.job.variations.names}
         told = {c.name: {"units": c.unit, "long_name": c.description} for c in shown}
-        found = {c.name: (("run", "time"), rows[:, :, k], told[c.name]) for k, c in enumerate(shown) if k}
+        hidden = {"time", *self.job.scene.turned}
+        found = {c.name: (("run", "time"), rows[:, :, k], told[c.name]) for k, c in enumerate(shown) if c.name not in hidden}
         times = ("time", list(self.job.sweep.row_times), told["time"])
         coordinates = {"run": range(self.runs), "time": times, **varied}
         return xarray.Dataset(found, coords=coordinates, attrs={"model": self.job.scene.name})

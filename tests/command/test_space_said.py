@@ -1,0 +1,89 @@
+"""Scenes in space: what is asked of attitudes and inertias in a way that says nothing is told, and what is right runs."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import lagrangia as lag
+from lagrangia.command.cli import main
+
+HEAD = "model T\n  World world(gravity = {0, 0, -9.81});\n"
+BODY = "Body b(m = 1, I = {1, 2, 2.5}, center(omega(start = {1, 0.1, 2})));"
+WRONG = {
+    "Spherical s(a = world, S(start = {0.1, 0, 0})); Body b(m = 1, I = {1, 1, 1}, center = s.b);": "'s.S' begins at an attitude",
+    "Spherical s(a = world, S(start = 0.3)); Body b(m = 1, I = {1, 1, 1}, center = s.b);": "'s.S' begins at an attitude",
+    "Body b(m = 1, I = {1, 1, 1}, center(w(start = {0, 0, 1}), omega(start = {1, 0, 0})));": "the angular velocity is said twice",
+    "Body b(m = 1, I = {1, 1, 1}, center(R(start = identity(3))));": "a frame does not begin by its R",
+    "Revolute h(a = world, axis = {1, 0, 0}); Body b(m = 1, I = {1, 1, -1}, center = h.b);": "is negative about z",
+}
+
+
+def written(folder: Path, body: str) -> Path:
+    file = folder / "t.lag"
+    file.write_text(f"{HEAD}  {body}\nend T;\n")
+    return file
+
+
+@pytest.mark.parametrize("body", WRONG)
+def test_what_is_wrong_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str], body: str) -> None:
+    assert main(["check", str(written(tmp_path, body))]) == 2
+    assert WRONG[body] in capsys.readouterr().err
+
+
+def test_parts_of_attitudes_are_no_quantities(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Their numbers are against attitudes that move along."""
+    file = str(written(tmp_path, BODY))
+    assert main(["simulate", file, "--initial", "b.center.S.s[1]=0.3", "-o", str(tmp_path / "x.csv")]) == 2
+    assert "another start of the attitude" in capsys.readouterr().err
+    model = lag.load(file)
+    with pytest.raises(lag.LagError, match="says nothing without the attitude"):
+        model.simulate_many(parameters={"b.m": [1, 2]}, outputs=["max(b.center.S.s[1])"], stop=1)
+    with pytest.raises(lag.LagError, match="rollouts of scenes with attitudes"):
+        model.rollout(times=[0, 1])
+    kept = model.simulate_many(parameters={"b.m": [1, 2]}, outputs=["max(b.center.x)"], stop=1, interval=0.5, keep=True)
+    columns = [column.name for column in lag.load(file).simulate(stop=1).columns]
+    part = columns.index("b.center.S.s[1]")
+    assert np.isnan(kept.trajectories[:, :, part]).all()
+    assert np.isfinite(kept.trajectories[:, :, columns.index("b.center.z")]).all()
+
+
+def test_inertias_of_a_run_are_looked_at(tmp_path: Path) -> None:
+    matrix = "{{2, 0.1, 0}, {0.1, 2, 0}, {0, 0, 3}}"
+    model = lag.load(written(tmp_path, f"Revolute h(a = world, axis = {{1, 0, 0}}); Body b(m = 1, I = {matrix}, center = h.b);"))
+    model.simulate(stop=0.1, parameters={"b.I[1,2]": 0.2, "b.I[2,1]": 0.2})
+    for given, told in (({"b.I[1,2]": 0.3}, "is not symmetric"), ({"b.I[1,2]": 3, "b.I[2,1]": 3}, "is negative about an axis")):
+        with pytest.raises(lag.LagError, match=told):
+            model.simulate(stop=0.1, parameters=given)
+
+
+@pytest.mark.parametrize("body", [
+    "Revolute h(a = world, w(start = 1)); Body b(m = 1, I = 0.1, center = h.b); output Real M = h.reaction_torque[3];",
+    "Revolute h(a = world, axis = {1, 0, 0}); Body b0(m = 1, I = {1, 1, 1}, center = h.b); Block b(m = 1, base = h.b);",
+    "parameter Inertia J[3] = {1, 2, 10}; Revolute h(a = world); Body b(m = 1, I = J[1], center = h.b); output Real x = J[2]*J[3];",
+    'Revolute h(a = world); Body b(m = 1, I = 0.1, center = h.b); equation assert(b.center.omega_z < 3, "x");',
+    "Body b(m = 1, I = {1, 1, 1}); initial equation b.center.omega[3] = 0.5;",
+])
+def test_what_is_right_runs_without_a_word(tmp_path: Path, capsys: pytest.CaptureFixture[str], body: str) -> None:
+    assert main(["simulate", str(written(tmp_path, body)), "--stop", "0.1", "-o", str(tmp_path / "x.csv")]) == 0
+    assert capsys.readouterr().err == ""
+
+
+def test_a_pin_is_pressed_across_its_axis_alone(tmp_path: Path) -> None:
+    """A vertical hinge carries the weight along its axis: w' = -mu r m l w^2/(I + m l^2)."""
+    file = written(tmp_path, "RoughRevolute h(a = world, w(start = 3), mu = 0.2, radius = 0.02); "
+                             "Body b(m = 1, I = {0.1, 0.1, 0.1}, center = shift(h.b, {1, 0, 0}));")
+    run = lag.load(file).simulate(stop=2, tolerance=1e-12)
+    rates = np.asarray(run["der(h.phi)"])
+    time = np.asarray(run.time)
+    # the pin feels the centripetal force and what turns the body: F = m l (w^2, w')
+    k = 0.2 * 0.02 / 1.1
+    factor = k / np.sqrt(1 - k * k)
+    assert np.abs(1 / rates - 1 / 3 - factor * time).max() < 1e-10
+
+
+def test_hinges_on_points_turn_bodies_in_space(tmp_path: Path) -> None:
+    """The point would have to turn, and has no inertia: it is told, not left out."""
+    file = written(tmp_path, "PointMass a(m = 1); Revolute h(a = a.center, axis = {1, 0, 0}, w(start = 1)); "
+                             "Box c(m = 1, size = {0.1, 0.2, 0.3}, center = shift(h.b, {0, 0, -0.5}));")
+    assert "a.center.S" in lag.load(file).scene.told
