@@ -9,7 +9,6 @@
 #include <math.h>
 #include <string.h>
 
-#include "numbers/extremes.h"
 #include "state/ends.h"
 #include "steps/singular.h"
 #include "steps/turns.h"
@@ -27,10 +26,6 @@ enum { HOPELESS = 4 };
 static const double NEARLY = 10, TO_OTHERS = 0.35;
 /* By which the shortest of the lengths has a smaller error, and a still shorter attempt again, where these are none of rounding. */
 static const double FALL = 0.01, FALL_AGAIN = 0.2;
-/* The share of usual steps, and of those tried before, below which steps across are tried where a singular position lies within so many of
- * those due; how much longer than these they are at least, and than usual ones at most; the error with which they may pass: in units
- * below the user's tolerance, or rounding as it is there. */
-static const double SINKS = 0.3, AHEAD = 4, ACROSS = 6, FARTHEST = 1.5, PASSES = 15, ROUNDED = 1e-11;
 
 LagAttempts lag_attempts_begin(LagRun *run)
 {
@@ -40,7 +35,6 @@ LagAttempts lag_attempts_begin(LagRun *run)
     attempts.allowed = 1;
     attempts.last = attempts.early = INFINITY;
     attempts.way = -1;
-    attempts.leaps = 0;
     run->careful = 0;
     return attempts;
 }
@@ -84,58 +78,16 @@ static int may_plunge(LagRun *run, LagAttempts *attempts)
     return attempts->depth < DEPTHS;
 }
 
-/* Steps that shrink as the motion comes near a singular position never pass it: each is good and ends before it, where rounding is
- * magnified more than where it began. So they are tried across before they are short. */
-static int sinks(LagRun *run, const LagAttempts *attempts, double shorter)
-{
-    const LagBranch *s = &run->branch;
-    const double least = SINKS * (s->sunk > 0 ? s->sunk : s->step), ahead = lag_min(AHEAD * shorter, attempts->planned);
-    return !run->careful && attempts->leaps == 0 && shorter < least && lag_singular_is_ahead(run, ahead);
-}
-
-static void begin_ways(LagRun *run, LagAttempts *attempts, double planned)
-{
-    run->careful = 1;
-    memset(attempts->errors, 0, sizeof attempts->errors);
-    memset(attempts->tries, 0, sizeof attempts->tries);
-    attempts->planned = planned;
-}
-
-/* Lengths from more than the usual one down to a little more than what was due: the longer they are, the less rounding is magnified at both ends. */
-static double length_of(const LagRun *run, const LagAttempts *attempts, int way)
-{
-    if (attempts->leaps != 1)
-        return attempts->planned * WAY[way];
-    const double least = ACROSS * attempts->back, place = way < LAG_WAYS ? way : way - LAG_WAYS + 0.5; /* then those between */
-    return least * pow(fmax(1, FARTHEST * run->branch.step / least), 1 - place / (LAG_WAYS - 1));
-}
-
-/* Back to the length that was due. */
-static double leave_ways(LagRun *run, LagAttempts *attempts)
-{
-    run->careful = 0;
-    run->branch.sunk = attempts->back;
-    attempts->leaps = 2;
-    attempts->way = -1;
-    attempts->allowed = 1;
-    return attempts->back;
-}
-
-static int may_pass(const LagRun *run, double error) { return error <= PASSES || error * run->scale.tolerance <= ROUNDED; }
-
 /* A length not yet tried; then that of the least error, which is allowed now. Should it fail by its projection, that is its error
  * from then on. */
 static double next_way(LagRun *run, LagAttempts *attempts, double shorter)
 {
-    const int ways = attempts->leaps == 1 ? LAG_MOST_WAYS : LAG_WAYS;
     int best = 0;
-    for (int i = 1; i < ways && attempts->tries[best] > 0; ++i)
+    for (int i = 1; i < LAG_WAYS && attempts->tries[best] > 0; ++i)
         if (attempts->tries[i] == 0 || attempts->errors[i] < attempts->errors[best])
             best = i;
     const int is_new = attempts->tries[best] == 0;
-    if (!is_new && attempts->leaps == 1 && (!may_pass(run, attempts->errors[best]) || attempts->tries[best] > 1))
-        return leave_ways(run, attempts);
-    if (!is_new && attempts->leaps != 1 && may_plunge(run, attempts)) {
+    if (!is_new && may_plunge(run, attempts)) {
         attempts->way = -1;
         attempts->allowed = 1;
         return ldexp(attempts->planned * WAY[LAG_WAYS - 1], -++attempts->depth);
@@ -145,7 +97,7 @@ static double next_way(LagRun *run, LagAttempts *attempts, double shorter)
         return shorter;
     ++attempts->tries[best];
     attempts->allowed = is_new ? 1 : fmax(1, 2 * attempts->errors[best]);
-    return length_of(run, attempts, best);
+    return attempts->planned * WAY[best];
 }
 
 /* Near singular positions at once, with a length that leads across, and for good: there will be more of them. Where time has no
@@ -154,12 +106,9 @@ int lag_attempts_leave(LagRun *run, const LagAttempts *attempts, double h, doubl
 {
     const int is_loop = run->model->n_multipliers > 0, leaves = run->methods.table->leaves_trouble;
     const int is_last = shorter < lag_step_smallest(run->motion.t);
-    if (!leaves)
+    if (!leaves || (is_loop && !is_last && is_mendable(run, attempts, h, error)))
         return 0;
-    const int does_sink = is_loop && sinks(run, attempts, shorter);
-    if (is_loop && !is_last && !does_sink && is_mendable(run, attempts, h, error))
-        return 0;
-    if (attempts->rejected < HOPELESS && !is_last && !does_sink && (!is_loop || lag_singularity(run, attempts->planned) < NEARLY))
+    if (attempts->rejected < HOPELESS && !is_last && (!is_loop || lag_singularity(run, attempts->planned) < NEARLY))
         return 0;
     run->step = is_loop ? TO_OTHERS * fmax(attempts->planned, run->calm_step) : shorter;
     run->calm_step *= is_loop ? TO_OTHERS : 1;
@@ -168,21 +117,16 @@ int lag_attempts_leave(LagRun *run, const LagAttempts *attempts, double h, doubl
 
 double lag_attempts_next(LagRun *run, LagAttempts *attempts, double h, double error, double shorter)
 {
-    const int is_mended = is_mendable(run, attempts, h, error), leaves = run->methods.table->leaves_trouble;
+    const int is_mended = is_mendable(run, attempts, h, error);
     attempts->last = error;
-    if (run->model->n_multipliers == 0 || leaves)
-        return shorter;
-    if (sinks(run, attempts, shorter)) {
-        begin_ways(run, attempts, attempts->planned);
-        attempts->leaps = 1;
-        attempts->back = shorter;
-        return next_way(run, attempts, shorter);
-    }
-    if (is_mended)
+    if (run->model->n_multipliers == 0 || is_mended || run->methods.table->leaves_trouble)
         return shorter;
     if (!run->careful) {
-        begin_ways(run, attempts, fmax(attempts->planned, run->calm_step));
+        run->careful = 1;
+        memset(attempts->errors, 0, sizeof attempts->errors);
+        memset(attempts->tries, 0, sizeof attempts->tries);
         attempts->rejected = 1;
+        attempts->planned = fmax(attempts->planned, run->calm_step);
         attempts->early = h < WAY[LAG_WAYS - 1] * attempts->planned ? error : INFINITY;
     }
     if (attempts->way >= 0)

@@ -4,7 +4,7 @@
 
 #include "state/state.h"
 
-enum { LAG_WAYS = 8, LAG_MOST_WAYS = 16 }; /* lengths at which a step is tried near a singular position, and across it */
+enum { LAG_WAYS = 8 }; /* lengths at which a step is tried near a singular position */
 
 typedef struct {
     int rejected;
@@ -12,11 +12,9 @@ typedef struct {
     double allowed;          /* error, in units */
     double last;             /* error of the attempt before */
     double early;            /* error of a still shorter attempt before the lengths below; infinity: there was none */
-    double errors[LAG_MOST_WAYS]; /* of the lengths tried near a singular position; infinity: in vain; set where it gets careful */
-    int tries[LAG_MOST_WAYS];     /* how often each was tried */
+    double errors[LAG_WAYS]; /* of the lengths tried near a singular position; infinity: in vain; set where it gets careful */
+    int tries[LAG_WAYS];     /* how often each was tried */
     int way;                 /* the one being tried; -1: another length */
-    int leaps;               /* whether these lengths lead across: 1: they are being tried; 2: in vain */
-    double back;             /* the length that was due before */
     int depth;               /* halvings of the shortest of them that were tried after all; IN_VAIN near a singular position */
 } LagAttempts;
 

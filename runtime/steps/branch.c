@@ -21,7 +21,7 @@ void lag_branch_layout(LagBranch *branch, const LagModel *model, LagArena *arena
 
 void lag_branch_forget(LagRun *run)
 {
-    run->branch.step = run->branch.sunk = 0;
+    run->branch.step = 0;
     run->branch.turned = -1;
 }
 
@@ -42,8 +42,6 @@ void lag_branch_watch(LagRun *run)
     const LagMotion *m = &run->motion;
     const double h = m->t - m->t_old, past = m->t - s->time;
     const int is_soon = past < MOMENT * s->step;
-    if (h >= USUAL * s->step)
-        s->sunk = 0;
     if (h >= USUAL * s->step || !is_soon) {
         s->step = lag_max(h, s->step - past / FADES);
         s->time = m->t;

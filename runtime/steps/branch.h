@@ -9,7 +9,6 @@
 typedef struct {
     double *rate;      /* n: rates after the latest step of usual length */
     double step, time; /* its length and its end; 0: none since something happened */
-    double sunk;       /* length below it at which steps across a singular position were tried in vain; 0: none were */
     int turned;        /* the coordinate whose rate has become another one within next to no time; -1: none */
 } LagBranch;
 

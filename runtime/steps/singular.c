@@ -8,14 +8,11 @@
 #include "model/function.h"
 
 static const double PART = 1e-3; /* of a step: so far both displacements go */
-/* Where nothing is singular in a step or next to it, what rates across the constraints do to themselves during it is less than this
- * share of them, or it grows by no more than this factor. */
-static const double STRONG = 0.5, RISES = 3;
 static const double HELD = 1e-3; /* of the largest part of a displacement: less has nothing to do with constraints */
 
 void lag_singular_layout(LagRun *run, LagArena *arena)
 {
-    run->probe = lag_take(arena, run->model->n_multipliers > 0 ? 7 * (size_t)run->model->n : 0);
+    run->probe = lag_take(arena, run->model->n_multipliers > 0 ? 6 * (size_t)run->model->n : 0);
 }
 
 /* The accelerations at positions q and the present rates, less those of `before`. Returns 0 when they have no value. */
@@ -100,51 +97,4 @@ double lag_singularity(LagRun *run, double h)
     const double ratio = measure(run, h);
     run->careful = was_careful;
     return ratio;
-}
-
-/* What rates that are off by `normal` over h change accelerations by, at a state. Returns 0 when they have no value. */
-static int respond(LagRun *run, double t, double h, const double *q, const double *rate, const double *normal, double *result)
-{
-    const int n = run->model->n;
-    double *v = run->probe + 4 * (size_t)n, *off = v + n; /* rates are corrected in place by some */
-    memcpy(v, rate, (size_t)n * sizeof *v);
-    for (int i = 0; i < n; ++i)
-        off[i] = v[i] + normal[i] / h;
-    run->motion.evaluations += 2;
-    if (!lag_accelerations(run, t, q, v, result, run->power) || !lag_accelerations(run, t, q, off, v, run->power))
-        return 0;
-    for (int i = 0; i < n; ++i)
-        result[i] = v[i] - result[i];
-    return 1;
-}
-
-static int is_ahead(LagRun *run, double h)
-{
-    const LagMotion *m = &run->motion;
-    const int n = m->n;
-    double *a = run->probe, *here = a, *there = a + n, *q = there + n, *normal = q + n, *way = normal + 3 * n;
-    if (!change(run, m->y, NULL, a))
-        return 1;
-    const double size = along(m, h, a, way);
-    if (!(size > 0) || !across(run, size, q, normal))
-        return 1;
-    for (int i = 0; i < n; ++i)
-        q[i] = m->y[i] + h * m->y[n + i]; /* rates as they are: what forces do on the way is not asked for */
-    if (!respond(run, m->t, h, m->y, m->y + n, normal, here) || !respond(run, m->t + h, h, q, m->y + n, normal, there))
-        return 1;
-    for (int i = 0; i < n; ++i) {
-        const double ratio = there[i] / here[i];
-        if (fabs(normal[i]) > HELD * size && fabs(here[i]) * h * h > STRONG * fabs(normal[i]) && !(ratio > 0 && ratio < RISES))
-            return 1;
-    }
-    return 0;
-}
-
-int lag_singular_is_ahead(LagRun *run, double h)
-{
-    const int was_careful = run->careful;
-    run->careful = 0;
-    const int is_near = run->model->n_holonomic > 0 && is_ahead(run, h);
-    run->careful = was_careful;
-    return is_near;
 }

@@ -10,8 +10,4 @@ void lag_singular_layout(LagRun *run, LagArena *arena);
  * thousandth of a step of length h: near 1 in general, hundreds and more near singular positions. */
 double lag_singularity(LagRun *run, double h);
 
-/* Whether a singular position lies within the next step of about h, or not far behind it: what rates across the constraints do to
- * accelerations becomes something else on the way. Costs five evaluations. */
-int lag_singular_is_ahead(LagRun *run, double h);
-
 #endif
