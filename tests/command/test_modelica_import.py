@@ -63,7 +63,7 @@ def test_what_has_no_counterpart_is_left_out_and_told(tmp_path: Path, capsys: py
 
 
 def test_texts_that_cannot_be_imported(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    wrong = (("a.mo", "model A\n  Real x", "L0105"), ("a.urdf", "<robot/>", "L0703"), ("b.mo", "model A end B;", "L01"))
+    wrong = (("a.mo", "model A\n  Real x", "L0105"), ("a.urdf", "<robot/>", "L0730"), ("b.mo", "model A end B;", "L01"))
     for name, text, code in wrong:
         (tmp_path / name).write_text(text, encoding="utf-8")
         assert main(["import", str(tmp_path / name)]) == 2
@@ -74,9 +74,10 @@ def test_texts_that_cannot_be_imported(tmp_path: Path, capsys: pytest.CaptureFix
 def test_names_that_the_library_itself_uses() -> None:
     """Its own examples name packages from where they stand."""
     found = imported("within Modelica.Mechanics.Translational.Examples;\nmodel A\n  SI.Length x;\n  Components.Mass m(m=1);\n"
-                     "  Rotational.Sensors.SpeedSensor s;\n  Sensors.MultiSensor q;\nend A;\n")
+                     "  Rotational.Sensors.SpeedSensor s;\n  Sensors.MultiSensor q;\n  Sensors.Other o;\nend A;\n")
     assert "Length x;" in found.text and "Translational.Mass m(m=1);" in found.text and "Rotational.SpeedSensor s;" in found.text
-    assert found.left_out == ("Sensors.MultiSensor q;",)
+    assert "Translational.MultiSensor q;" in found.text
+    assert found.left_out == ("Sensors.Other o;",)
 
 
 def test_arguments_of_peoples_own_classes_stay() -> None:

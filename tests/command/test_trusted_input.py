@@ -143,7 +143,7 @@ def test_largest_and_sum_of_one_number_and_directions_of_one(capsys: pytest.Capt
     model = lag.load(file)
     assert dict(zip(model.parameter_names, model.parameter_values(), strict=True))["b.m"] == 10
     for text in ("Prismatic j(a = world, along = {1}); PointMass p(m = 1, center = j.b);",
-                 "Weld w(a = world, offset = {1, 2, 3}); PointMass p(m = 1); Spring s(a = w.b, b = p.center, k = 1);"):
+                 "Weld w(a = world, offset = {1, 2, 3, 4}); PointMass p(m = 1); Spring s(a = w.b, b = p.center, k = 1);"):
         assert main(["check", write(f"model Short\n  {text}\nend Short;\n", "short.lag")]) == 2
         assert "error[L0303]" in capsys.readouterr().err
 

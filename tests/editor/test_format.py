@@ -77,6 +77,8 @@ def meaning(node: Any) -> Any:
         return None
     if dataclasses.is_dataclass(node):
         return type(node).__name__, [meaning(getattr(node, field.name)) for field in dataclasses.fields(node)]
+    if isinstance(node, dict) and all(isinstance(key, int) for key in node):
+        return len(node)  # by the places of expressions in memory: which of them are alike
     if isinstance(node, dict):
         return {key: meaning(value) for key, value in node.items()}
     return [meaning(item) for item in node] if isinstance(node, tuple | list) else repr(node)

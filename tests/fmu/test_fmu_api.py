@@ -12,9 +12,9 @@ import pytest
 
 pytest.importorskip("fmpy")
 
-from helpers.fmus import EXAMPLES, KINDS, VERSIONS, Instance, fmu_of, model_of, unpacked
+from helpers.fmus import EXAMPLES, EXPORTED, KINDS, VERSIONS, Instance, fmu_of, model_of, unpacked
 
-FILES = sorted(EXAMPLES.glob("*.lag"))
+FILES = EXPORTED
 DRIVEN = """
 model Driven "A mass on a spring, pushed from outside"
   parameter Mass m = 2 "of the block"; parameter Stiffness k = 50; parameter Damping c = 0.4; parameter Frequency f = sqrt(k/m)/6;

@@ -91,7 +91,7 @@ def test_what_symmetry_keeps_at_rest_is_noise(scene: Write, solver: str, toleran
 @pytest.mark.parametrize("solver", ["erk9", "implicit"])
 def test_a_small_motion_is_none(scene: Write, solver: str) -> None:
     """An oscillation of 1e-15 rad beside a mass that falls 5 m is as exact as one of 1 rad."""
-    run = scene("""model M Revolute h(a = world, phi(start = 1e-15)); Body disc(m = 1, I = 1, center = h.b); Block b(m = 1, base = world,
-      along = {0, 1}); energy potential 4.5[J]*h.phi^2 + 0.1[J]*sin(h.phi)^4; end M;""").simulate(
+    run = scene("""model M Revolute h(a = world, phi(start = 1e-15)); Body disc(m = 1, I = 1, center = h.b);
+      Block b(m = 1, base = world, along = {0, 1}); energy potential 4.5[J]*h.phi^2 + 0.1[J]*sin(h.phi)^4; end M;""").simulate(
           at=[0, 10, 100], solver=solver, tolerance=1e-9)
     np.testing.assert_allclose(run["h.phi"], 1e-15 * np.cos(3 * run.time), atol=1e-23)

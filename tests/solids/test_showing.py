@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import lagrangia as lag
+from lagrangia.base.folders import data_folder
 from lagrangia.command.cli import main
 
 ZOO = """model Zoo "one of each"
@@ -105,7 +106,7 @@ def test_what_floats_without_weight_is_drawn_and_turns_as_it_does() -> None:
     """The poses of a satellite are those of its quaternion, whatever its attitude is counted against."""
     from lagrangia.solids.showing import stage_of
 
-    model = lag.load(Path(lag.__file__).parents[2] / "models" / "examples" / "satellite.lag")
+    model = lag.load(data_folder("models") / "examples" / "satellite.lag")
     run = model.simulate(stop=20, interval=5)
     stage = stage_of(run, {}, [])
     hull = stage.bodies[0]

@@ -51,6 +51,9 @@ class _Robot:
     def __init__(self, root: Element, file: str) -> None:
         self.root, self.file, self.report = root, file, Report()
         self.links = {self._name(x): x for x in root.all("link")}
+        if not self.links:
+            fail("L0730", "there is no link in this robot", root.span(),
+                 'links are its bodies: <link name="arm"> with <inertial>')
         self.used: set[str] = set(_TAKEN)
         self.left_out: list[str] = []
         joints = [(x, self._name(x)) for x in root.all("joint")]

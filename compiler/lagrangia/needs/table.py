@@ -401,4 +401,4 @@ def _listed(what: str, found: list[tuple[str, Span]], otherwise: str, cost: str 
     """A need for each of which there is a name and a place, or none at all."""
     if not found:
         return Need(what, False, otherwise, saving=saved)
-    return Need(what, True, _few([name for name, _ in found]), str(found[0][1]), cost)
+    return Need(what, True, _few([name or "what the scene itself says" for name, _ in found]), str(found[0][1]), cost)
