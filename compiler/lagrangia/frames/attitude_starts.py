@@ -32,7 +32,7 @@ def of_variable(variable: Variable, rate: Flat | None, is_rate_fixed: bool) -> A
 
 
 def of_frame(frame: Frame) -> Attitude:
-    """Of a floating frame, by what its declaration says of Q, and of omega, or of w in the world's axes."""
+    """Of a floating frame, by what its declaration says of Q, and of omega, or of w in the world's axes. Raises LagError."""
     for name in _READ_ALONE & frame.starts.keys():
         fail("L0208", f"a frame does not begin by its {name}", frame.starts[name].span,
              'its attitude begins at Q(start = angles("zxz", 10[deg], 20[deg], 0)), its rates at omega(start = {0, 0, 1})')
