@@ -257,6 +257,15 @@ def test_coefficients_that_change_with_time_are_told(what: str, is_told: bool, s
         assert any(note.startswith("warning[L0740]") for note in notes) == is_told
 
 
+@pytest.mark.parametrize(("to", "is_told"), [("0.05*cos(200*time)", True), ("0.05", False)])
+def test_a_rod_to_a_support_that_moves_is_told(to: str, is_told: bool, scene: Write) -> None:
+    """Kapitza's pendulum of a rod, whose equation knows the time."""
+    model = scene(f"model Timed Prismatic g(a = world, along = {{0, 1}}); Motion drive(of = g.s, to = {to}); "
+                  "PointMass P(m = 1, center(y(start = -1))); Link rod(a = g.b, b = P.center, L = 1); end Timed;")
+    for notes in (model.modes().notes, model.linearize().notes, model.equilibrium().notes):
+        assert any(note.startswith("warning[L0740]") for note in notes) == is_told
+
+
 @pytest.mark.parametrize(("mu", "rests"), [(0.289, True), (0.288, False)])
 def test_a_ladder_against_a_smooth_wall(mu: float, rests: bool, scene: Write) -> None:
     """At 60 degrees it takes mu = 1/(2 tan 60 deg) = 0.288675 at its foot; the wall carries what the foot holds."""

@@ -18,6 +18,7 @@ from lagrangia.constraints.assembly import Assembly
 from lagrangia.constraints.initial import FIXED, FREE
 from lagrangia.constraints.newton import start_equations
 from lagrangia.constraints.singular_positions import told
+from lagrangia.dynamics.constrained_motion import constraint_rows
 from lagrangia.dynamics.equilibrium import Rest, find_all, find_rest, onto_constraints
 from lagrangia.frames.attitude_starts import HINGES, refuse_attitudes
 from lagrangia.frames.joints import all_reactions, reaction_ports
@@ -349,6 +350,8 @@ class Study:
         N, free = linear.tangent.N, e.multipliers()
         if e.is_bent and bends_at(lambda dq, side: self._sided(e, N, q + dq, side), N, self.reach):
             linear = replace(linear, notes=(*linear.notes, BENT))
+        if self._is_held_by_time:
+            return replace(linear, notes=(*linear.notes, _STOPPED.format(self.time)))
         if not e.is_timed:
             return linear
         found = []
@@ -360,6 +363,16 @@ class Study:
         if all(change <= _STEADY * max(large, 1e-300) for change, large in zip(changes, largest, strict=True)):
             return linear
         return replace(linear, notes=(*linear.notes, _STOPPED.format(self.time)))
+
+    @cached_property
+    def _is_held_by_time(self) -> bool:
+        """Whether a loop or an equation that knows the time has slopes that change: a rod to a support that moves."""
+        kinematics = self.c.kinematics
+        q, v = (ca.vertcat(ca.SX(0, 1), *values.values()) for values in (kinematics.symbols.positions, kinematics.symbols.rates))
+        rows = constraint_rows(kinematics, self.c.constraints)
+        J, time = ca.jacobian(rows.rate, v), kinematics.symbols.time
+        moving = ca.vertcat(q, time)
+        return any(ca.depends_on(rows.phi[k], time) and ca.depends_on(J[k, :], moving) for k in range(rows.phi.numel()))
 
     def _sided(self, e: SmallMotion, N: Vector, q: Vector, side: bool) -> list[Vector]:
         """Forces, damping and stiffness, with rates on one side."""
