@@ -370,3 +370,12 @@ def test_a_model_that_only_computes_is_an_fmu_without_states(tmp_path: Path, cap
     assert main(["simulate", str(model), "--at", "0,1", "-u", "phi=0.5", "-u", "w=2", "-o", str(tmp_path / "a.csv")]) == DONE
     assert (tmp_path / "a.csv").read_text().splitlines()[-1] == "1.0,5020.0"
     assert "stands still" not in capsys.readouterr().out
+
+
+def test_what_friction_holds_has_derivatives_of_nothing(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """The differences of a force that is held are rounding, and no fault."""
+    (tmp_path / "held.lag").write_text("model S Block b(m = 1, base = world); Spring p(k = 20, stretch = 0.1[m/s]*time - b.s); "
+                                       "DryFriction rub(F = 2, F_static = 3, rate = b.v); end S;")
+    Model(tmp_path / "held.lag").export_fmu(tmp_path / "held.fmu")
+    assert main(["fmu", "check", str(tmp_path / "held.fmu")]) == 0
+    assert "no fault" in capsys.readouterr().out

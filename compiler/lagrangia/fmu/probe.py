@@ -67,7 +67,8 @@ def _differing(importer: Importer, names: Sequence[str], x: Sequence[float], k: 
         ends.append(importer.get(names))
     importer.set_states(x)
     numeric = [(a - b) / (2 * h) for a, b in zip(*ends, strict=True)]
-    noise = [1e-12 * max(abs(a), abs(b)) / h for a, b in zip(*ends, strict=True)]
+    largest = max(map(abs, (*x, *importer.nominals(), *ends[0], *ends[1])))  # what is held is a difference of terms unseen
+    noise = [max(1e-12 * max(abs(a), abs(b)), 1e-15 * largest) / h for a, b in zip(*ends, strict=True)]
     size = max(map(abs, (*exact, *numeric)))
     for name, found, true, error in zip(names, exact, numeric, noise, strict=True):
         if not abs(found - true) <= _WRONG * size + error:
