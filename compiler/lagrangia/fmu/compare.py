@@ -142,6 +142,8 @@ class _NativeRun:
         if failed:
             return _stopped(kind, failed[0])
         found = [np.frombuffer(outcome.rows).reshape(-1, 1 + len(self.names))[:, 1:].T for outcome in outcomes]
+        if any(rows.shape != self.values.shape for rows in found):
+            return Comparison(f"{SPOKEN[kind]}: the FMU ended the process that ran it", True)
         own = np.abs(found[-1] - found[0]) / self.scale  # errors of CVode, which has no tolerance for the whole
         return self._judged(kind, found[0], self.allowed + _LOOSER * np.maximum.accumulate(own.max(axis=0, initial=0.0)))
 
