@@ -104,7 +104,8 @@ def test_references_and_other_names(client: Client, scene: str) -> None:
 def test_completion(client: Client, scene: str) -> None:
     assert labels(client.at("completion", scene, SCENE, "k = 3")) == ["k", "s_rel0", "a", "b", "stretch"]
     assert "m" in labels(client.at("completion", scene, SCENE, "bar.b.y", 4))
-    assert set(labels(client.at("completion", scene, SCENE, "bar.b.y", 6))) == {"r", "x", "y", "phi", "v", "w"}
+    attributes = {"r", "x", "y", "z", "phi", "R", "Q", "v", "w", "omega"}
+    assert set(labels(client.at("completion", scene, SCENE, "bar.b.y", 6))) == attributes
     assert {"start", "fixed"} <= set(labels(client.at("completion", scene, SCENE, "start = 1")))
     assert {"parameter", "Leg", "Spring", "Length"} <= set(labels(client.at("completion", scene, SCENE, "Spring s")))
     assert {"kg", "mm", "N"} & set(labels(client.at("completion", scene, SCENE, "m]*1", 0)))

@@ -109,22 +109,10 @@ def test_a_browser_shows_them_from_files_and_finds(pages: Mapping[str, str], tmp
 
 
 @pytest.mark.slow
-def test_the_command_draws_most_of_the_library(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_command_draws_most_of_the_library_and_packages(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     runs = "model Runs Block b(m = 1, base = world); end Runs;"
     (tmp_path / "own.lag").write_text(f"{OWN.partition('  work')[0]}end Soft;\n{runs}\n")
-    target = tmp_path / "site"
-    assert main(["doc", str(tmp_path / "own.lag"), "-o", str(target)]) == 0
-    pages = {file.name: file.read_text(encoding="utf-8") for file in target.glob("*.html")}
-    assert all("<svg" in pages[f"library.{name}.html"] for name in ("springs.Spring", "joints.Revolute", "bodies.Bar",
-                                                                   "constraints.Gear", "constraints.Stop", "loads.AppliedForce"))
-    assert "<svg" in pages["own.Soft.html"] and "<svg" in pages["own.Runs.html"]
-    assert main(["doc", "-o", str(tmp_path)]) == 2, "which holds something else"
-    assert "holds something else" in capsys.readouterr().err
-
-
-@pytest.mark.slow
-def test_packages_have_pages_in_files_and_in_folders(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    own = tmp_path / "Own"
+    own, target = tmp_path / "Own", tmp_path / "site"
     (own / "Sub").mkdir(parents=True)
     (own / "package.lag").write_text("package Own\n  record Wheel\n    parameter Length r = 0.3;\n  end Wheel;\nend Own;\n")
     (own / "Cart.lag").write_text("within Own;\nmodel Cart\n  extends Block(m = 2);\n"
@@ -132,9 +120,11 @@ def test_packages_have_pages_in_files_and_in_folders(tmp_path: Path, capsys: pyt
                                   "  Wheel w;\n  Rotational.Inertia J(J = w.r*1[kg.m]);\nend Cart;\n")
     (own / "Sub" / "package.lag").write_text("within Own;\npackage Sub\nend Sub;\n")
     (own / "Sub" / "Damped.lag").write_text("within Own.Sub;\nmodel Damped\n  extends Damper;\nend Damped;\n")
-    target = tmp_path / "site"
-    assert main(["doc", str(own), "-o", str(target)]) == 0
+    assert main(["doc", str(tmp_path / "own.lag"), str(own), "-o", str(target)]) == 0
     pages = {file.name: file.read_text(encoding="utf-8") for file in target.glob("*.html")}
+    assert all("<svg" in pages[f"library.{name}.html"] for name in ("springs.Spring", "joints.Revolute", "bodies.Bar",
+                                                                   "constraints.Gear", "constraints.Stop", "loads.AppliedForce"))
+    assert "<svg" in pages["own.Soft.html"] and "<svg" in pages["own.Runs.html"]
     for text in pages.values():
         assert set(Reader(text).links) <= {*pages, "site.css", "search.js"}
     cart = pages["Own.Own.Cart.html"]
@@ -145,3 +135,5 @@ def test_packages_have_pages_in_files_and_in_folders(tmp_path: Path, capsys: pyt
     (own / "Astray.lag").write_text("model Astray\nend Astray;\n")
     assert main(["doc", str(own), "-o", str(target)]) == 2
     assert "its first line is `within Own;`" in capsys.readouterr().err
+    assert main(["doc", "-o", str(tmp_path)]) == 2, "which holds something else"
+    assert "holds something else" in capsys.readouterr().err

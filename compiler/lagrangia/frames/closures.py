@@ -30,6 +30,9 @@ class Frames(Leaves, Protocol):
     def pose(self, name: str, level: int) -> Pose:
         """That of a frame, at a level."""
 
+    def attitude(self, name: str, level: int) -> Value:
+        """The quaternion of a frame, without what displaces it."""
+
     def step(self, step: Step, pose: Pose, level: int) -> Pose:
         """The pose behind a step that begins at another one."""
 
@@ -86,7 +89,7 @@ def _ends(frames: Frames, closure: Closure, level: int) -> tuple[Pose, Pose]:
 
 def _turn(frames: Frames, closure: Closure) -> Sequence[Scalar]:
     """The quaternion of b against a, in the world's axes."""
-    a, b = ((frames.frame(name, "Q", 0), quaternion_along(steps, frames.evaluator.value, 0, frames.algebra, frames.turn_by))
+    a, b = ((frames.attitude(name, 0), quaternion_along(steps, frames.evaluator.value, 0, frames.algebra, frames.turn_by))
             for name, steps in ((closure.a, closure.steps_a), (closure.b, closure.steps_b)))
     return quaternion_product(quaternion_product(*b), conjugate(quaternion_product(*a)))
 

@@ -179,7 +179,13 @@ class Kinematics(Attitudes):
         """An attribute of a frame (language/frame_attributes.py). Raises LagError."""
         kind = self.graph.model.space.attributes[attribute].kind
         if kind == "attitude" and attribute != "R":
-            return self._attitude(name, attribute, level)
+            if attribute != "Q":
+                fail("L0302", f"{name}.{attribute} is no number: a torque works on it", self.graph.model.frames[name].span,
+                     "write: work M on frame.attitude; the attitude itself is R (a matrix) or Q (a quaternion)")
+            if self.is_displaced:  # by which its way along the tree knows nothing
+                fail("L0901", f"not supported yet: reactions, and forces on frames, where something depends on {name}.Q",
+                     self.graph.model.frames[name].span, "the elements of its matrix R are known there")
+            return self.attitude(name, level)
         if kind == "reaction":
             return self._reaction(name, attribute, level)
         if kind == "velocity" and level >= 2:
@@ -189,14 +195,8 @@ class Kinematics(Attitudes):
             require_about_z(name, own, self.symbols.rates, self.graph.model.frames[name].span)
         return self.geometry.attribute_of(self.pose(name, level + 1 if kind == "velocity" else level), attribute)
 
-    def _attitude(self, name: str, attribute: str, level: int) -> Value:
-        """The quaternion of a frame; what a torque works on is no number."""
-        if attribute != "Q":
-            fail("L0302", f"{name}.{attribute} is no number: a torque works on it", self.graph.model.frames[name].span,
-                 "write: work M on frame.attitude; the attitude itself is R (a matrix) or Q (a quaternion)")
-        if self.is_displaced:  # by which this way along the tree knows nothing
-            fail("L0901", f"not supported yet: reactions, and forces on frames, where something depends on {name}.Q",
-                 self.graph.model.frames[name].span, "the elements of its matrix R are known there")
+    def attitude(self, name: str, level: int) -> Value:
+        """The quaternion of a frame, without what displaces it."""
         edges, way = {edge.child: edge for edge in self.graph.edges}, list[Edge]()
         while name in edges:
             way.insert(0, edges[name])
