@@ -10,28 +10,17 @@ they are installed (pip install pin mujoco); they are called from Python, which 
 import argparse
 import ctypes
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 
-from lagrangia.bench.clock import Clock, state
+from lagrangia.bench.clock import Clock, shortest, state
 
 CHAIN = Path(__file__).resolve().parents[2] / "models" / "examples" / "chain.lag"
 ROPE = Path(__file__).resolve().parent / "scenes" / "rope.lag"
 SIZES = (2, 5, 10, 20, 50, 100, 300, 1000, 3000, 10000)
 LARGEST_NATIVE = 100
-
-
-def best(call: Callable[[], object], seconds: float = 0.3) -> float:
-    """The shortest of many calls: what others do on the machine only adds."""
-    found, end = float("inf"), time.perf_counter() + seconds
-    while time.perf_counter() < end:
-        begin = time.perf_counter()
-        for _ in range(20):
-            call()
-        found = min(found, (time.perf_counter() - begin) / 20)
-    return found
 
 
 def ours(file: Path, n: int, clock: Clock) -> tuple[float, int, str, float]:
@@ -65,7 +54,7 @@ def pinocchio(n: int) -> float | None:
         parent = model.addJoint(parent, pin.JointModelRZ(), place, f"hinge{k}")
         model.appendBodyToJoint(parent, pin.Inertia(1.0, np.array([0.25, 0, 0]), np.eye(3) * 0.5**2 / 12), pin.SE3.Identity())
     data, q, v = model.createData(), np.full(n, 0.3), np.full(n, 0.2)
-    return best(lambda: pin.aba(model, data, q, v, np.zeros(n)))
+    return shortest(lambda: pin.aba(model, data, q, v, np.zeros(n)))
 
 
 def mujoco(n: int) -> float | None:
@@ -78,7 +67,7 @@ def mujoco(n: int) -> float | None:
     model = mj.MjModel.from_xml_string(f"<mujoco><worldbody>{body}</worldbody></mujoco>")
     data = mj.MjData(model)
     data.qpos[:], data.qvel[:] = 0.3, 0.2
-    return best(lambda: mj.mj_forward(model, data))
+    return shortest(lambda: mj.mj_forward(model, data))
 
 
 def table(file: Path, largest: int) -> Iterator[str]:

@@ -4,15 +4,14 @@ All are timed by the shortest of many calls. What is called from Python carries 
 """
 
 import ctypes
-import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 import casadi as ca
 import numpy as np
 
 from lagrangia.base.records import dataclass
-from lagrangia.bench.clock import Clock, state
+from lagrangia.bench.clock import Clock, shortest, state
 from lagrangia.bench.tree_peers import Tree, Unfit, in_numbers, peers_of
 from lagrangia.compile.pipeline import Compilation
 from lagrangia.constraints.parameters import default_parameters
@@ -48,7 +47,7 @@ def measure_sides(made: Compilation) -> Iterator[Side | tuple[str, str]]:
             yield peer
             continue
         found = peer.accelerations()
-        yield Side(peer.name, "from Python", _shortest(peer.call), float(np.abs(found - own).max() / np.abs(own).max()))
+        yield Side(peer.name, "from Python", shortest(peer.call), float(np.abs(found - own).max() / np.abs(own).max()))
 
 
 def _ours(made: Compilation) -> "tuple[NDArray[np.float64], str, float, list[NDArray[np.float64]]]":
@@ -75,14 +74,3 @@ def _in_numbers(made: Compilation, tree: SpatialBodies, inputs: "list[NDArray[np
     n = made.scene.n
     joints = in_numbers(tree.joints, value)
     return Tree(joints, n, inputs[1][:n], inputs[2][:n], np.array([value(x) for x in field]))
-
-
-def _shortest(call: Callable[[], object], seconds: float = 0.3) -> float:
-    """What others do on the machine only adds."""
-    found, end = float("inf"), time.perf_counter() + seconds
-    while time.perf_counter() < end:
-        begin = time.perf_counter()
-        for _ in range(20):
-            call()
-        found = min(found, (time.perf_counter() - begin) / 20)
-    return found

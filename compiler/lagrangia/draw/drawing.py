@@ -63,6 +63,11 @@ def draw_scene(model: Drawable, path: str | os.PathLike[str] | None, request: Re
     page, failure = page_of(model, request, names)
     if not page.paths and not page.labels and tell is not None:
         tell("nothing in this scene has a drawing: `lag help drawing` says how to give it one")
+    return finished(page, path, failure)
+
+
+def finished(page: Page, path: str | os.PathLike[str] | None, failure: RunError | None) -> str:
+    """The text of a page as SVG, and its file where a path is given. Raises LagError; RunError for the failure."""
     text = write_svg(page)
     if path is not None:
         save_page(page, text, Path(path))
@@ -76,16 +81,22 @@ def page_of(model: Drawable, request: Request, names: Mapping[str, str]) -> tupl
     """The page of a scene where the request's last time is, or at its start; or where the motion ends before, and why.
 
     Raises LagError; RunError where nothing was computed."""
+    model, states, failure = moment_of(model, request)
+    return draw_page(model.compilation, figures_of(model), states, names), failure
+
+
+def moment_of(model: Drawable, request: Request) -> tuple[Drawable, States, RunError | None]:
+    """The model in the formulas that the request needs, and its state at the request's last time, or at its start; or where the
+    motion ends before, and why. Raises LagError; RunError where nothing was computed."""
     begin = model.scene.start if request.at is None else request.at[-1]
     asked = Request(at=[begin], parameters=request.parameters, initial=request.initial, inputs=request.inputs)
     model = model.fitting(request.parameters)
-    run, failure = run_until(model, asked, begin)
+    run, failure = _run_until(model, asked, begin)
     values = check_values(model.scene, request.parameters, request.initial, request.inputs)
-    return draw_page(model.compilation, figures_of(model), states_of(model, run, values), names), failure
+    return model, states_of(model, run, values), failure
 
 
-def run_until(model: Drawable, asked: Request, end: float) -> tuple[Trajectory, RunError | None]:
-    """A run to its last time, or as far as it goes, and what stopped it. Raises RunError where nothing was computed."""
+def _run_until(model: Drawable, asked: Request, end: float) -> tuple[Trajectory, RunError | None]:
     try:
         return model.run(asked), None
     except RunError:

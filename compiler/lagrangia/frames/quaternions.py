@@ -9,6 +9,7 @@ from typing import Any
 from lagrangia.algebra.duals import Algebra, Scalar, minus, plus, times
 from lagrangia.frames.spatial import unit_axis
 from lagrangia.frames.steps import Step
+from lagrangia.language.attitudes import PRODUCT
 
 Quaternion = tuple[Scalar, ...]  # (4,)
 NOT_TURNED: Quaternion = (1.0, 0.0, 0.0, 0.0)
@@ -37,10 +38,8 @@ def conjugate(q: Sequence[Scalar]) -> Quaternion:
 
 def quaternion_product(a: Sequence[Scalar], b: Sequence[Scalar]) -> Quaternion:
     """Of the turn b and then the turn a, in the axes of the world; of a, and then b in the axes of a."""
-    signs = (((0, 0, 1), (1, 1, -1), (2, 2, -1), (3, 3, -1)), ((0, 1, 1), (1, 0, 1), (2, 3, 1), (3, 2, -1)),
-             ((0, 2, 1), (2, 0, 1), (3, 1, 1), (1, 3, -1)), ((0, 3, 1), (3, 0, 1), (1, 2, 1), (2, 1, -1)))
     found = []
-    for terms in signs:
+    for terms in PRODUCT:
         total: Scalar = 0.0
         for i, j, sign in terms:
             part = times(a[i], b[j])

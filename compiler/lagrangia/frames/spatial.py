@@ -147,11 +147,6 @@ def unit_axis(step: Step, axis: Value | None, algebra: Algebra) -> Vector:
     return tuple(x / sqrt(squares) for x in axis)
 
 
-def stays(step: Step) -> bool:
-    """Whether it leaves the origin where it is."""
-    return step.kind == "turn"
-
-
 # -------------------------------------------------------------------- turns
 
 

@@ -111,9 +111,6 @@ class RigidInertia:
         return [*cross(w, cross(w, self.moment)), *cross(w, L)]
 
 
-NOBODY = RigidInertia(0.0, (0.0,) * 3, [[0.0] * 3] * 3)
-
-
 # -------------------------------------------------------------------- matrices of a twist
 
 

@@ -10,6 +10,9 @@ from lagrangia.language.tree import Array, Binary, Call, Flat, Number, String, U
 
 ROTATION = "Rotation"  # the type of a coordinate that is an attitude
 SEQUENCES = tuple(a + b + c for a in "xyz" for b in "xyz" for c in "xyz" if b not in (a, c))
+# Of a product of quaternions, part by part: which parts of the first and of the second one, and with which sign.
+PRODUCT = (((0, 0, 1), (1, 1, -1), (2, 2, -1), (3, 3, -1)), ((0, 1, 1), (1, 0, 1), (2, 3, 1), (3, 2, -1)),
+           ((0, 2, 1), (2, 0, 1), (3, 1, 1), (1, 3, -1)), ((0, 3, 1), (3, 0, 1), (1, 2, 1), (2, 1, -1)))
 _Quaternion = Sequence[Flat | None]  # (4,); None is 0
 
 
@@ -65,10 +68,8 @@ def _half_turn(call: Call[Flat], axis: int, angle: Flat) -> _Quaternion:
 
 
 def _product(call: Call[Flat], a: _Quaternion, b: _Quaternion) -> _Quaternion:
-    terms = (((0, 0, 1), (1, 1, -1), (2, 2, -1), (3, 3, -1)), ((0, 1, 1), (1, 0, 1), (2, 3, 1), (3, 2, -1)),
-             ((0, 2, 1), (2, 0, 1), (3, 1, 1), (1, 3, -1)), ((0, 3, 1), (3, 0, 1), (1, 2, 1), (2, 1, -1)))
     found: list[Flat | None] = []
-    for parts in terms:
+    for parts in PRODUCT:
         total: Flat | None = None
         for i, j, sign in parts:
             left, right = a[i], b[j]

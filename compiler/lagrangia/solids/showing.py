@@ -8,10 +8,10 @@ from pathlib import Path
 
 import numpy as np
 
-from lagrangia.base.diagnostics import RunError, fail
+from lagrangia.base.diagnostics import fail
 from lagrangia.base.result_files import Target, write_text
 from lagrangia.compile.pipeline import Compilation, flatten_file
-from lagrangia.draw.drawing import Drawable, Located, draw_scene, require_picture, run_until, save_page, states_of
+from lagrangia.draw.drawing import Drawable, Located, draw_scene, finished, moment_of, require_picture, states_of
 from lagrangia.draw.film import (
     FORMATS,
     animate_run,
@@ -28,11 +28,10 @@ from lagrangia.draw.film import (
 from lagrangia.draw.frames import save_frames
 from lagrangia.draw.page import Page
 from lagrangia.draw.picture import draw_page
-from lagrangia.draw.svg import write_svg
 from lagrangia.draw.values import States
 from lagrangia.language.dimensions import check_dimensions
 from lagrangia.language.flat import Figure
-from lagrangia.run.request import Request, check_values
+from lagrangia.run.request import Request
 from lagrangia.solids.camera import Camera, page_at, usual
 from lagrangia.solids.gltf import write_gltf
 from lagrangia.solids.orbit import write_orbit
@@ -59,22 +58,11 @@ def draw_any(model: Drawable, path: str | os.PathLike[str] | None, request: Requ
         return draw_scene(model, path, request, names, tell)
     if path is not None:
         require_picture(path)
-    begin = model.scene.start if request.at is None else request.at[-1]
-    asked = Request(at=[begin], parameters=request.parameters, initial=request.initial, inputs=request.inputs)
-    model = model.fitting(request.parameters)
-    run, failure = run_until(model, asked, begin)
-    values = check_values(model.scene, request.parameters, request.initial, request.inputs)
-    stage = build_stage(model.compilation, all_figures_of(model), states_of(model, run, values), names, ())
+    model, states, failure = moment_of(model, request)
+    stage = build_stage(model.compilation, all_figures_of(model), states, names, ())
     if tell is not None and not stage.bodies and not stage.lines:
         tell("nothing in this scene has a drawing: `lag help drawing` says how to give it one")
-    page = page_at(stage, 0, camera_of(stage, view), model.scene.description or model.scene.name)
-    text = write_svg(page)
-    if path is not None:
-        save_page(page, text, Path(path))
-    if failure is not None:
-        where = "" if path is None else f"\nwhat was computed before is drawn in {path}"
-        raise RunError(f"{failure}{where}")
-    return text
+    return finished(page_at(stage, 0, camera_of(stage, view), model.scene.description or model.scene.name), path, failure)
 
 
 def all_figures_of(model: Located) -> tuple[Figure, ...]:
