@@ -138,7 +138,6 @@ WRONG = {
     f"export {BAR} --to casadi -o nowhere/x.casadi": "L0004",
     f"export {BAR} --to modelica -o nowhere/x.mo": "L0004",
     f"response {EXAMPLES / 'pendulum.lag'}": "L0718",
-    f"linearize {EXAMPLES / 'four_bar.lag'} --about start": "L0916",
 }
 
 

@@ -5,6 +5,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy import cos, sin
 
+from helpers.bodies_in_space import GROUND, Body, accelerations, slip_of_disc
 from helpers.reference import Array, integrate
 
 g = 9.81
@@ -70,4 +71,56 @@ def satellite(t: Array) -> Columns:
     return found | {f"hull.center.omega[{k + 1}]": omega[:, k] for k in range(3)}
 
 
-REFERENCES: dict[str, Callable[[Array], Columns]] = {"top": top, "satellite": satellite}
+def rolling_disc_space(t: Array) -> Columns:
+    """Euler's angles zxz and w3 = psi' + phi' cos theta, A = m r^2/4, C = m r^2/2 (E.J. Routh):
+
+    (A + m r^2) theta'' = A phi'^2 sin theta cos theta - (C + m r^2) w3 phi' sin theta - m g r cos theta
+    A phi'' sin theta = C w3 theta' - 2 A phi' theta' cos theta,   (C + m r^2) w3' = m r^2 theta' phi' sin theta
+
+    The centre's velocity is r (theta' e3 - w3 e1), e1 level along the disc, e3 its axis.
+    """
+    m, r = 2, 0.25
+    A, C, heavy = m * r**2 / 4, m * r**2 / 2, m * r**2
+
+    def acceleration(t: float, q: Array, v: Array) -> Array:
+        (phi, theta, *_), (dphi, dtheta, w3, *_) = q, v
+        s, c = sin(theta), cos(theta)
+        tilting = (A * dphi**2 * s * c - (C + heavy) * w3 * dphi * s - m * g * r * c) / (A + heavy)
+        spinning = heavy * dtheta * dphi * s / (C + heavy)
+        along, aside = -spinning + dtheta * dphi * s, tilting * s + dtheta**2 * c + w3 * dphi
+        return np.array([(C * w3 - 2 * A * dphi * c) * dtheta / (A * s), tilting, spinning,
+                         r * (along * cos(phi) + aside * sin(phi)), r * (along * sin(phi) - aside * cos(phi))])
+
+    start = np.radians(60)
+    (phi, theta, _, x, y), v = integrate(acceleration, [0, start, 0, 0, 0], [1.3 / sin(start), 0, -8, 8 * r, 0], t)
+    ahead = r * cos(theta)
+    place = {"disc.center.x": x, "disc.center.y": y, "disc.center.z": r * sin(theta), "der(disc.center.S)[3]": v[2]}
+    return place | {"contact[1]": x + ahead * sin(phi), "contact[2]": y - ahead * cos(phi)}
+
+
+def bicycle(t: Array) -> Columns:
+    """Newton and Euler in numbers, with the contacts of both wheels as constraints on velocities."""
+    base, trail, tilt, head, v0 = 1.02, 0.08, np.radians(18), 0.8, 4.6
+    radii, back = (0.3, 0.35), head * np.tan(tilt) - trail
+
+    def look(q: Array, v: Array) -> tuple[list[Body], Array]:
+        x, y, yaw, z, lean, pitch, rear, steer, front = zip(q, v, strict=True)
+        path = GROUND.slid([1, 0, 0], *x).slid([0, 1, 0], *y).turned([0, 0, 1], *yaw).slid([0, 0, 1], *z)
+        frame = path.turned([1, 0, 0], *lean).turned([0, 1, 0], *pitch)
+        fork = frame.shifted([base - back, 0, head - 0.3]).turned([sin(tilt), 0, -cos(tilt)], *steer)
+        wheels = frame.turned([0, 1, 0], *rear), fork.shifted([back, 0, 0.35 - head]).turned([0, 1, 0], *front)
+        bodies = [(85, np.array([[9.2, 0, -2.4], [0, 11, 0], [-2.4, 0, 2.8]]), frame.shifted([0.3, 0, 0.6])),
+                  (2, np.diag([0.0603, 0.12, 0.0603]), wheels[0]), (3, np.diag([0.1405, 0.28, 0.1405]), wheels[1]),
+                  (4, np.array([[0.05892, 0, 0.00756], [0, 0.06, 0], [0.00756, 0, 0.00708]]),
+                   fork.shifted([0.9 - base + back, 0, 0.7 - head]))]
+        return bodies, np.concatenate([slip_of_disc(wheel, [0, 1, 0], r) for wheel, r in zip(wheels, radii, strict=True)])
+
+    start, free = np.zeros(9), np.array([v0, -0.15, 0, 0, 0.5, 0, v0 / 0.3, 0, v0 / 0.35])
+    start[3] = 0.3
+    q, _ = integrate(lambda t, q, v: accelerations(look, q, v, np.array([0, 0, -g])), start, free, t)
+    names = ("path.x", "path.y", "path.phi", "height.s", "lean.phi", "pitch.phi", "rear.phi", "steer.phi", "front.phi")
+    return {name: x for name, x in zip(names, q, strict=True) if name != "pitch.phi"}  # which is small
+
+
+REFERENCES: dict[str, Callable[[Array], Columns]] = {
+    "top": top, "satellite": satellite, "rolling_disc_space": rolling_disc_space, "bicycle": bicycle}

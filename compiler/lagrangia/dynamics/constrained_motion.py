@@ -40,7 +40,7 @@ class FreeMotion:
 
     def moved(self, correction: ca.SX) -> ca.SX:
         """Of positions, (n,), what a small motion along the rates is."""
-        return correction if self.pace is None else ca.substitute(self.pace, self.v, correction)
+        return correction if self.pace is None else ca.substitute(self.pace, self.v, ca.densify(correction))
 
     @cached_property
     def M(self) -> ca.SX:

@@ -32,8 +32,18 @@ from lagrangia.run.request import Values, check_parameters
 from lagrangia.study.contacts_at_rest import Grip, balance, find_all_held, find_held, holds_at
 from lagrangia.study.corners_at_rest import BENT, bends_at
 from lagrangia.study.equilibria import Equilibria, Equilibrium
-from lagrangia.study.linearization import Given, Linearization, TangentParts, linearization, no_mass, tangent_of, with_signals
+from lagrangia.study.linearization import (
+    PREFERRED,
+    Given,
+    Linearization,
+    TangentParts,
+    linearization,
+    no_mass,
+    tangent_of,
+    with_signals,
+)
 from lagrangia.study.modes import Modes, find_modes, modes_of_ways, stability_of_ways
+from lagrangia.study.moving import about_motion
 from lagrangia.study.probes import Probe, find_probes, usual_probes
 from lagrangia.study.response import Response, find_response
 from lagrangia.study.rest_equations import Resting, forces_of_grip, told_grip
@@ -136,6 +146,13 @@ class Study:
     def is_preferred(self) -> tuple[bool, ...]:
         """The coordinates that the model starts itself."""
         return tuple(kind != FREE for kind in self.c.initial.fixed[: self.scene.n])
+
+    @property
+    def weights(self) -> tuple[Vector, Vector]:
+        """Of coordinates and of rates, (n,) each, in the choice of those that follow others: the model starts the light ones."""
+        n, first = self.scene.n, self.scene.n + len(self.c.initial.lost)
+        kinds = np.array(self.c.initial.fixed)
+        return tuple(self.reach * np.where(kinds[k : k + n] != FREE, PREFERRED, 1.0) for k in (0, first))
 
     # ------------------------------------------------------------ the equations in numbers
 
@@ -409,8 +426,7 @@ class Study:
         left = float(np.abs(R + rows.T @ lam).max(initial=0.0))
         is_rest = left <= _BALANCED * float(np.abs(R).max(initial=0.0)) and not moves
         if e.m and not is_rest:
-            fail("L0916", "not supported yet: a linearisation of a scene with constraints about a point that is no equilibrium",
-                 self.c.flat.span, "linearise about the equilibrium found from there: --about equilibrium")
+            return about_motion(self, e, (q, v, free), pace)
         try:
             a = None if is_rest else np.asarray(-np.linalg.solve(M, R), dtype=np.float64)
         except np.linalg.LinAlgError:

@@ -26,7 +26,7 @@ from lagrangia.base.result_files import Target, write_text
 Matrix = NDArray[np.float64]
 _RANK, _TIED = 1e-9, 1e-9
 _ROUNDING = 1e-14  # of the terms that cancel in an output
-_PREFERRED = 0.1  # weight in the choice of dependent coordinates of those that the model starts itself
+PREFERRED = 0.1  # weight in the choice of dependent coordinates of those that the model starts itself
 _NO_MASS = 1e-14  # of the mass matrix, scaled to a diagonal of 1: eigenvalues
 
 
@@ -69,7 +69,7 @@ def tangent_of(x: TangentParts, is_preferred: Sequence[bool], reach: Matrix, pla
     """Coordinates that are preferred stay free where the choice is open. `plane` (n, f): of one way of moving of several."""
     M, C, K, J, rates, (E0, E1, E2), pushed = x.M, x.C, x.K, x.J, x.rates, x.E, x.pushed
     n = M.shape[0]
-    weight = reach * np.where(is_preferred, _PREFERRED, 1.0)
+    weight = reach * np.where(is_preferred, PREFERRED, 1.0)
     if plane is not None:  # what is normal to it takes the place of the constraints
         J, pushed = _null_space(plane.T).T, np.zeros((n - plane.shape[1], E0.shape[1]))
         rates = np.vstack([J, rates[x.J.shape[0]:]])
@@ -156,6 +156,7 @@ class Linearization:
     tangent: Tangent
     notes: tuple[str, ...] = ()  # what holds at the point beside constraints, and what it is only for
     sampled: Sampled | None = None  # where values are held between instants
+    free_rates: tuple[str, ...] = ()  # z of M z' + C z + K x = F u, which holds about a state that moves and is held (moving.py)
 
     @property
     def has_signals(self) -> bool:
@@ -244,7 +245,7 @@ class Given:
 def linearization(tangent: Tangent, given: Given) -> Linearization:
     """Raises RunError where M is singular."""
     t, f = tangent, tangent.M.shape[0]
-    inverse = _inverse_mass(t)
+    inverse = inverse_mass(t)
     names = [given.coordinates[k] for k in t.independent]
     rates = [f"der({name})" for name in names]
     w = t.W.shape[1]
@@ -253,7 +254,7 @@ def linearization(tangent: Tangent, given: Given) -> Linearization:
     load = -t.N.T @ given.residual
     A = np.block([[np.zeros((f, f)), t.W], [-inverse @ t.K, -inverse @ t.C @ t.W]])
     drift = np.concatenate([np.zeros(f), inverse @ load])
-    inputs = _inputs(t, given)
+    inputs = inputs_of(t, given)
     columns = [np.concatenate([np.zeros(f), -inverse @ t.E[order][:, k]]) for _, order, k in inputs]
     B = np.array(columns).T if columns else np.zeros((f + w, 0))
     output, D = _observation(t, given, inverse, inputs)
@@ -283,7 +284,7 @@ def no_mass(least: float = 0.0) -> RunError:
     return RunError("the mass matrix is singular at this point: a motion that the constraints allow moves no mass")
 
 
-def _inverse_mass(t: Tangent) -> Matrix:
+def inverse_mass(t: Tangent) -> Matrix:
     """(W^T M W)^-1 W^T: forces -> z'' of the rates that are free."""
     M = t.W.T @ t.M @ t.W
     scale = np.sqrt(np.abs(np.diag(M)))
@@ -300,9 +301,10 @@ def _inverse_mass(t: Tangent) -> Matrix:
 
 
 Column = tuple[str, int, int]  # name, order of the derivative, excitation
+Pair = tuple[Matrix, Matrix]  # by z and by w
 
 
-def _inputs(t: Tangent, given: Given) -> list[Column]:
+def inputs_of(t: Tangent, given: Given) -> list[Column]:
     """The excitations, and those derivatives of theirs that matter anywhere."""
     _, _, yv, ya, yl, *ys = given.observed
     found = []
@@ -314,10 +316,8 @@ def _inputs(t: Tangent, given: Given) -> list[Column]:
     return found
 
 
-def _observation(t: Tangent, given: Given, inverse: Matrix, inputs: Sequence[Column]) -> tuple[Matrix, Matrix]:
+def _observation(t: Tangent, given: Given, inverse: Matrix, inputs: Sequence[Column]) -> Pair:
     """y = output z + D w: with accelerations and multipliers as they follow from z and w."""
-    _, yq, yv, ya, yl, *ys = given.observed
-    M, C, K, J, *E = t.full
     f = t.M.shape[0]
     moved, pushed = np.hstack([np.eye(f), np.zeros((f, t.W.shape[1]))]), np.zeros((f, len(inputs)))
     rate, eased = np.hstack([np.zeros((f, f)), t.W]), pushed
@@ -326,6 +326,13 @@ def _observation(t: Tangent, given: Given, inverse: Matrix, inputs: Sequence[Col
     jolt = np.hstack(columns) if columns else pushed
     q, v, a = (t.N @ moved, t.N @ pushed), (t.N @ rate, t.N @ eased), (t.N @ fast, t.N @ jolt)
     q, v, a = ((x[0], x[1] + _follow(t.P, inputs, order)) for order, x in enumerate((q, v, a)))
+    return observation(t.full, given, inputs, q, v, a)
+
+
+def observation(full: tuple[Matrix, ...], given: Given, inputs: Sequence[Column], q: Pair, v: Pair, a: Pair) -> Pair:
+    """C and D of y = C z + D w, where dq, dv and da are as said by z and by w."""
+    _, yq, yv, ya, yl, *ys = given.observed
+    M, C, K, J, *E = full
     direct = [np.hstack([e[order][:, [k]] if order == own else np.zeros((e[0].shape[0], 1)) for _, order, k in inputs])
               if inputs else np.zeros((e[0].shape[0], 0)) for e in (E, ys) for own in range(3)]
     held = np.linalg.pinv(J.T, rcond=_RANK) if J.size else np.zeros((J.shape[0], M.shape[0]))

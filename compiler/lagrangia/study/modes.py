@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from lagrangia.base.diagnostics import fail
 from lagrangia.base.html_table import MOST_COLUMNS, MOST_ROWS, html_notes, html_table, missing
 from lagrangia.base.records import dataclass
 from lagrangia.study.linearization import Linearization, no_mass
@@ -16,6 +17,7 @@ Matrix = NDArray[np.float64]
 _ROUNDING = 1e-11  # of the largest omega^2: below, a mode is rigid-body motion
 _DEFECTIVE = 1e-6  # of the largest |s|: what rounding makes of a double zero
 _SYMMETRIC = 1e-9
+_OF_MOTION = "modes without damping, and shapes, are of what vibrates about rest: this scene moves while constraints hold it"
 
 
 @dataclass(frozen=True)
@@ -106,7 +108,7 @@ class Modes:
     @property
     def ways(self) -> tuple[str, ...]:
         """By the coordinates that move; one without a name at ordinary positions."""
-        return tuple(dict.fromkeys(mode.way for mode in self.modes))
+        return tuple(dict.fromkeys(mode.way for mode in (*self.modes, *self.damped)))
 
     def __len__(self) -> int:
         return len(self.modes)
@@ -116,19 +118,21 @@ class Modes:
 
     def _repr_html_(self) -> str:
         """In a notebook: tables of frequencies, damping and shapes."""
-        if not len(self):
+        if not self.damped:
             return html_notes([f"{self.name}: no modes, nothing can move", *self.notes])
         ways = ["way of moving"] * (len(self.ways) > 1)
         rows = [(k, *([mode.way] if ways else []), mode.kind, mode.frequency, mode.omega,
                  1 / mode.frequency if mode.frequency else None, mode.growth or None)
                 for k, mode in enumerate(self.modes[:MOST_ROWS], 1)]
         heads = ["mode", *ways, "kind", "f [Hz]", "omega [rad/s]", "period [s]", "growth [1/s]"]
-        parts = [html_table(heads, rows, f"{self.name}: modes")]
+        parts = [html_table(heads, rows, f"{self.name}: modes")] if rows else []
         if self.has_damping or self.is_gyroscopic:
             damped = [(*([item.way] if ways else []), item.motion, item.frequency, item.damped_omega, item.omega,
                        item.damping_ratio, item.eigenvalue.real) for item in self.damped[:MOST_ROWS]]
             heads = [*ways, "motion", "f [Hz]", "omega [rad/s]", "|s| [rad/s]", "zeta", "rate [1/s]"]
             parts.append(html_table(heads, damped, "with damping" if self.has_damping else "gyroscopic"))
+        if not len(self):
+            return "".join([*parts, html_notes(self.notes)])
         shown = range(min(len(self), MOST_COLUMNS))
         shapes = [(name, *(self[k].shape[name] for k in shown)) for name in self.coordinates[:MOST_ROWS]]
         scaled = "mass-normalised" if self.scaling == "mass" else "the largest entry of each is 1"
@@ -166,8 +170,12 @@ class Modes:
                        self.notes, self.linearization)
 
     def plot(self, path: Any = None) -> Any:
-        """Each shape as the deflected mechanism, or as bars where nothing has an extent; returns the matplotlib Figure."""
+        """Each shape as the deflected mechanism, or as bars where nothing has an extent; returns the matplotlib Figure. Raises
+        LagError L0916 about a state that moves while constraints hold it."""
         from lagrangia.study.pictures import Shapes, draw_modes
+
+        if self.linearization.free_rates:
+            fail("L0916", f"not supported yet: shapes of {self.name} ({_OF_MOTION})")
 
         q = np.array([self.linearization.point[name] for name in self.coordinates])
         shapes = tuple((mode.title, np.array([mode.shape[name] for name in self.coordinates])) for mode in self.modes)
@@ -192,6 +200,9 @@ def modes_of_ways(found: Mapping[str, Modes]) -> Modes:
 def find_modes(linear: Linearization, coordinates: tuple[str, ...], mass_normalised: bool = False,
                mechanism: Mechanism | None = None) -> Modes:
     """Raises RunError where M is singular."""
+    if linear.free_rates:
+        return Modes(linear.name, coordinates, (), damped_modes(linear, True), True, True, "maximum 1",
+                     (*linear.notes, _OF_MOTION), linear)
     t = linear.tangent
     M, C, K = (t.W.T @ A @ t.W for A in (t.M, t.C, t.K))
     notes = list(linear.notes)

@@ -135,6 +135,16 @@ class SmallMotion:
         return self._parts.derivatives("slopes", [self._parts.R, self._parts.phi, self._parts.rate, h.gaps, h.slips])
 
     @cached_property
+    def second(self) -> ca.Function:
+        """-> second rates of the rows."""
+        return self._parts.function("second", [self._parts.second])
+
+    @cached_property
+    def second_slopes(self) -> ca.Function:
+        """That of the second rates of the rows."""
+        return self._parts.derivatives("second_slopes", [self._parts.second])
+
+    @cached_property
     def observed_slopes(self) -> ca.Function:
         """-> derivatives of the outputs, along a direction."""
         return self._parts.derivatives("observed_slopes", [self._y])
@@ -185,6 +195,11 @@ class _Parts:
         rolling = ca.vertcat(ca.SX(0, 1), *[ca.SX(row.rate(free)) for row in rows if not row.is_holonomic])
         if rolling.numel() and ca.depends_on(rolling, ca.vertcat(*s)):
             fail("L0916", "not supported yet: an excitation of a constraint on velocities", free.graph.model.span)
+
+    @cached_property
+    def second(self) -> ca.SX:
+        """Second rates of the rows, (m,)."""
+        return ca.vertcat(ca.SX(0, 1), *[ca.SX(row.second_rate(self.free)) for row in self.constraints.rows])
 
     def held(self, values: Sequence[ca.SX]) -> list[ca.SX]:
         """Without impulses, and with the shares of friction in place of the signs of rates."""

@@ -83,16 +83,19 @@ def linearization_text(linear: "Linearization") -> str:
     about = "equilibrium" if linear.is_equilibrium else "point, which is no equilibrium:"
     point = ", ".join(f"{name} = {_shown(x)}" for name, x in list(linear.point.items())[:8])
     more = ", ..." if len(linear.point) > 8 else ""
-    lines = [f"{linear.name}: small motion about the {about} {point}{more}", "", "M x'' + C x' + K x = F u, with x ="]
-    names = linear.coordinates
-    lines[-1] += " " + ", ".join(names[:8]) + (", ..." if len(names) > 8 else "")
-    for name, table, columns in (("M", linear.M, names), ("C", linear.C, names), ("K", linear.K, names),
+    names = rates = linear.coordinates
+    told = "M x'' + C x' + K x = F u, with x = " + _some(names)
+    if linear.free_rates:
+        rates = linear.free_rates
+        told = f"M z' + C z + K x = F u, with z = {_some(rates)}; x = {_some(names)}"
+    lines = [f"{linear.name}: small motion about the {about} {point}{more}", "", told]
+    for name, table, columns in (("M", linear.M, rates), ("C", linear.C, rates), ("K", linear.K, names),
                                  ("F of u", linear.F[0], linear.excitations), ("F of u'", linear.F[1], linear.excitations),
                                  ("F of u''", linear.F[2], linear.excitations)):
         if table.size and (name in "MCK" or table.any()):
-            lines += ["", f"{name}", *_matrix(table, names, columns)]
+            lines += ["", f"{name}", *_matrix(table, rates, columns)]
     if not linear.is_equilibrium:
-        lines += ["", "load, left over at the point", *_matrix(linear.load[:, None], names, ("",))]
+        lines += ["", "load, left over at the point", *_matrix(linear.load[:, None], rates, ("",))]
     lines += ["", "z' = A z + B w, y = C z + D w"]
     for name, table, rows, columns in (
         ("A", linear.A, linear.states, linear.states), ("B", linear.B, linear.states, linear.inputs),
@@ -105,6 +108,10 @@ def linearization_text(linear: "Linearization") -> str:
     lines += _sampled(linear.sampled) if linear.sampled is not None else []
     lines += map(_note, linear.notes)
     return "\n".join(lines)
+
+
+def _some(names: Sequence[str]) -> str:
+    return ", ".join(names[:8]) + (", ..." if len(names) > 8 else "")
 
 
 def _sampled(found: "Sampled") -> list[str]:
@@ -143,16 +150,18 @@ def modes_text(modes: "Modes") -> str:
     point = ", ".join(f"{name} = {_shown(x)}" for name, x in list(modes.linearization.point.items())[:6])
     more = ", ..." if len(modes.coordinates) > 6 else ""
     lines = [f"{modes.name}: modes about {point}{more}", ""]
-    if not len(modes):
+    if not modes.damped:
         return "\n".join([f"{lines[0]}: none, nothing can move", *map(_note, modes.notes)])
     for way in modes.ways:
         own = [(k, mode) for k, mode in enumerate(modes.modes[:_MOST_ROWS]) if mode.way == way]
-        lines += [*([f"way of moving: {way}"] if way else []), *_undamped_rows(own)]
+        lines += [*([f"way of moving: {way}"] if way else []), *(_undamped_rows(own) if own else ())]
         if modes.has_damping or modes.is_gyroscopic:
-            lines += ["", *_damped(modes, way)]
+            lines += [*([""] * bool(own)), *_damped(modes, way)]
         lines += [""] * bool(way and way != modes.ways[-1])
     if len(modes) > _MOST_ROWS:
         lines.append(f" ... and {len(modes) - _MOST_ROWS} more; -o FILE.json has all of them")
+    if not len(modes):
+        return "\n".join([*lines, *map(_note, modes.notes)])
     scaled = "mass-normalised" if modes.scaling == "mass" else "the largest entry of each is 1"
     lines += ["", f"shapes ({scaled})"]
     shown = min(len(modes), 8)
@@ -176,7 +185,7 @@ def _undamped_rows(modes: Sequence[tuple[int, "Mode"]]) -> Iterator[str]:
 
 
 def _damped(modes: "Modes", way: str) -> Iterator[str]:
-    head = "with damping" if modes.has_damping else "gyroscopic  "
+    head = "eigenvalues " if not len(modes) else "with damping" if modes.has_damping else "gyroscopic  "
     yield f"{head}{'f [Hz]':>14}{'omega [rad/s]':>15}{'|s| [rad/s]':>13}{'zeta':>11}"
     for item in [item for item in modes.damped[:_MOST_ROWS] if item.way == way]:
         if item.eigenvalue.imag > 0:

@@ -1,0 +1,176 @@
+"""Small motion about a state that moves while loops or rolling hold it, in free coordinates x and free rates z.
+
+Rows Phi(q) = 0 and A(q) v + b(q) = 0, and what second rates they have, let small changes be dq = N x, dv = P z + S x and
+da = P z' + Tz z + Tx x, where x and z are entries of dq and dv. Virtual motion is along P, so that multipliers fall away:
+
+    M' z' + C' z + K' x = -P^T (E0 s + E1 s' + E2 s''),   M' = P^T M P, C' = P^T (C P + M Tz), K' = P^T (C S + K N + M Tx)
+
+with M, C, K as in linearization.py. Of a wheel that rolls forward, x' is not z alone: a small turn aside makes it leave its line.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Any, Protocol
+
+import numpy as np
+
+from lagrangia.base.diagnostics import fail
+from lagrangia.base.records import dataclass
+from lagrangia.study.linearization import (
+    Given,
+    Linearization,
+    Matrix,
+    Tangent,
+    TangentParts,
+    inputs_of,
+    inverse_mass,
+    observation,
+    pivots,
+)
+from lagrangia.study.small_motion import SmallMotion
+
+_RANK, _STEADY = 1e-9, 1e-9
+_LATER = (0.0123, 1.71)  # s: moments at which steady motion is as it was
+
+
+class Study(Protocol):
+    """What is asked of analysis.py."""
+
+    c: Any
+    scene: Any
+    names: tuple[str, ...]
+
+    @property
+    def weights(self) -> tuple[Matrix, Matrix]:
+        """Of coordinates and of rates."""
+
+    def call(self, function: Any, q: Matrix, lam: Matrix, pace: float, v: Matrix | None = None, a: Matrix | None = None
+             ) -> list[Matrix]:
+        """Values of a function of the state."""
+
+    def slopes(self, e: SmallMotion, function: Any, names: Sequence[str], q: Matrix, lam: Matrix, pace: float,
+               v: Matrix | None = None, a: Matrix | None = None) -> Mapping[str, list[Matrix]]:
+        """Derivatives of a function's values."""
+
+    def tangent(self, e: SmallMotion, q: Matrix, lam: Matrix, pace: float, v: Matrix | None = None, a: Matrix | None = None
+                ) -> tuple[TangentParts, list[int]]:
+        """What holds at a state."""
+
+    def observed(self, e: SmallMotion, q: Matrix, lam: Matrix, pace: float, v: Matrix | None = None, a: Matrix | None = None
+                 ) -> list[Matrix]:
+        """Outputs and their derivatives."""
+
+
+@dataclass(frozen=True)
+class Held:
+    """What rows let small changes be: `coordinates` and `rates` are the places of x and z."""
+
+    coordinates: tuple[int, ...]
+    rates: tuple[int, ...]
+    N: Matrix  # (n, f)
+    P: Matrix  # (n, w)
+    S: Matrix  # (n, f)
+    Tz: Matrix  # (n, w)
+    Tx: Matrix  # (n, f)
+
+
+def held_changes(parts: TangentParts, turned: Matrix, second: tuple[Matrix, Matrix], weights: tuple[Matrix, Matrix]) -> Held:
+    """`turned` (m, n): d rate/dq; `second`: of the second rates by q and by v; `weights` (n,) each, of the choice of dependent
+    coordinates and rates: what weighs little stays free."""
+    n = parts.M.shape[0]
+    dependent = pivots(parts.J, weights[0])
+    rolls = parts.rates.shape[0] > parts.J.shape[0]
+    followers = pivots(parts.rates, weights[1]) if rolls else dependent
+    coordinates = tuple(k for k in range(n) if k not in dependent)
+    rates = tuple(k for k in range(n) if k not in followers)
+    N, P = np.eye(n)[:, list(coordinates)], np.eye(n)[:, list(rates)]
+    N[dependent] = _follow(parts.J, dependent, N)
+    P[followers] = _follow(parts.rates, followers, P)
+    S, Tz, Tx = np.zeros_like(N), np.zeros_like(P), np.zeros_like(N)
+    inverse = np.linalg.pinv(parts.rates[:, followers], rcond=_RANK)
+    by_q, by_v = second
+    S[followers] = -inverse @ turned @ N
+    Tz[followers], Tx[followers] = -inverse @ by_v @ P, -inverse @ (by_v @ S + by_q @ N)
+    return Held(coordinates, rates, N, P, S, Tz, Tx)
+
+
+def _follow(rows: Matrix, dependent: list[int], free: Matrix) -> Matrix:
+    return np.asarray(-np.linalg.pinv(rows[:, dependent], rcond=_RANK) @ rows @ free)
+
+
+def accelerations(M: Matrix, rows: Matrix, force: Matrix, bias: Matrix) -> tuple[Matrix, Matrix]:
+    """a (n,) and multipliers (m,): M a + force + A^T lambda = 0, A a + bias = 0; the least ones where rows repeat each other."""
+    weigh = 1 / np.sqrt(np.maximum(np.abs(np.diag(M)), 1e-300))
+    A = rows * weigh
+    sizes = np.maximum(np.linalg.norm(A, axis=1), 1e-300)
+    A, n = A / sizes[:, None], M.shape[0]
+    table = np.block([[M * np.outer(weigh, weigh), A.T], [A, np.zeros((A.shape[0],) * 2)]])
+    found = np.linalg.lstsq(table, -np.concatenate([force * weigh, bias / sizes]), rcond=1e-12)[0]
+    return found[:n] * weigh, found[n:] / sizes
+
+
+def moving_linearization(parts: TangentParts, held: Held, given: Given, a: Matrix) -> Linearization:
+    """`a` (n,): the accelerations at the point. Raises RunError where M is singular."""
+    M, C, K, E = parts.M, parts.C, parts.K, parts.E
+    N, P, S, Tz, Tx = held.N, held.P, held.S, held.Tz, held.Tx
+    f, w = N.shape[1], P.shape[1]
+    small = tuple(P.T @ x for x in E)
+    mass, damping, stiffness = P.T @ M @ P, P.T @ (C @ P + M @ Tz), P.T @ (C @ S + K @ N + M @ Tx)
+    same = [held.coordinates.index(k) if k in held.coordinates else -1 for k in held.rates]
+    own = np.array([stiffness[:, k] if k >= 0 else np.zeros(w) for k in same]).T.reshape(w, w)
+    reduced = Tangent(held.rates, P, np.zeros((M.shape[0], E[0].shape[1])), np.eye(w), mass, damping, own,
+                      (small[0], small[1], small[2]), (M, C, K, parts.rates, *E))
+    inverse = inverse_mass(reduced)
+    places = list(held.coordinates)
+    A = np.block([[S[places], P[places]], [-inverse @ stiffness, -inverse @ damping]])
+    inputs = inputs_of(reduced, given)
+    columns = [-inverse @ small[order][:, [k]] for _, order, k in inputs]
+    jolt = np.hstack(columns) if columns else np.zeros((w, 0))
+    states, pushed = np.eye(f + w), np.zeros((M.shape[0], len(inputs)))
+    x, z = states[:f], states[f:]
+    output, D = observation(reduced.full, given, inputs, (N @ x, pushed), (S @ x + P @ z, pushed),
+                            (P @ A[f:] + Tx @ x + Tz @ z, P @ jolt))
+    names = tuple(given.coordinates[k] for k in held.coordinates)
+    rates = tuple(f"der({given.coordinates[k]})" for k in held.rates)
+    pace = a[list(held.rates)]
+    return Linearization(
+        given.name, names, (*names, *rates), tuple(name for name, _, _ in inputs),
+        tuple((order, k) for _, order, k in inputs), given.outputs, given.excitations, given.point,
+        tuple(map(float, given.observed[0].ravel())), False, mass, damping, stiffness, (-small[0], -small[1], -small[2]),
+        mass @ pace, A, np.vstack([np.zeros((f, len(inputs))), jolt]), output, D, np.concatenate([np.zeros(f), pace]), reduced,
+        free_rates=rates,
+    )
+
+
+def about_motion(study: Study, e: SmallMotion, state: tuple[Matrix, Matrix, Matrix], pace: float) -> Linearization:
+    """About q, v and, behind the multipliers, forces of contacts and shares of friction. Raises LagError L0916, RunError."""
+    what = "first-order states" if study.scene.signals else "supports that move" if pace == 0.0 else ""
+    if what:
+        fail("L0916", f"not supported yet: {what} in small motion of a scene with constraints about a point that is no equilibrium",
+             study.c.flat.span, "linearise about the equilibrium found from there: --about equilibrium")
+    q, v, free = state
+    here, later = _at(study, e, state), [_at(study, e, (q + moment * v, v, free)) for moment in _LATER]
+    size = _STEADY * float(np.abs(here.A).max(initial=1e-300))
+    stays = all(np.abs(other.A - here.A).max(initial=0.0) <= size for other in later)
+    is_steady = stays and float(np.abs(here.drift).max(initial=0.0)) <= size
+    word = ("the motion there is steady: free rates stay as they are" if is_steady else "the motion there is not steady: the "
+            "matrices are of that moment, and eigenvalues do not tell whether it is stable")
+    return replace(here, notes=(*here.notes, word))
+
+
+def _at(study: Study, e: SmallMotion, state: tuple[Matrix, Matrix, Matrix]) -> Linearization:
+    q, v, free = state
+    R, bias = (study.call(function, q, free, 1.0, v)[0].ravel() for function in (e.static, e.second))
+    first, _ = study.tangent(e, q, free, 1.0, v)
+    a, lam = accelerations(first.M, first.rates, R, bias)
+    lam = np.concatenate([lam, free[e.m:]])
+    parts, _ = study.tangent(e, q, lam, 1.0, v, a)
+    if parts.pushed.any():
+        fail("L0916", "not supported yet: supports that are moved in small motion about a point that is no equilibrium",
+             study.c.flat.span, "name what else excites with --from")
+    turned = study.slopes(e, e.slopes, ("q",), q, lam, 1.0, v, a)["q"][2]
+    second = study.slopes(e, e.second_slopes, ("q", "v"), q, lam, 1.0, v, a)
+    held = held_changes(parts, turned, (second["q"][0], second["v"][0]), study.weights)
+    given = Given(study.scene.name, study.names, tuple(p.name for p in e.probes), e.outputs,
+                  dict(zip(study.names, map(float, q), strict=True)), R, False, study.observed(e, q, lam, 1.0, v, a))
+    return moving_linearization(parts, held, given, a)

@@ -1,0 +1,71 @@
+"""Small motion about states that move while loops or rolling hold them."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import lagrangia as lag
+
+EXAMPLES = Path(__file__).parents[2] / "models" / "examples"
+Write = Callable[[str], lag.Model]
+
+COIN = """
+model Coin "An upright disc"
+  parameter Length r = 0.25;
+  World world(gravity = {0, 0, -9.81});
+  PlanarJoint path(a = world, x(start = 0), phi(start = 0));
+  Prismatic height(a = path.b, along = {0, 0, 1});
+  Revolute lean(a = height.b, axis = {1, 0, 0}, phi(start = 0), w(start = 0));
+  Revolute spin(a = lean.b, axis = {0, 1, 0}, w(start = 8, fixed = true));
+  Body disc(m = 2, I = {0.03, 0.0625, 0.03}, center = spin.b);
+  RollingDisc rolling(r = r, axis = {0, 1, 0}, base = world, center = disc.center);
+  AppliedTorque push(on = lean.b, torque = {0, 0, 1 + 0*time});
+end Coin;
+"""
+
+
+def test_a_loop_that_moves() -> None:
+    """A is the slope of the motion itself, by differences of starts that are closed anew."""
+    model = lag.load(EXAMPLES / "four_bar.lag")
+    start = {"O.phi": 0.7, "O.w": 3.0}
+    linear = model.linearize(about="start", initial=start)
+    assert linear.states == ("O.phi", "der(O.phi)") and "not steady" in linear.notes[-1]
+
+    def acceleration(**moved: float) -> float:
+        run = model.start(initial=start | {f"O.{name}": start[f"O.{name}"] + x for name, x in moved.items()})
+        state, n = np.array(run.state), len(model.coordinate_names)
+        return float(model.functions()["rhs"](0, state[:n], state[n:], [], model.parameter_values()).full()[0, 0])
+
+    h = 1e-4
+    slopes = [(acceleration(**{name: h}) - acceleration(**{name: -h})) / (2 * h) for name in ("phi", "w")]
+    assert linear.A[1] == pytest.approx(slopes, rel=1e-6)
+    assert linear.drift[1] == pytest.approx(acceleration(), rel=1e-12)
+    assert model.modes(about="start", initial=start).damped and not len(model.modes(about="start", initial=start))
+
+
+@pytest.mark.parametrize("spin", [2.0, 8.0])
+def test_a_disc_that_rolls_upright(spin: float) -> None:
+    """E.J. Routh: it stays upright above a speed, and else falls. What turns it about the vertical answers as it should."""
+    m, r, A, C, g = 2.0, 0.25, 0.03, 0.0625, 9.81
+    model = lag.loads(COIN)
+    linear = model.linearize(about="start", initial={"spin.w": spin}, excitations=["push.torque[3]"], outputs=["path.phi"])
+    squared = (m * g * r - (C + m * r * r) * C * spin**2 / A) / (A + m * r * r)
+    assert linear.free_rates == ("der(path.phi)", "der(lean.phi)", "der(spin.phi)") and "steady" in linear.notes[-1]
+    found = linear.eigenvalues[-2:]
+    assert found**2 == pytest.approx([squared] * 2, rel=1e-12)
+    k = linear.free_rates.index("der(path.phi)")
+    assert linear.M[k, k] == pytest.approx(A, rel=1e-14) and linear.F[0][k, 0] == pytest.approx(1)
+    s, other = 1.7, model.response(excitations=["push.torque[3]"], outputs=["path.phi"], about="start",
+                                   frequencies=[1.7 / (2 * np.pi)], initial={"spin.w": spin})
+    known = (-s * s - m * g * r / (A + m * r * r)) / (A * -s * s * (-s * s - squared))  # of the two coupled equations
+    assert complex(other.values[0, 0, 0]) == pytest.approx(known, rel=1e-10)
+
+
+def test_what_is_not_there(tmp_path: Path) -> None:
+    model = lag.loads(COIN)
+    with pytest.raises(lag.LagError, match="L0916"):
+        model.modes(about="start").plot(tmp_path / "x.png")
+    with pytest.raises(lag.LagError, match="supports that are moved"):
+        lag.load(EXAMPLES / "four_bar.lag").linearize(about="start", excitations=["C.a.x"])
