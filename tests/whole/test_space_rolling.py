@@ -52,7 +52,8 @@ def test_a_disc_rolls_in_a_circle(solver: str) -> None:
 @pytest.mark.parametrize("tilt", [0.0, 5.0])
 def test_a_ball_on_a_turntable(tilt: float) -> None:
     """v' = 2/7 Omega z x v + 5/7 g_t: a circle at two sevenths of the table's rate."""
-    run = scene("turntable", "ball.center.w").simulate(parameters={"tilt": np.radians(tilt)}, at=[0, 0.5, 1, 2, 5], tolerance=1e-13)
+    values = {"tilt": np.radians(tilt)}
+    run = scene("turntable", "ball.center.w").simulate(parameters=values, at=[0, 0.5, 1, 2, 5], tolerance=1e-13)
     t, rate, down = run.time, 6 / 7, 5 / 7 * g * np.sin(np.radians(tilt))
     drift = 1j * down / rate
     u = (0.2j - drift) * np.exp(1j * rate * t) + drift

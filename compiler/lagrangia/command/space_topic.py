@@ -23,6 +23,9 @@ gravity with a third component, or one of the words below. Nothing is declared; 
   springs   between points as in the plane; of torsion with the angle of a hinge: TorsionSpring(k = 2, twist = hinge.phi)
   loops     what is closed is found, and equations that repeat each other are left out: a planar four-bar of spatial hinges, a
             double Cardan shaft and Bricard's six-bar run as they are
+  rolling   RollingDisc and RollingBall on the plane of a base, which may move; Skate does not slip aside. Of one's own:
+            dot(velocity_at(wheel, contact), across) = 0. lag linearize and lag modes --about start are exact while they roll:
+            models/examples/bicycle.lag
 
 Components for both are written with `dimensions`, which is 2 in the plane and 3 in space: Real along[dimensions] = {1, 0}.
 

@@ -32,16 +32,7 @@ from lagrangia.run.request import Values, check_parameters
 from lagrangia.study.contacts_at_rest import Grip, balance, find_all_held, find_held, holds_at
 from lagrangia.study.corners_at_rest import BENT, bends_at
 from lagrangia.study.equilibria import Equilibria, Equilibrium
-from lagrangia.study.linearization import (
-    PREFERRED,
-    Given,
-    Linearization,
-    TangentParts,
-    linearization,
-    no_mass,
-    tangent_of,
-    with_signals,
-)
+from lagrangia.study.linearization import Given, Linearization, TangentParts, linearization, no_mass, tangent_of, with_signals
 from lagrangia.study.modes import Modes, find_modes, modes_of_ways, stability_of_ways
 from lagrangia.study.moving import about_motion
 from lagrangia.study.probes import Probe, find_probes, usual_probes
@@ -146,13 +137,6 @@ class Study:
     def is_preferred(self) -> tuple[bool, ...]:
         """The coordinates that the model starts itself."""
         return tuple(kind != FREE for kind in self.c.initial.fixed[: self.scene.n])
-
-    @property
-    def weights(self) -> tuple[Vector, Vector]:
-        """Of coordinates and of rates, (n,) each, in the choice of those that follow others: the model starts the light ones."""
-        n, first = self.scene.n, self.scene.n + len(self.c.initial.lost)
-        kinds = np.array(self.c.initial.fixed)
-        return tuple(self.reach * np.where(kinds[k : k + n] != FREE, PREFERRED, 1.0) for k in (0, first))
 
     # ------------------------------------------------------------ the equations in numbers
 

@@ -108,7 +108,7 @@ class Modes:
     @property
     def ways(self) -> tuple[str, ...]:
         """By the coordinates that move; one without a name at ordinary positions."""
-        return tuple(dict.fromkeys(mode.way for mode in (*self.modes, *self.damped)))
+        return tuple(dict.fromkeys([*(mode.way for mode in self.modes), *(mode.way for mode in self.damped)]))
 
     def __len__(self) -> int:
         return len(self.modes)

@@ -16,7 +16,9 @@ import numpy as np
 
 from lagrangia.base.diagnostics import fail
 from lagrangia.base.records import dataclass
+from lagrangia.constraints.initial import FREE
 from lagrangia.study.linearization import (
+    PREFERRED,
     Given,
     Linearization,
     Matrix,
@@ -41,8 +43,8 @@ class Study(Protocol):
     names: tuple[str, ...]
 
     @property
-    def weights(self) -> tuple[Matrix, Matrix]:
-        """Of coordinates and of rates."""
+    def reach(self) -> Matrix:
+        """Natural sizes of the coordinates."""
 
     def call(self, function: Any, q: Matrix, lam: Matrix, pace: float, v: Matrix | None = None, a: Matrix | None = None
              ) -> list[Matrix]:
@@ -146,7 +148,7 @@ def about_motion(study: Study, e: SmallMotion, state: tuple[Matrix, Matrix, Matr
     """About q, v and, behind the multipliers, forces of contacts and shares of friction. Raises LagError L0916, RunError."""
     what = "first-order states" if study.scene.signals else "supports that move" if pace == 0.0 else ""
     if what:
-        fail("L0916", f"not supported yet: {what} in small motion of a scene with constraints about a point that is no equilibrium",
+        fail("L0916", f"not supported yet: {what} in small motion of a scene that moves while constraints hold it",
              study.c.flat.span, "linearise about the equilibrium found from there: --about equilibrium")
     q, v, free = state
     here, later = _at(study, e, state), [_at(study, e, (q + moment * v, v, free)) for moment in _LATER]
@@ -156,6 +158,14 @@ def about_motion(study: Study, e: SmallMotion, state: tuple[Matrix, Matrix, Matr
     word = ("the motion there is steady: free rates stay as they are" if is_steady else "the motion there is not steady: the "
             "matrices are of that moment, and eigenvalues do not tell whether it is stable")
     return replace(here, notes=(*here.notes, word))
+
+
+def _weights(study: Study) -> tuple[Matrix, Matrix]:
+    """Of coordinates and of rates, (n,) each, in the choice of those that follow others: what the model starts is light."""
+    initial, n = study.c.initial, study.scene.n
+    kinds = np.array(initial.fixed)
+    places, rates = (study.reach * np.where(kinds[k : k + n] != FREE, PREFERRED, 1.0) for k in (0, n + len(initial.lost)))
+    return places, rates
 
 
 def _at(study: Study, e: SmallMotion, state: tuple[Matrix, Matrix, Matrix]) -> Linearization:
@@ -170,7 +180,7 @@ def _at(study: Study, e: SmallMotion, state: tuple[Matrix, Matrix, Matrix]) -> L
              study.c.flat.span, "name what else excites with --from")
     turned = study.slopes(e, e.slopes, ("q",), q, lam, 1.0, v, a)["q"][2]
     second = study.slopes(e, e.second_slopes, ("q", "v"), q, lam, 1.0, v, a)
-    held = held_changes(parts, turned, (second["q"][0], second["v"][0]), study.weights)
+    held = held_changes(parts, turned, (second["q"][0], second["v"][0]), _weights(study))
     given = Given(study.scene.name, study.names, tuple(p.name for p in e.probes), e.outputs,
                   dict(zip(study.names, map(float, q), strict=True)), R, False, study.observed(e, q, lam, 1.0, v, a))
     return moving_linearization(parts, held, given, a)
