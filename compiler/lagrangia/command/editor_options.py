@@ -13,7 +13,8 @@ def add_format(parser: ArgumentParser) -> None:
 
 def add_import(parser: ArgumentParser) -> None:
     """Of `lag import`."""
-    parser.add_argument("file", metavar="FILE", help="of Modelica (.mo: Rotational, Translational, Blocks), or a robot (.urdf)")
+    parser.add_argument("file", metavar="FILE", help="of Modelica (.mo: Rotational, Translational, Blocks), a robot (.urdf), "
+                                                     "or a scene of MuJoCo (.xml)")
     parser.add_argument("-o", "--output", metavar="FILE.lag", help="where it goes (beside it, with the ending .lag)")
 
 

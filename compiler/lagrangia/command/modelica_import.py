@@ -1,10 +1,10 @@
-"""`lag import`: a Modelica file, or a robot in URDF -> a .lag file."""
+"""`lag import`: a Modelica file, a robot in URDF, or a scene in MJCF -> a .lag file."""
 
 import sys
 from argparse import Namespace
 from pathlib import Path
 
-from lagrangia.base.diagnostics import Source, fail
+from lagrangia.base.diagnostics import Source, Span, fail
 from lagrangia.base.result_files import write_text
 from lagrangia.compile.sources import read_source
 from lagrangia.editor.formatting import formatted
@@ -15,13 +15,14 @@ from lagrangia.language.syntax import parse
 def import_command(options: Namespace) -> int:
     """Exit code 1 where something was left out, which is told. Raises LagError."""
     file = Path(options.file)
-    if file.suffix not in (".mo", ".urdf"):
+    reader = _READERS.get(file.suffix)
+    if reader is None:
         fail("L0703", f"not supported yet: to import '{file.name}'", None,
-             "Modelica files can be imported, which end in .mo, and robots in URDF, which end in .urdf")
+             "Modelica files can be imported (.mo), robots in URDF (.urdf), and scenes in MJCF (.xml)")
     target = Path(options.output) if options.output else file.with_suffix(".lag")
     if target.exists() and not options.output:
         fail("L0004", f"'{target}' is there already", None, f"-o {target} writes over it; another name after -o keeps it")
-    found = _robot(file) if file.suffix == ".urdf" else _modelica(file)
+    found = reader(file)
     write_text(target, formatted(Source(str(target), f"// From {file.name}.\n{found.text}")))
     print(f"written to {target}: lag check {target}")
     for statement in found.left_out:
@@ -39,3 +40,26 @@ def _robot(file: Path) -> Imported:
     from lagrangia.editor.urdf_import import imported_robot
 
     return imported_robot(file.name, read_source(file).text.encode())
+
+
+def _scene(file: Path) -> Imported:
+    from lagrangia.editor.mjcf_import import imported_scene
+    from lagrangia.fmu.xmltree import Element, read_xml
+
+    def read(name: str, span: Span) -> Element:
+        """An included file, beside the first one."""
+        path = file.parent / name
+        if not path.is_file():
+            fail("L0730", f"there is no file '{name}' to include", span)
+        return read_xml(name, read_source(path).text.encode())
+
+    root = read_xml(file.name, read_source(file).text.encode())
+    if root.tag == "robot":
+        return _robot(file)
+    if root.tag != "mujoco":
+        fail("L0730", f"this is neither a scene in MJCF nor a robot but <{root.tag}>", root.span(),
+             "a scene in MJCF stands in <mujoco>, with bodies in <worldbody>")
+    return imported_scene(root, file.name, read)
+
+
+_READERS = {".mo": _modelica, ".urdf": _robot, ".xml": _scene}

@@ -4,24 +4,19 @@ Names stay as they are. Limits are told beside the joints. What has no counterpa
 Source: http://wiki.ros.org/urdf/XML; angles r, p, y turn about the fixed axes x, y, z in this order.
 """
 
-import math
-import re
 from collections import Counter
-from collections.abc import Sequence
 
 from lagrangia.base.diagnostics import Report, fail
 from lagrangia.base.records import dataclass
 from lagrangia.editor.modelica_import import Imported
+from lagrangia.editor.robot_text import Names, Place, counted, inertia_matrix, number, quoted, read_numbers, row
 from lagrangia.fmu.xmltree import Element, read_xml
-from lagrangia.language.syntax import tables
 
 _JOINTS = {"revolute": "Revolute", "continuous": "Revolute", "prismatic": "Prismatic", "fixed": "Weld"}
 _SHAPES = frozenset({"visual", "collision", "material"})
 _KNOWN = {"robot": {"link", "joint"} | _SHAPES, "link": {"inertial"} | _SHAPES,
           "joint": {"origin", "parent", "child", "axis", "limit", "dynamics", "mimic", "calibration", "safety_controller"}}
-_TAKEN = frozenset({"world", "time", "pi"})
-_ACROSS = {"p": "{0, 1, 0}", "r": "{1, 0, 0}"}
-_IDENTIFIER = re.compile(r"[^\W\d]\w*")
+_AXES = (1, 0, 0), (0, 1, 0), (0, 0, 1)
 
 
 @dataclass(frozen=True)
@@ -54,11 +49,11 @@ class _Robot:
         if not self.links:
             fail("L0730", "there is no link in this robot", root.span(),
                  'links are its bodies: <link name="arm"> with <inertial>')
-        self.used: set[str] = set(_TAKEN)
+        self.names = Names()
         self.left_out: list[str] = []
         joints = [(x, self._name(x)) for x in root.all("joint")]
-        told = {name: self._fresh(name) for _, name in joints}
-        self.frames = {name: "world" if name == "world" and self._is_root(name) else self._fresh(name, "_link")
+        told = {name: self.names.fresh(name) for _, name in joints}
+        self.frames = {name: "world" if name == "world" and self._is_root(name) else self.names.fresh(name, "_link")
                        for name in self.links}
         self.joints = [found for x, name in joints if (found := self._joint(x, told[name]))]
         self._check_tree()
@@ -69,10 +64,10 @@ class _Robot:
         roots = [name for name in self.links if self._is_root(name)]
         moving = Counter(_JOINTS[joint.kind] for joint in self.joints if joint.kind in _JOINTS)
         title = self.root.get("name") or "Robot"
-        counts = ((moving["Revolute"], "hinge"), (moving["Prismatic"], "slider"), (len(self.links), "link"))
-        told = ", ".join(f"{count} {what}{'s' * (count != 1)}" for count, what in counts if count) + f", from {self.file}"
-        name = self._fresh(title)
-        lines = [f"model {name} \"{_quoted(told)}\"", "World world(gravity = {0, 0, -9.81});"]
+        counts = (moving["Revolute"], "hinge"), (moving["Prismatic"], "slider"), (len(self.links), "link")
+        told = f"{counted(*counts)}, from {self.file}"
+        name = self.names.fresh(title)
+        lines = [f"model {name} \"{quoted(told)}\"", "World world(gravity = {0, 0, -9.81});"]
         lines += [f"Frame {self.frames[name]};" for name in self.links if self.frames[name] != "world"]
         lines += [line for joint in self.joints if (line := self._joint_line(joint))]
         lines += [line for name in self.links if name not in roots and (line := self._body(name))]
@@ -91,13 +86,6 @@ class _Robot:
         if name is None:
             self.report.add([element.fault("L0730", f"a {element.tag} needs a name")])
         return name or ""
-
-    def _fresh(self, name: str, ending: str = "_") -> str:
-        """As it may be written, unlike all others."""
-        while name in self.used or name in tables().words:
-            name += ending
-        self.used.add(name)
-        return name if _IDENTIFIER.fullmatch(name) else "'" + name.replace("\\", "\\\\").replace("'", "\\'") + "'"
 
     # ------------------------------------------------------------ the tree
 
@@ -141,8 +129,8 @@ class _Robot:
         arguments = [f"a = {place}", f"b = {self.frames[joint.child]}"]
         if joint.kind != "fixed":
             axis = joint.element.first("axis")
-            direction = self._numbers(axis, "xyz", 3) if axis is not None else [1.0, 0.0, 0.0]
-            arguments.append(f"{'along' if joint.kind == 'prismatic' else 'axis'} = {_row(direction)}")
+            direction = read_numbers(axis, "xyz", 3) if axis is not None else [1.0, 0.0, 0.0]
+            arguments.append(f"{'along' if joint.kind == 'prismatic' else 'axis'} = {row(direction)}")
         told = self._limits(joint)
         return f"{_JOINTS[joint.kind]} {joint.name}({', '.join(arguments)})" + (f" \"{told}\";" if told else ";")
 
@@ -150,11 +138,11 @@ class _Robot:
         limit, (angle, force, speed) = joint.element.first("limit"), _UNITS[joint.kind == "prismatic"]
         if limit is None or joint.kind == "fixed":
             return ""
-        known = {name: self._numbers(limit, name, 1)[0] for name in ("lower", "upper", "effort", "velocity") if limit.get(name)}
+        known = {name: read_numbers(limit, name, 1)[0] for name in ("lower", "upper", "effort", "velocity") if limit.get(name)}
         parts = []
         if joint.kind != "continuous" and ("lower" in known or "upper" in known):
-            parts.append(f"from {_number(known.get('lower', 0.0))} to {_number(known.get('upper', 0.0))} {angle}")
-        parts += [f"{what} up to {_number(known[name])} {unit}" for name, what, unit in (("effort", *force), ("velocity", *speed))
+            parts.append(f"from {number(known.get('lower', 0.0))} to {number(known.get('upper', 0.0))} {angle}")
+        parts += [f"{what} up to {number(known[name])} {unit}" for name, what, unit in (("effort", *force), ("velocity", *speed))
                   if name in known]
         return "; ".join(parts)
 
@@ -163,29 +151,22 @@ class _Robot:
         mass, inertia = (inertial.first(tag) if inertial is not None else None for tag in ("mass", "inertia"))
         if inertial is None or mass is None:
             return ""
-        m = self._numbers(mass, "value", 1)[0]
-        J = {name: self._numbers(inertia, name, 1)[0] if inertia is not None else 0.0 for name in _MOMENTS}
+        m = read_numbers(mass, "value", 1)[0]
+        J = {name: read_numbers(inertia, name, 1)[0] if inertia is not None else 0.0 for name in _MOMENTS}
         if m == 0 and not any(J.values()):
             return ""
-        J = {name: 0.0 if abs(x) < _NOISE else x for name, x in J.items()}
-        rows = [[J[f"i{min(a, b)}{max(a, b)}"] for b in "xyz"] for a in "xyz"]
-        is_straight = not any(J[name] for name in ("ixy", "ixz", "iyz"))
-        written = _row([rows[k][k] for k in range(3)]) if is_straight else "{" + ", ".join(map(_row, rows)) + "}"
+        written = inertia_matrix([[J[f"i{min(a, b)}{max(a, b)}"] for b in "xyz"] for a in "xyz"])
         center = self._pose(self.frames[link], inertial.first("origin"))
-        name = self._fresh(f"{link}_body")
-        return f"Body {name}(center = {center}, m = {_number(m)}, I = {written});"
+        name = self.names.fresh(f"{link}_body")
+        return f"Body {name}(center = {center}, m = {number(m)}, I = {written});"
 
-    def _pose(self, frame: str, origin: Element | None) -> str:
+    def _pose(self, frame: str, origin: Element | None) -> Place:
         """A frame followed by an origin."""
+        place = Place(frame)
         if origin is None:
-            return frame
-        ahead, (roll, pitch, yaw) = (self._numbers(origin, name, 3) if origin.get(name) else [0.0] * 3 for name in ("xyz", "rpy"))
-        if any(ahead):
-            frame = f"shift({frame}, {_row(ahead)})"
-        frame = f"turn({frame}, {_angle(yaw)})" if yaw else frame
-        for angle, axis in ((pitch, "p"), (roll, "r")):
-            frame = f"turn({frame}, {_angle(angle)}, {_ACROSS[axis]})" if angle else frame
-        return frame
+            return place
+        ahead, (roll, pitch, yaw) = (read_numbers(origin, name, 3) if origin.get(name) else [0.0] * 3 for name in ("xyz", "rpy"))
+        return place.shifted(ahead).turned(yaw, _AXES[2]).turned(pitch, _AXES[1]).turned(roll, _AXES[0])
 
     def _mimic(self, joint: _Joint) -> list[str]:
         mimic = joint.element.first("mimic")
@@ -195,22 +176,22 @@ class _Robot:
         if other is None or "fixed" in (joint.kind, other.kind):
             self.left_out.append(f"what joint {joint.name} mimics")
             return []
-        factor, offset = (self._numbers(mimic, name, 1)[0] if mimic.get(name) else usual
+        factor, offset = (read_numbers(mimic, name, 1)[0] if mimic.get(name) else usual
                           for name, usual in (("multiplier", 1.0), ("offset", 0.0)))
         own, led = (f"{x.name}.{'s' if x.kind == 'prismatic' else 'phi'}" for x in (joint, other))
-        more = f" {'-' if offset < 0 else '+'} {_number(abs(offset))}" if offset else ""
-        return [f"{own} = {_number(factor)}*{led}{more};"]
+        more = f" {'-' if offset < 0 else '+'} {number(abs(offset))}" if offset else ""
+        return [f"{own} = {number(factor)}*{led}{more};"]
 
     def _dissipation(self, joint: _Joint) -> list[str]:
         dynamics = joint.element.first("dynamics")
         if dynamics is None or joint.kind not in _JOINTS or joint.kind == "fixed":
             return []
-        damping, friction = (self._numbers(dynamics, name, 1)[0] if dynamics.get(name) else 0.0
+        damping, friction = (read_numbers(dynamics, name, 1)[0] if dynamics.get(name) else 0.0
                              for name in ("damping", "friction"))
         if friction:
-            self.left_out.append(f"the friction of joint {joint.name}, {_number(friction)}")
+            self.left_out.append(f"the friction of joint {joint.name}, {number(friction)}")
         rate = f"{joint.name}.{'v' if joint.kind == 'prismatic' else 'w'}"
-        return [f"dissipation {_number(damping)}*{rate}^2/2;"] if damping else []
+        return [f"dissipation {number(damping)}*{rate}^2/2;"] if damping else []
 
     def _tell_rest(self) -> None:
         """What else stands in the file; shapes are no part of the motion."""
@@ -219,42 +200,6 @@ class _Robot:
             found.update(f"<{x.tag}> in a {parent.tag}" for x in parent.children if x.tag not in _KNOWN[parent.tag])
         self.left_out += [f"{what}, {count} of them" if count > 1 else what for what, count in found.items()]
 
-    # ------------------------------------------------------------ numbers
 
-    def _numbers(self, element: Element, name: str, count: int) -> list[float]:
-        text = element.get(name) or ""
-        try:
-            found = [float(part) for part in text.split()]
-        except ValueError:
-            found = []
-        if len(found) != count or not all(map(math.isfinite, found)):
-            what = "a number" if count == 1 else f"{count} numbers"
-            fail("L0730", f"'{name}' of <{element.tag}> is {what}", element.span(name))
-        return found
-
-
-_NOISE = 1e-15  # kg.m2: what programs for drawing leave of moments that are 0, with which no body could be
 _MOMENTS = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 _UNITS = {False: ("rad", ("torque", "N.m"), ("speed", "rad/s")), True: ("m", ("force", "N"), ("speed", "m/s"))}
-
-
-def _quoted(text: str) -> str:
-    return text.replace("\\", "\\\\").replace('"', '\\"')
-
-
-def _number(x: float) -> str:
-    return repr(int(x)) if x == int(x) and abs(x) < 1e15 else repr(x)
-
-
-def _row(values: Sequence[float]) -> str:
-    return "{" + ", ".join(map(_number, values)) + "}"
-
-
-def _angle(x: float) -> str:
-    """Parts of pi as such, when they are that to the last digit."""
-    for parts in (1, 2, 3, 4, 6):
-        times = round(x * parts / math.pi)
-        if times and x == times * math.pi / parts:
-            factor = {1: "", -1: "-"}.get(times, f"{times}*")
-            return f"{factor}pi" + (f"/{parts}" if parts > 1 else "")
-    return _number(x)

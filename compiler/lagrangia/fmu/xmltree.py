@@ -11,6 +11,7 @@ from lagrangia.base.records import dataclass
 
 _START_TAG = re.compile(r"""<[^"'>]*(?:"[^"]*"[^"'>]*|'[^']*'[^"'>]*)*>?""")
 _BYTE_ORDER_MARKS = ((codecs.BOM_UTF8, "utf-8-sig"), (codecs.BOM_UTF16_LE, "utf-16"), (codecs.BOM_UTF16_BE, "utf-16"))
+_DEEPEST = 250
 _DECLARED = re.compile(rb"""^<\?xml[^>]*encoding\s*=\s*["']([A-Za-z0-9._-]+)["']""")
 
 
@@ -58,7 +59,7 @@ class Element:
 
 def read_xml(name: str, content: bytes) -> Element:
     """The root. `name` is what people call the file. Raises LagError L0730 for what is no XML, or has a document type: entities
-    that unfold to gigabytes come with one, and neither FMI nor URDF has any."""
+    that unfold to gigabytes come with one, and neither FMI nor URDF nor MJCF has any."""
     source = Source(name, _decoded(name, content))
     builder = _Builder(source)
     parser = expat.ParserCreate("utf-8")
@@ -87,6 +88,8 @@ class _Builder:
 
     def open(self, tag: str, attributes: dict[str, str]) -> None:
         element = Element(tag, attributes, self.source, self._place())
+        if len(self.open_elements) >= _DEEPEST:
+            fail("L0730", f"not supported yet: elements more than {_DEEPEST} deep in each other", element.span())
         if self.open_elements:
             self.open_elements[-1].children.append(element)
         else:
