@@ -16,7 +16,7 @@
 double *lag_instance_projected(LagInstance *s, double t, const double *x)
 {
     if (s->model->n > 0)
-        memcpy(s->projected, x, 2 * (size_t)s->model->n * sizeof *x);
+        memcpy(s->projected, lag_instance_plain(s, x), 2 * (size_t)s->model->n * sizeof *x);
     if (s->model->n_multipliers > 0 && s->kind == LAG_MODEL_EXCHANGE)
         lag_project_inside(s->run, t, s->projected);
     return s->projected;
@@ -30,17 +30,18 @@ static int accelerations(LagInstance *s, double t, const double *q, double *v, d
     return lag_accelerations(s->run, t, q, mirrored ? mirrored : v, a, power);
 }
 
-/* Slopes that lead back to the constraints; 1 when all are finite. */
+/* Slopes that lead back to the constraints, and to unit quaternions; 1 when all are finite. */
 static int held_slope_at(LagInstance *s, double t, const double *x, double *slope, double *power)
 {
-    const int n = s->model->n;
-    const double k = s->fmu->stabilisation;
-    double *projected = lag_instance_projected(s, t, x), probe = 0;
-    memcpy(slope, projected + n, (size_t)n * sizeof *slope);
-    if (!accelerations(s, t, projected, slope, slope + n, power))
+    const LagModel *m = s->model;
+    const double k = s->kind == LAG_MODEL_EXCHANGE ? s->fmu->stabilisation : 0;
+    double *projected = lag_instance_projected(s, t, x), *v = projected + m->n, probe = 0;
+    lag_instance_tell(s, projected, s->told);
+    if (!accelerations(s, t, projected, v, slope + lag_fmu_positions(m), power))
         return 0;
-    for (int i = 0; i < 2 * n; ++i) {
-        slope[i] += k * (projected[i] - x[i]);
+    lag_instance_pace(m, s->told, v, slope);
+    for (int i = 0; i < lag_fmu_states(m); ++i) {
+        slope[i] += k * (s->told[i] - x[i]);
         probe += 0 * slope[i];
     }
     return probe == 0;
@@ -50,7 +51,7 @@ static int held_slope_at(LagInstance *s, double t, const double *x, double *slop
 int lag_instance_slope_at(LagInstance *s, double t, const double *x, double *slope, double *power)
 {
     const int n = s->model->n;
-    if (s->model->n_multipliers > 0 && s->kind == LAG_MODEL_EXCHANGE)
+    if ((s->model->n_multipliers > 0 && s->kind == LAG_MODEL_EXCHANGE) || s->model->n_attitudes > 0)
         return held_slope_at(s, t, x, slope, power);
     if (n > 0)
         memcpy(slope, x + n, (size_t)n * sizeof *slope);
@@ -91,7 +92,7 @@ LagAnswer lag_instance_energies(LagInstance *s)
     double of_state[3];
     if (vital->energies_are_current || !s->run)
         return LAG_ANSWER_OK;
-    lag_energies(s->run, vital->t, s->x, of_state);
+    lag_energies(s->run, vital->t, lag_instance_plain(s, s->x), of_state);
     const double total = of_state[0] + of_state[1];
     s->energies[LAG_ENERGY_KINETIC] = of_state[0];
     s->energies[LAG_ENERGY_POTENTIAL] = of_state[1];
@@ -124,7 +125,7 @@ LagAnswer lag_instance_indicators(LagInstance *s)
 
 void lag_exchange_note(LagInstance *s)
 {
-    const size_t size = 2 * (size_t)s->model->n * sizeof *s->x;
+    const size_t size = (size_t)lag_fmu_states(s->model) * sizeof *s->x;
     s->vital.last_time = s->vital.t;
     if (s->model->n_power == 0 || lag_instance_slope(s) != LAG_ANSWER_OK)
         return;

@@ -43,9 +43,9 @@ LagAnswer lag_instance_set_time(LagInstance *s, double t)
 
 static LagAnswer check_count(const LagInstance *s, const double *x, size_t count)
 {
-    if (count == 2 * (size_t)s->model->n && (x || count == 0))
+    if (count == (size_t)lag_fmu_states(s->model) && (x || count == 0))
         return LAG_ANSWER_OK;
-    return lag_instance_log(s, LAG_ANSWER_ERROR, LAG_ERROR_CATEGORY, "there are %d states, not %lu", 2 * s->model->n,
+    return lag_instance_log(s, LAG_ANSWER_ERROR, LAG_ERROR_CATEGORY, "there are %d states, not %lu", lag_fmu_states(s->model),
                             (unsigned long)count);
 }
 
@@ -57,6 +57,8 @@ LagAnswer lag_instance_set_states(LagInstance *s, const double *x, size_t count)
     for (size_t i = 0; i < count; ++i)
         if (!isfinite(x[i]))
             return lag_instance_log(s, LAG_ANSWER_DISCARD, "logStatusDiscard", "%.200s is not finite", s->fmu->names[1 + i]);
+    if (!lag_instance_has_attitudes(s->model, x))
+        return lag_instance_log(s, LAG_ANSWER_DISCARD, "logStatusDiscard", "a quaternion of the length 0 is no attitude");
     if (count > 0)
         memcpy(s->x, x, count * sizeof *x);
     lag_instance_forget(s);
@@ -153,17 +155,17 @@ static void stand_at(LagInstance *s, double t, const double *x)
  * a, the others by its derivatives. */
 static void state_between(const LagInstance *s, double x, double h, double *state, double *acceleration)
 {
-    const int n = s->model->n;
-    const double *q0 = s->last, *v0 = q0 + n, *a0 = s->last_slope + n, *q1 = s->x, *v1 = q1 + n, *a1 = s->slope + n;
-    const double x2 = x * x, x3 = x2 * x;
-    for (int i = 0; i < n; ++i) {
-        const double d = q1[i] - q0[i] - h * v0[i] - h * h * a0[i] / 2, e = h * (v1[i] - v0[i]) - h * h * a0[i];
-        const double f = h * h * (a1[i] - a0[i]);
-        const double c3 = 10 * d - 4 * e + f / 2, c4 = -15 * d + 7 * e - f, c5 = 6 * d - 3 * e + f / 2;
-        state[i] = q0[i] + h * v0[i] * x + h * h * a0[i] * x2 / 2 + x3 * (c3 + x * (c4 + x * c5));
-        state[n + i] = v0[i] + h * a0[i] * x + x2 * (3 * c3 + x * (4 * c4 + x * 5 * c5)) / h;
-        acceleration[i] = a0[i] + x * (6 * c3 + x * (12 * c4 + x * 20 * c5)) / (h * h);
+    const LagModel *m = s->model;
+    for (int k = 0; k < m->n; ++k) {
+        const int i = lag_fmu_place(m, k), r = lag_fmu_place(m, m->n + k);
+        const double begin[3] = {s->last[i], s->last[r], s->last_slope[r]}, end[3] = {s->x[i], s->x[r], s->slope[r]};
+        double found[3];
+        lag_quintic(begin, end, h, x, found);
+        state[i] = found[0];
+        state[r] = found[1];
+        acceleration[k] = found[2];
     }
+    lag_attitudes_between(s, x, h, state, acceleration);
 }
 
 static int agree(const double *a, const double *b, int n)
@@ -181,13 +183,13 @@ static int agree(const double *a, const double *b, int n)
 static int account_by_polynomial(LagInstance *s, double h, double *sum)
 {
     static const double INNER[2] = {0.27639320225002103, 0.72360679774997897}; /* (1 -+ 1/sqrt 5)/2 */
-    const int n = s->model->n;
-    double *state = s->scratch, *slope = state + 2 * n, *acceleration = state + 4 * n, power[2];
+    const int n = s->model->n, states = lag_fmu_states(s->model);
+    double *state = s->scratch, *slope = state + states, *acceleration = slope + states, power[2];
     for (int k = 0; k < 2; ++k)
         sum[k] = h / 12 * (s->last_power[k] + s->power[k]);
     for (int i = 0; i < 2; ++i) {
         state_between(s, INNER[i], h, state, acceleration);
-        if (!lag_instance_slope_at(s, s->vital.last_time + h * INNER[i], state, slope, power) || !agree(acceleration, slope + n, n))
+        if (!lag_instance_slope_at(s, s->vital.last_time + h * INNER[i], state, slope, power) || !agree(acceleration, slope + states - n, n))
             return 0;
         for (int k = 0; k < 2; ++k)
             sum[k] += h / 12 * 5 * power[k];
@@ -203,7 +205,7 @@ static int account_by_run(LagInstance *s, double *sum)
     const double coarse = run->impacts.coarse;
     int done = 0;
     lag_switches_keep(run, s->switches);
-    stand_at(s, s->vital.last_time, s->last);
+    stand_at(s, s->vital.last_time, lag_instance_plain(s, s->last));
     run->segment_over = 0;
     run->impacts.coarse = 0; /* errors are ours */
     run->guards.is_idle = 1; /* and so is the motion between two completed steps */
@@ -216,7 +218,7 @@ static int account_by_run(LagInstance *s, double *sum)
     stand_at(s, s->vital.t, lag_instance_projected(s, s->vital.t, s->x));
     run->impacts.coarse = coarse;
     lag_switches_resume(run, s->switches);
-    lag_cones_note(run, s->vital.last_time, s->last);
+    lag_cones_note(run, s->vital.last_time, lag_instance_plain(s, s->last));
     return is_known;
 }
 
@@ -238,12 +240,12 @@ static int is_astray(LagInstance *s)
 {
     LagRun *run = s->run;
     const LagModel *m = s->model;
-    const double t = s->vital.t, *in[] = {&t, s->x, run->u, run->d, run->c};
+    const double t = s->vital.t, *in[] = {&t, lag_instance_plain(s, s->x), run->u, run->d, run->c};
     double *out[] = {run->projection.correction};
     if (m->n_holonomic == 0 || lag_call(&m->place, in, out, run->work) != 0)
         return 0;
     for (int i = 0; i < m->n; ++i)
-        if (fabs(out[0][i]) > FARTHEST * s->fmu->nominal[i])
+        if (fabs(out[0][i]) > FARTHEST * s->fmu->nominal[lag_fmu_place(m, i)])
             return 1;
     return 0;
 }
@@ -274,7 +276,7 @@ LagAnswer lag_instance_completed_step(LagInstance *s, int *needs_event)
     const LagAnswer answer = lag_instance_settle(s);
     const int has_switched = answer == LAG_ANSWER_OK && has_switched_at(s);
     take_slack(s);
-    lag_scale_note(&s->run->scale, s->x);
+    lag_scale_note(&s->run->scale, lag_instance_plain(s, s->x));
     keep_account(s);
     if (!has_switched)
         lag_cones_note(s->run, s->vital.t, lag_instance_projected(s, s->vital.t, s->x));
@@ -288,11 +290,14 @@ static double next_event(LagInstance *s)
 }
 
 /* How far off the importer's states may be, by what an error of ours is. */
-static double coarseness(const LagInstance *s)
+static double coarseness(LagInstance *s)
 {
+    const double *x = lag_instance_plain(s, s->x);
     double most = 1;
-    for (int i = 0; i < s->model->n; ++i)
-        most = fmax(AFTER_EVENTS * s->vital.tolerance * s->fmu->nominal[i] / lag_scale_unit(&s->run->scale, i, s->x, s->x), most);
+    for (int i = 0; i < s->model->n; ++i) {
+        const double unit = lag_scale_unit(&s->run->scale, i, x, x);
+        most = fmax(AFTER_EVENTS * s->vital.tolerance * s->fmu->nominal[lag_fmu_place(s->model, i)] / unit, most);
+    }
     return isfinite(most) ? most : 1;
 }
 
@@ -320,7 +325,7 @@ static int switch_over(LagInstance *s)
     lag_cones_begin(run);
     const int is_moved = memcmp(projected, run->motion.y, size) != 0;
     if (is_moved)
-        memcpy(s->x, run->motion.y, size);
+        lag_instance_tell(s, run->motion.y, s->x);
     return is_moved;
 }
 
@@ -328,23 +333,26 @@ static int switch_over(LagInstance *s)
 static int begin_segment(LagInstance *s)
 {
     LagRun *run = s->run;
-    const size_t size = 2 * (size_t)s->model->n * sizeof *s->x;
-    double before[3], after[3];
-    lag_energies(run, s->vital.t, s->x, before);
+    double before[3], after[3], *x = lag_instance_plain(s, s->x);
+    lag_energies(run, s->vital.t, x, before);
     run->motion.t = run->motion.t_old = s->vital.t;
-    lag_impacts_await_jump(run, s->vital.t, s->x);
+    lag_impacts_await_jump(run, s->vital.t, x);
     lag_segment_enter(run);
-    const int kicked = lag_kick(run, s->vital.t, s->x), astray = is_astray(s);
+    const int kicked = lag_kick(run, s->vital.t, x);
+    if (kicked)
+        lag_instance_tell(s, x, s->x);
+    const int astray = is_astray(s);
     if (astray) {
-        stand_at(s, s->vital.t, s->x);
-        lag_scale_note(&run->scale, s->x);
+        x = lag_instance_plain(s, s->x);
+        stand_at(s, s->vital.t, x);
+        lag_scale_note(&run->scale, x);
         lag_project_present(run);
-        memcpy(s->x, run->motion.y, size);
+        lag_instance_tell(s, run->motion.y, s->x);
     }
-    lag_sampling_take(run, s->vital.t, s->x);
+    lag_sampling_take(run, s->vital.t, lag_instance_plain(s, s->x));
     const int is_moved = switch_over(s);
     give_slack(s);
-    lag_energies(run, s->vital.t, s->x, after);
+    lag_energies(run, s->vital.t, lag_instance_plain(s, s->x), after);
     if (!astray) /* what projecting adds or takes is an error, and shows as one */
         s->vital.work += after[2] - before[2];
     lag_instance_forget(s);

@@ -9,9 +9,9 @@
 
 enum {
     LAG_GROUP_TIME,
-    LAG_GROUP_STATE,     /* 2 n: q, v */
-    LAG_GROUP_SLOPE,     /* 2 n: their derivatives */
-    LAG_GROUP_OUTPUT,
+    LAG_GROUP_STATE,     /* n_states: positions, a quaternion for the three of an attitude, and rates: states.c */
+    LAG_GROUP_SLOPE,     /* n_states: their derivatives */
+    LAG_GROUP_OUTPUT,    /* n_outputs, but for the quaternions of attitudes, which are the first of them */
     LAG_GROUP_ENERGY,    /* LAG_ENERGIES */
     LAG_GROUP_INPUT,
     LAG_GROUP_PARAMETER,
@@ -37,20 +37,20 @@ typedef struct {
     const LagModel *model;
     const char *token;                    /* FMI 2: guid; FMI 3: instantiationToken */
     double start, tolerance;              /* of the default experiment */
-    double stabilisation;                 /* rate in 1/s at which constraints are approached in Model Exchange: exchange.c */
+    double stabilisation;                 /* rate in 1/s at which constraints and unit quaternions are approached in Model Exchange: exchange.c */
     int n_reals, n_integers, n_booleans, n_strings;
     const double *reals, *integers, *booleans;
     const char *const *strings;
     const char *const *names;             /* by value reference */
     const char *const *guards;            /* n_guards: what is said where they break */
-    const double *state_start;            /* 2 n: as declared */
-    const int *state_settable;            /* 2 n */
-    const double *nominal;                /* 2 n */
+    const double *state_start;            /* n_states: as declared */
+    const int *state_settable;            /* n_states */
+    const double *nominal;                /* n_states */
     const double *input_start;
     const double *parameter_start;
     const double *minimum, *maximum;      /* n_parameters */
     const int *parameter_settable;        /* n_parameters: 0 where it follows from others */
-    /* Derivatives of the slopes x', of y, and of the rates R of what may be held, which are 0 while it is. */
+    /* q here as states have it. Derivatives of the slopes x', of y, and of the rates R of what may be held, which are 0 while it is. */
     LagFunction forward; /* t, q, v, u, d, p, dt, dq, dv, du, dd, dp -> dx', dy, dR   along a direction */
     LagFunction adjoint; /* t, q, v, u, d, p, wx, wy, wR -> wt, wq, wv, wu, wd, wp   gradients of wx.x' + wy.y + wR.R */
 } LagFmu;

@@ -83,14 +83,15 @@ struct LagInstance {
     double *memory;          /* all vectors below up to `scratch` */
     size_t saved_size;       /* so many of them are part of the state */
     double *given;           /* n_parameters */
-    double *start;           /* 2 n: start values given, NaN where none is */
+    double *start;           /* states: start values given, NaN where none is */
     double *u, *u_slope;     /* n_inputs; slopes of the last step, or given for the next one */
-    double *x, *slope;       /* 2 n */
+    double *x, *slope;       /* states, as importers have them: states.c */
     double *outputs, *energies;
     double *power;           /* n_power */
     double *last, *last_slope, *last_power; /* at the last completed step */
     double *slack;           /* n_whens: of conditions of events, near their places: exchange.c */
     double *scratch, *projected; /* not saved */
+    double *plain, *told;    /* 2 n, states: the same state as the run has it, and as importers have it */
     double *indicators, *switches; /* n_switches; the latter: what is held */
     double *row, *mask, *table, *directions, *work;
     LagDenseLu held;         /* how the rates of what is held depend on its shares */
@@ -121,6 +122,8 @@ LagAnswer lag_instance_reset(LagInstance *instance);
 /* Group of a value reference and its place there; -1: there is none. */
 int lag_instance_locate(const LagFmu *fmu, unsigned int reference, int *index);
 int lag_fmu_count(const LagFmu *fmu, int group);
+/* The value reference of the first of a group. */
+int lag_fmu_first(const LagFmu *fmu, int group);
 
 /* Values of one of the groups LAG_GROUP_INTEGER, _BOOLEAN, _STRING. */
 LagAnswer lag_instance_get_constants(LagInstance *instance, int group, const unsigned int *references, size_t count, double *values);
@@ -136,6 +139,33 @@ LagAnswer lag_instance_settle(LagInstance *instance);
 /* The state or the time changed: what follows from them is worked out anew. */
 void lag_instance_forget(LagInstance *instance);
 LagAnswer lag_instance_slope(LagInstance *instance);
+
+/* States (states.c): positions, where the three coordinates of an attitude are a unit quaternion, then rates. */
+int lag_fmu_positions(const LagModel *model);
+int lag_fmu_states(const LagModel *model);
+/* Where the k-th position or rate of the run (0 .. 2 n - 1) is among them: of an attitude the first three parts. */
+int lag_fmu_place(const LagModel *model, int k);
+/* Outputs, without the quaternions that are states: these come first among the run's. */
+int lag_fmu_outputs(const LagModel *model);
+/* Values by place among the run's positions and rates. */
+void lag_fmu_by_coordinate(const LagModel *model, const double *states, double *values);
+/* The state as the run has it (q, v); valid until the next call. In Model Exchange references become those of the state. */
+double *lag_instance_plain(LagInstance *instance, const double *x);
+/* The run's (q, v), against its references, as the importer has it. */
+void lag_instance_tell(LagInstance *instance, const double *y, double *x);
+/* From a row of results: its positions and rates, and its outputs. */
+void lag_instance_take_states(LagInstance *instance, const double *y, const double *outputs);
+/* Start values for the run, NaN where nothing was given: those of an attitude all where one part of its quaternion was. NULL: that is
+ * none, its length is 0. */
+double *lag_instance_starts(LagInstance *instance);
+/* Rates of positions at rates v (n) of the run, from a state. */
+void lag_instance_pace(const LagModel *model, const double *x, const double *v, double *pace);
+/* A value, its rate and the rate of that at the share x of a step of h, by the polynomial of degree 5 through these (3) at both its ends. */
+void lag_quintic(const double *begin, const double *end, double h, double x, double *found);
+/* Of attitudes: the state at the share x of the last step, by such polynomials of quaternions, and rates of angular velocities. */
+void lag_attitudes_between(const LagInstance *instance, double x, double h, double *state, double *acceleration);
+/* Whether all quaternions of a state can be ones. */
+int lag_instance_has_attitudes(const LagModel *model, const double *x);
 /* The slope at another state and its power; 1 when all are finite. */
 int lag_instance_slope_at(LagInstance *instance, double t, const double *x, double *slope, double *power);
 /* The state on the constraints that equations and conditions are those of; valid until the next call. */

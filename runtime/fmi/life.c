@@ -14,23 +14,25 @@ enum { LONGEST_NAME = 200 };
 static void layout(LagInstance *s, LagArena *arena)
 {
     const LagModel *m = s->model;
-    const size_t n = (size_t)m->n, inputs = (size_t)m->n_inputs, power = (size_t)m->n_power;
+    const size_t n = (size_t)m->n, states = (size_t)lag_fmu_states(m), inputs = (size_t)m->n_inputs, power = (size_t)m->n_power;
     s->given = lag_take(arena, (size_t)m->n_parameters);
-    s->start = lag_take(arena, 2 * n);
+    s->start = lag_take(arena, states);
     s->u = lag_take(arena, inputs);
     s->u_slope = lag_take(arena, inputs);
-    s->x = lag_take(arena, 2 * n);
-    s->slope = lag_take(arena, 2 * n);
+    s->x = lag_take(arena, states);
+    s->slope = lag_take(arena, states);
     s->outputs = lag_take(arena, (size_t)m->n_outputs);
     s->energies = lag_take(arena, LAG_ENERGIES);
     s->power = lag_take(arena, power);
-    s->last = lag_take(arena, 2 * n);
-    s->last_slope = lag_take(arena, 2 * n);
+    s->last = lag_take(arena, states);
+    s->last_slope = lag_take(arena, states);
     s->last_power = lag_take(arena, power);
     s->slack = lag_take(arena, (size_t)m->n_whens);
     s->saved_size = arena->used;
-    s->scratch = lag_take(arena, 5 * n);
+    s->scratch = lag_take(arena, 2 * states + n);
     s->projected = lag_take(arena, 2 * n + (size_t)m->n_power);
+    s->plain = lag_take(arena, 2 * n);
+    s->told = lag_take(arena, states);
     s->indicators = lag_take(arena, (size_t)m->n_switches);
     s->switches = lag_take(arena, (size_t)m->n_switches);
     s->row = lag_take(arena, (size_t)lag_run_row_width(m));
@@ -63,7 +65,7 @@ static void set_defaults(LagInstance *s)
                             .tolerance = s->fmu->tolerance};
     s->vital = fresh;
     memset(s->memory, 0, s->saved_size * sizeof *s->memory);
-    for (int i = 0; i < 2 * s->model->n; ++i)
+    for (int i = 0; i < lag_fmu_states(s->model); ++i)
         s->start[i] = NAN;
     for (int i = 0; i < s->model->n_inputs; ++i)
         s->u[i] = s->fmu->input_start[i];

@@ -88,9 +88,9 @@ static const char *name_of(const LagInstance *s, LagStatus status, int index, in
     if (status == LAG_ASSERTED)
         return s->fmu->guards[index];
     if (status == LAG_INPUT_JUMPS)
-        return s->fmu->names[1 + 4 * m->n + m->n_outputs + LAG_ENERGIES + index];
+        return s->fmu->names[lag_fmu_first(s->fmu, LAG_GROUP_INPUT) + index];
     const int place = index + (rate ? m->n : 0);
-    return index >= 0 && place < 2 * m->n ? s->fmu->names[1 + place] : "";
+    return index >= 0 && place < 2 * m->n ? s->fmu->names[1 + lag_fmu_place(m, place)] : "";
 }
 
 void lag_instance_warn(LagInstance *s)

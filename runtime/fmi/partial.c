@@ -22,7 +22,8 @@ static int along_d(const LagModel *m) { return m->n_switches > 0 ? m->n_modes + 
 size_t lag_partial_size(const LagFmu *fmu)
 {
     const LagModel *m = fmu->model;
-    return 1 + 4 * (size_t)m->n + LAG_N_U(m) + (size_t)(m->n_parameters + m->n_outputs + along_d(m) + m->n_switches);
+    return 1 + 2 * (size_t)lag_fmu_states(m) + LAG_N_U(m)
+        + (size_t)(m->n_parameters + lag_fmu_outputs(m) + along_d(m) + m->n_switches);
 }
 
 static Directions places(const LagInstance *s)
@@ -31,12 +32,12 @@ static Directions places(const LagInstance *s)
     Directions d;
     d.t = s->directions;
     d.x = d.t + 1;
-    d.u = d.x + 2 * m->n;
+    d.u = d.x + lag_fmu_states(m);
     d.d = d.u + LAG_N_U(m);
     d.p = d.d + along_d(m);
     d.slope = d.p + m->n_parameters;
-    d.y = d.slope + 2 * m->n;
-    d.rate = d.y + m->n_outputs;
+    d.y = d.slope + lag_fmu_states(m);
+    d.rate = d.y + lag_fmu_outputs(m);
     return d;
 }
 
@@ -108,7 +109,7 @@ static LagAnswer no_derivative(const LagInstance *s)
 
 static int call_forward(LagInstance *s, const Directions *d)
 {
-    const int n = s->model->n;
+    const int n = lag_fmu_positions(s->model);
     const double *in[] = {&s->vital.t, s->x, s->x + n, s->run->u, s->run->d, lag_run_parameters(s->run),
                           d->t, d->x, d->x + n, d->u, d->d, d->p};
     double *out[] = {d->slope, d->y, d->rate};
@@ -117,7 +118,7 @@ static int call_forward(LagInstance *s, const Directions *d)
 
 static int call_adjoint(LagInstance *s, const Directions *d)
 {
-    const int n = s->model->n;
+    const int n = lag_fmu_positions(s->model);
     const double *in[] = {&s->vital.t, s->x, s->x + n, s->run->u, s->run->d, lag_run_parameters(s->run), d->slope, d->y, d->rate};
     double *out[] = {d->t, d->x, d->x + n, d->u, d->d, d->p};
     return lag_call(&s->fmu->adjoint, in, out, s->work) == 0;
@@ -209,7 +210,7 @@ static void fill_knowns(LagInstance *s, const Directions *d, const void *what)
 static void fill_unknowns(LagInstance *s, const Directions *d, const void *what)
 {
     const Seeds *seeds = what;
-    const size_t size = 2 * (size_t)s->model->n * sizeof *d->x;
+    const size_t size = (size_t)lag_fmu_states(s->model) * sizeof *d->x;
     for (size_t i = 0; i < seeds->count; ++i)
         *unknown(s, d, seeds->references[i]) += seeds->seed[i];
     if (size > 0) {
@@ -247,7 +248,7 @@ LagAnswer lag_instance_adjoint(LagInstance *s, const unsigned int *unknowns, siz
     if (!find_adjoint(s, fill_unknowns, &seeds))
         return no_derivative(s);
     const Directions d = places(s);
-    for (int i = 0; i < 2 * s->model->n; ++i)
+    for (int i = 0; i < lag_fmu_states(s->model); ++i)
         d.x[i] += s->scratch[i];
     for (size_t i = 0; i < n_knowns; ++i)
         sensitivity[i] = *known(s, &d, knowns[i]);
@@ -260,7 +261,7 @@ static void fill_motion(LagInstance *s, const Directions *d, const void *what)
     (void)what;
     *d->t = 1;
     if (s->model->n > 0)
-        memcpy(d->x, s->slope, 2 * (size_t)s->model->n * sizeof *d->x);
+        memcpy(d->x, s->slope, (size_t)lag_fmu_states(s->model) * sizeof *d->x);
     if (s->model->n_inputs > 0)
         memcpy(d->u, s->u_slope, (size_t)s->model->n_inputs * sizeof *d->u);
     for (int k = 0; k < s->model->n_pieces; ++k) {

@@ -9,26 +9,6 @@
 #include "state/state.h"
 #include "steps/segment.h"
 
-int lag_fmu_count(const LagFmu *fmu, int group)
-{
-    const LagModel *m = fmu->model;
-    switch (group) {
-    case LAG_GROUP_TIME: return 1;
-    case LAG_GROUP_STATE:
-    case LAG_GROUP_SLOPE: return 2 * m->n;
-    case LAG_GROUP_OUTPUT: return m->n_outputs;
-    case LAG_GROUP_ENERGY: return LAG_ENERGIES;
-    case LAG_GROUP_INPUT: return m->n_inputs;
-    case LAG_GROUP_PARAMETER: return m->n_parameters;
-    case LAG_GROUP_INDICATOR: return m->n_switches;
-    case LAG_GROUP_REAL: return fmu->n_reals;
-    case LAG_GROUP_INTEGER: return fmu->n_integers;
-    case LAG_GROUP_BOOLEAN: return fmu->n_booleans;
-    case LAG_GROUP_STRING: return fmu->n_strings;
-    default: return 0;
-    }
-}
-
 int lag_instance_locate(const LagFmu *fmu, unsigned int reference, int *index)
 {
     for (int group = 0; group < LAG_GROUPS; ++group) {
@@ -57,7 +37,7 @@ static LagStatus set_inputs(LagInstance *s, double t)
 static LagAnswer check_parameters(LagInstance *s)
 {
     const double *p = lag_run_parameters(s->run);
-    const char *const *names = s->fmu->names + 1 + 4 * s->model->n + s->model->n_outputs + LAG_ENERGIES + s->model->n_inputs;
+    const char *const *names = s->fmu->names + lag_fmu_first(s->fmu, LAG_GROUP_PARAMETER);
     for (int i = 0; i < s->model->n_parameters; ++i)
         if (!(p[i] >= s->fmu->minimum[i] && p[i] <= s->fmu->maximum[i]))
             return lag_instance_log(s, LAG_ANSWER_ERROR, LAG_ERROR_CATEGORY, "%.200s is %g, which is not from %g to %g", names[i],
@@ -78,7 +58,7 @@ void lag_cosimulation_take(LagInstance *s)
     const double *row = s->row, *account = row + 1 + states + outputs;
     const double T = account[0], V = account[1], H = account[2], dissipated = account[3], work = account[4];
     s->vital.t = row[0];
-    memcpy(s->x, row + 1, states * sizeof *row);
+    lag_instance_take_states(s, row + 1, row + 1 + states);
     memcpy(s->outputs, row + 1 + states, outputs * sizeof *row);
     s->energies[LAG_ENERGY_KINETIC] = T;
     s->energies[LAG_ENERGY_POTENTIAL] = V;
@@ -96,33 +76,17 @@ void lag_cosimulation_take_row(LagInstance *s)
         lag_cosimulation_take(s);
 }
 
-LagAnswer lag_instance_begin(LagInstance *s)
+/* The state that the run has found. */
+static void take_start(LagInstance *s)
 {
     LagRun *run = s->run;
     LagVital *vital = &s->vital;
     double energies[3];
-    if (vital->has_started)
-        return LAG_ANSWER_OK;
-    run->started = 0;
-    run->motion.t = vital->start; /* where the inputs begin */
-    LagStatus status = lag_run_set_parameters(run, s->given, s->mask);
-    if (check_parameters(s) != LAG_ANSWER_OK)
-        return LAG_ANSWER_ERROR;
-    if (status == LAG_OK)
-        status = set_inputs(s, vital->start);
-    if (status == LAG_OK)
-        status = lag_run_start(run, s->start, s->start + s->model->n);
-    if (status != LAG_OK) {
-        const int mode = vital->mode; /* other values may still be set */
-        lag_instance_failed(s, status);
-        vital->mode = mode;
-        return LAG_ANSWER_ERROR;
-    }
     vital->has_started = 1;
     vital->parameters_changed = vital->inputs_changed = 0;
     vital->t = run->motion.t;
-    memcpy(s->x, run->motion.y, 2 * (size_t)s->model->n * sizeof *s->x);
-    lag_energies(run, vital->t, s->x, energies);
+    lag_instance_tell(s, run->motion.y, s->x);
+    lag_energies(run, vital->t, run->motion.y, energies);
     vital->start_energy = energies[2];
     vital->supports_energy = energies[0] + energies[1] - energies[2];
     vital->dissipated = vital->work = 0;
@@ -130,16 +94,44 @@ LagAnswer lag_instance_begin(LagInstance *s)
     if (s->kind == LAG_CO_SIMULATION) {
         lag_cosimulation_take_row(s);
     } else {
-        lag_scale_note(&run->scale, s->fmu->nominal); /* what is 0 at the start: projecting tells errors from rounding by size */
+        lag_fmu_by_coordinate(s->model, s->fmu->nominal, s->plain);
+        lag_scale_note(&run->scale, s->plain); /* what is 0 at the start: projecting tells errors from rounding by size */
         lag_exchange_note(s);
     }
+}
+
+LagAnswer lag_instance_begin(LagInstance *s)
+{
+    LagRun *run = s->run;
+    LagVital *vital = &s->vital;
+    if (vital->has_started)
+        return LAG_ANSWER_OK;
+    run->started = 0;
+    run->motion.t = vital->start; /* where the inputs begin */
+    LagStatus status = lag_run_set_parameters(run, s->given, s->mask);
+    if (check_parameters(s) != LAG_ANSWER_OK)
+        return LAG_ANSWER_ERROR;
+    const double *starts = lag_instance_starts(s);
+    if (!starts)
+        return lag_instance_log(s, LAG_ANSWER_ERROR, LAG_ERROR_CATEGORY, "a quaternion of the length 0 is no attitude");
+    if (status == LAG_OK)
+        status = set_inputs(s, vital->start);
+    if (status == LAG_OK)
+        status = lag_run_start(run, starts, starts + s->model->n);
+    if (status != LAG_OK) {
+        const int mode = vital->mode; /* other values may still be set */
+        lag_instance_failed(s, status);
+        vital->mode = mode;
+        return LAG_ANSWER_ERROR;
+    }
+    take_start(s);
     return LAG_ANSWER_OK;
 }
 
 static double total_energy(LagInstance *s)
 {
     double energies[3];
-    lag_energies(s->run, s->vital.t, s->x, energies);
+    lag_energies(s->run, s->vital.t, lag_instance_plain(s, s->x), energies);
     return energies[2];
 }
 

@@ -26,7 +26,7 @@ static LagAnswer get_from(LagInstance *s, int group, int index, double *value)
         break;
     case LAG_GROUP_OUTPUT:
         answer = lag_instance_outputs(s);
-        *value = s->outputs[index];
+        *value = s->outputs[4 * s->model->n_attitudes + index];
         break;
     case LAG_GROUP_ENERGY:
         answer = lag_instance_energies(s);

@@ -45,6 +45,8 @@ static void guess(LagRun *run, const double *q_given, const double *v_given)
         if (!isnan(value))
             run->start[i] = value;
     }
+    if (run->model->n_attitudes > 0 && q_given)
+        lag_attitudes_guess(run, q_given);
     look_at_inputs(run);
 }
 

@@ -29,7 +29,8 @@ LAG_API LagStatus lag_run_set_inputs(LagRun *run, const double *times, const dou
 /* Start values of the model's n_lost coordinates and of their rates, NaN where not given, for the starts to come; NULL: none. */
 LAG_API void lag_run_set_lost(LagRun *run, const double *given);
 
-/* Start values, NaN or NULL where not given; those given are not moved to satisfy initial equations. */
+/* Start values, NaN or NULL where not given; those given are not moved to satisfy initial equations. Those of an attitude are four
+ * times the modified Rodrigues vector of how it is turned (state/attitudes.c, against no turn), all three or none of them. */
 LAG_API LagStatus lag_run_start(LagRun *run, const double *q_given, const double *v_given);
 
 /* No step goes past t_stop. It may be moved on while running, as a co-simulation does. */

@@ -37,25 +37,67 @@ void lag_attitudes_turn_slope(const LagMotion *m, const double *q, double *k)
     }
 }
 
-void lag_attitudes_begin(LagRun *run)
+/* With a real part that is not negative. */
+static void declared(LagRun *run, int mode)
 {
-    const LagModel *model = run->model;
+    double *reference = run->d + mode, square = 0;
+    for (int k = 0; k < 4; ++k)
+        square += reference[k] * reference[k];
+    const double factor = copysign(1 / sqrt(square), reference[0] == 0 ? 1 : reference[0]);
+    for (int k = 0; k < 4; ++k)
+        reference[k] *= factor;
+}
+
+static void declare_all(LagRun *run)
+{
     const double *in[] = {&run->settings.t_start, run->p};
-    if (model->n_attitudes == 0)
-        return;
-    lag_call(&model->modes, in, &run->d, run->work);
-    for (int i = 0; i < model->n_attitudes; ++i) {
-        double *reference = run->d + model->attitudes[PARTS * i + MODE], square = 0;
-        for (int k = 0; k < 4; ++k)
-            square += reference[k] * reference[k];
-        const double factor = copysign(1 / sqrt(square), reference[0] == 0 ? 1 : reference[0]);
-        for (int k = 0; k < 4; ++k)
-            reference[k] *= factor;
-        double *size = run->scale.size + model->attitudes[PARTS * i + PLACE];
-        for (int k = 0; k < 3; ++k)
-            size[k] = fmax(size[k], 1);
+    lag_call(&run->model->modes, in, &run->d, run->work);
+    for (int i = 0; i < run->model->n_attitudes; ++i)
+        declared(run, run->model->attitudes[PARTS * i + MODE]);
+}
+
+void lag_attitude_between(const double *r, const double *x, double *s)
+{
+    const double real = r[0] * x[0] + r[1] * x[1] + r[2] * x[2] + r[3] * x[3], factor = 4 / (1 + fabs(real));
+    const double turn[3] = {
+        r[0] * x[1] - r[1] * x[0] - r[2] * x[3] + r[3] * x[2],
+        r[0] * x[2] - r[2] * x[0] - r[3] * x[1] + r[1] * x[3],
+        r[0] * x[3] - r[3] * x[0] - r[1] * x[2] + r[2] * x[1],
+    };
+    for (int k = 0; k < 3; ++k)
+        s[k] = copysign(factor, real) * turn[k];
+}
+
+void lag_quaternion_product(const double *a, const double *b, double *c)
+{
+    c[0] = a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3];
+    c[1] = a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2];
+    c[2] = a[0] * b[2] + a[2] * b[0] + a[3] * b[1] - a[1] * b[3];
+    c[3] = a[0] * b[3] + a[3] * b[0] + a[1] * b[2] - a[2] * b[1];
+}
+
+void lag_attitude_present(const double *reference, const double *s, double *quaternion)
+{
+    const double square = (s[0] * s[0] + s[1] * s[1] + s[2] * s[2]) / 16, half = 0.5 / (1 + square);
+    const double turn[4] = {(1 - square) / (1 + square), s[0] * half, s[1] * half, s[2] * half};
+    lag_quaternion_product(reference, turn, quaternion);
+}
+
+void lag_attitudes_guess(LagRun *run, const double *q_given)
+{
+    const double not_turned[4] = {1, 0, 0, 0};
+    int is_declared = 0;
+    for (int i = 0; i < run->model->n_attitudes; ++i) {
+        const int place = run->model->attitudes[PARTS * i + PLACE], mode = run->model->attitudes[PARTS * i + MODE];
+        double wanted[4];
+        if (isnan(q_given[place]))
+            continue;
+        if (!is_declared)
+            declare_all(run);
+        is_declared = 1;
+        lag_attitude_present(not_turned, q_given + place, wanted);
+        lag_attitude_between(run->d + mode, wanted, run->start + place);
     }
-    memset(run->motion.attitude_carry, 0, 4 * (size_t)model->n_attitudes * sizeof *run->motion.attitude_carry);
 }
 
 void lag_attitudes_keep(LagRun *run)
@@ -85,6 +127,25 @@ static void turn_reference(const double *s, double *reference, double *carry)
         carry[k] = (r[k] - (sum - taken)) + (whole - taken);
     }
     memcpy(reference, next, sizeof next);
+}
+
+void lag_attitudes_begin(LagRun *run)
+{
+    const LagModel *model = run->model;
+    if (model->n_attitudes == 0)
+        return;
+    declare_all(run);
+    memset(run->motion.attitude_carry, 0, 4 * (size_t)model->n_attitudes * sizeof *run->motion.attitude_carry);
+    for (int i = 0; i < model->n_attitudes; ++i) {
+        const int place = model->attitudes[PARTS * i + PLACE], mode = model->attitudes[PARTS * i + MODE];
+        double *s = run->motion.y + place, *size = run->scale.size + place;
+        turn_reference(s, run->d + mode, run->motion.attitude_carry + 4 * i);
+        declared(run, mode); /* what the start has turned it by may have made the real part negative */
+        memset(s, 0, 3 * sizeof *s);
+        memset(run->motion.attitude_carry + 4 * i, 0, 4 * sizeof *run->motion.attitude_carry);
+        for (int k = 0; k < 3; ++k)
+            size[k] = fmax(size[k], 1);
+    }
 }
 
 /* An angle that has turned so far is known by shares of that. */

@@ -11,7 +11,19 @@ void lag_attitude_rates(const double *s, const double *w, double *rates);
 /* In a slope k at the positions q, what stands where angular velocities are copied to become rates of positions. */
 void lag_attitudes_turn_slope(const LagMotion *motion, const double *q, double *k);
 
-/* References as parameters say, at the start of a run; and the size that angles have by themselves: after lag_scale_size. */
+/* Starts q_given that were given, as s against the axes that are not turned, become s against the references that parameters say. */
+void lag_attitudes_guess(LagRun *run, const double *q_given);
+
+/* s of the turn from one unit quaternion to another, the shorter way. */
+void lag_attitude_between(const double *reference, const double *quaternion, double *s);
+
+/* The product of two quaternions. */
+void lag_quaternion_product(const double *a, const double *b, double *product);
+
+/* A reference turned on by s. */
+void lag_attitude_present(const double *reference, const double *s, double *quaternion);
+
+/* References as parameters say, with what start values turned on, at the start of a run; and the size that angles have by themselves: after lag_scale_size. */
 void lag_attitudes_begin(LagRun *run);
 
 /* Where modes were worked out anew, references stay as they are. */

@@ -13,7 +13,7 @@ import fmpy
 from fmpy.validation import validate_fmu
 
 import lagrangia as lag
-from helpers.fmus import EXAMPLES, EXPORTED, KINDS, VERSIONS, WITHOUT, fmu_of, model_of, simulated
+from helpers.fmus import EXAMPLES, EXPORTED, KINDS, VERSIONS, fmu_of, model_of, reported, simulated
 from lagrangia.command.cli import main
 from lagrangia.fmu.check import check_fmu
 from lagrangia.fmu.variables import build_fmu_model
@@ -22,12 +22,6 @@ FILES = EXPORTED
 # Far apart after a while, whatever the solver: the time up to which two runs are compared, in s.
 CHAOTIC = {"double_pendulum": 3, "chain": 2, "n_four_bars": 2, "spring_pendulum": 3, "pantograph": 3, "parallelogram": 2,
            "four_bar": 2, "slider_crank": 1}
-
-
-@pytest.mark.parametrize("name", WITHOUT)
-def test_attitudes_are_refused(name: str, tmp_path: Path) -> None:
-    with pytest.raises(lag.LagError, match="not supported yet: an FMU where an attitude is a coordinate"):
-        lag.load(EXAMPLES / f"{name}.lag").export_fmu(tmp_path)
 
 
 @pytest.mark.parametrize("version", VERSIONS)
@@ -42,7 +36,7 @@ def test_fmpy_has_nothing_to_say(path: Path, version: str) -> None:
 def test_the_motion_is_that_of_the_native_run(path: Path, kind: str, version: str) -> None:
     model = model_of(path)
     scene = model.scene
-    names = [c.name for c in (*scene.coordinates, *scene.outputs)]
+    names = reported(path)
     stop = min(scene.stop, CHAOTIC.get(path.stem, scene.stop))
     # CVode's own error, from step to step, is a hundred times its tolerance after a while.
     tolerance = 1e-8 if kind == "CoSimulation" else 1e-10
@@ -52,12 +46,12 @@ def test_the_motion_is_that_of_the_native_run(path: Path, kind: str, version: st
     before, found = found[np.append(True, is_last[:-1])], found[is_last]  # outputs may jump there: then one of them agrees
     native = model.simulate(stop=stop, at=found["time"], tolerance=1e-9)
     assert found["time"][-1] == pytest.approx(stop, rel=1e-12)
-    groups = {column.unit for column in scene.coordinates}
-    size = {unit: max(np.abs(native[c.name]).max() for c in scene.coordinates if c.unit == unit) for unit in groups}
-    for column in (*scene.coordinates, *scene.outputs):
+    groups = {column.unit for column in scene.told_positions}
+    size = {unit: max(np.abs(native[c.name]).max() for c in scene.told_positions if c.unit == unit) for unit in groups}
+    for column in (*scene.told_positions, *scene.own_outputs):
         scale = max(np.abs(native[column.name]).max(), size.get(column.unit, 0.0), 1.0 if column.unit == "rad" else 1e-6)
         error, other = (np.abs(rows[column.name] - native[column.name]) for rows in (found, before))
-        assert (np.minimum(error, other) if column in scene.outputs else error).max() < 1e-6 * scale, column.name
+        assert (np.minimum(error, other) if column in scene.own_outputs else error).max() < 1e-6 * scale, column.name
 
 
 def test_into_a_folder(tmp_path: Path) -> None:

@@ -12,7 +12,7 @@ import pytest
 
 pytest.importorskip("fmpy")
 
-from helpers.fmus import EXAMPLES, EXPORTED, KINDS, VERSIONS, Instance, fmu_of, model_of, unpacked
+from helpers.fmus import EXAMPLES, EXPORTED, KINDS, VERSIONS, Instance, fmu_of, model_of, reported, unpacked
 
 FILES = EXPORTED
 DRIVEN = """
@@ -66,10 +66,10 @@ def test_derivatives_are_those_of_differences(path: Path) -> None:
     reach = 2e-8 if model_of(path).freedom["repeated"] else 1e-4
     instance = Instance(path, "3", "ModelExchange").start()
     states, unknowns, knowns = names_of(instance)
-    rows = model_of(path).simulate(at=np.linspace(scene.start, scene.stop, 7)[1:-1]).rows
-    for row in rows:
-        instance.fmu.setTime(row[0])
-        x = row[1 : 1 + 2 * scene.n]
+    run = model_of(path).simulate(at=np.linspace(scene.start, scene.stop, 7)[1:-1])
+    rows = np.array([run[column.name] for column in (*scene.told_positions, *scene.rates)]).T
+    for time, x in zip(run["time"], rows, strict=True):
+        instance.fmu.setTime(time)
         instance.set_states(x)
         exact = np.array([instance.forward(unknowns, [name], [1.0]) for name in knowns]).T
         adjoint = np.array([instance.adjoint([name], knowns, [1.0]) for name in unknowns])
@@ -154,7 +154,7 @@ def test_a_saved_state_goes_on_bit_for_bit(path: Path, version: str) -> None:
     scene = model_of(path).scene
     h = (scene.stop - scene.start) / 50
     one, never, other = (Instance(path, version, "CoSimulation", name) for name in ("one", "never", "other"))
-    names = [c.name for c in (*scene.coordinates, *scene.outputs)] + ["energy.residual"]
+    names = [*reported(path), "energy.residual"]
 
     def run(instance: Instance, first: int, last: int) -> list[list[float]]:
         rows = []

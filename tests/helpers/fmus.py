@@ -17,8 +17,7 @@ from lagrangia.fmu.export import Export, export_fmu
 from lagrangia.native.prebuilt import find_fmu
 
 EXAMPLES = Path(__file__).parents[2] / "models" / "examples"
-WITHOUT = ("satellite", "top", "rolling_disc_space")  # of attitudes, which FMUs do not have yet
-EXPORTED = [path for path in sorted(EXAMPLES.glob("*.lag")) if path.stem not in WITHOUT]
+EXPORTED = sorted(EXAMPLES.glob("*.lag"))
 _FOLDER = TemporaryDirectory(prefix="lagrangia-fmus-")
 _ENGINE = "tape" if find_fmu(data_folder("runtime"), "2") else "native"
 VERSIONS, KINDS = ("2", "3"), ("CoSimulation", "ModelExchange")
@@ -27,6 +26,12 @@ VERSIONS, KINDS = ("2", "3"), ("CoSimulation", "ModelExchange")
 @cache
 def model_of(path: Path) -> lag.Model:
     return lag.load(path)
+
+
+def reported(path: Path) -> list[str]:
+    """Names of positions, as importers have them, and of outputs."""
+    scene = model_of(path).scene
+    return [c.name for c in (*scene.told_positions, *scene.own_outputs)]
 
 
 def fmu_of(path: Path, version: str, engine: str = _ENGINE) -> Path:

@@ -20,5 +20,8 @@ Equations    of a Rotation are Euler's: d/dt dT/dw + w x dT/dw = torque. The sta
              attitude has turned since the latest step began, and w: no singular place, no norm to keep, no sines.
 Solvers      erk, erk5, erk9, pirk, implicit. adams, taylor, conservative, linear and islands do not know attitudes: auto takes
              none of them.
-Not supported yet: small motion (equilibrium, linearize, modes, response), FMUs, exports, pictures, start values by --initial,
+FMUs         have the unit quaternion tip.S[1] to [4] and der(tip.S) (tip.w) as states. In Model Exchange dQ/dt = P (0, w)/2 +
+             k (P - Q) with P = Q/|Q|: no other length says anything, and none lasts; k = 100/(stop - start). Co-Simulation steps
+             as lag simulate does. A start is set as a whole: its length says nothing, parts that are not set are as declared.
+Not supported yet: small motion (equilibrium, linearize, modes, response), exports, pictures, start values by --initial,
 kinetic energies of der(S) that are no rigid body's. Hinges (a Universal and a Revolute) have all but the pictures."""

@@ -80,6 +80,7 @@ def _summary(model: "Model", path: Path) -> str:
         names = archive.namelist()
     binaries = sorted(name.split("/")[1] for name in names if name.startswith("binaries/"))
     tape = " (tape)" if f"resources/{STORED}" in names else ""
-    scene = model.scene
-    return (f"{path}: {scene.name}, {2 * scene.n} states, {len(scene.parameters)} parameters, {len(scene.inputs)} inputs, "
-            f"{len(scene.outputs)} outputs; {', '.join(binaries) or 'no binaries'}{tape}; {path.stat().st_size / 1024:.0f} kB")
+    scene, size = model.scene, path.stat().st_size / 1024
+    return (f"{path}: {scene.name}, {scene.n + len(scene.told_positions)} states, {len(scene.parameters)} parameters, "
+            f"{len(scene.inputs)} inputs, {len(scene.own_outputs)} outputs; {', '.join(binaries) or 'no binaries'}{tape}; "
+            f"{size:.0f} kB")

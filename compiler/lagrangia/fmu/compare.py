@@ -120,7 +120,7 @@ class _NativeRun:
 
         self.model, self.tolerance, self.stop = model, tolerance, stop
         self.times = [start + (stop - start) * k / _ROWS for k in range(_ROWS)] + [stop]
-        columns = (*model.scene.coordinates, *model.scene.outputs)
+        columns = (*model.scene.told_positions, *model.scene.own_outputs)
         self.names = [column.name for column in columns]
         run, looser = (model.run(Request(start, stop, max(tolerance * factor, 1e-14), at=self.times, parameters=parameters))
                        for factor in (1, _LOOSER))

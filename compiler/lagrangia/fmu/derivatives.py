@@ -18,6 +18,7 @@ import casadi as ca
 from lagrangia.compile.functions import state_space
 from lagrangia.compile.instructions import tape_of
 from lagrangia.compile.pipeline import Compilation
+from lagrangia.compile.told_positions import told_positions
 from lagrangia.constraints.parameters import all_parameters
 from lagrangia.dynamics.delaying import find_delaying
 from lagrangia.dynamics.joint_loads import settled
@@ -69,22 +70,25 @@ def _equations(compilation: Compilation, outputs: tuple[str, ...],
     kinematics, motion = compilation.struck, compilation.run
     made = motion.unsolved or motion
     symbols, (a, y, place, steer) = state_space(kinematics, made, compilation.constraints, outputs)
-    _t, q, v, *_ = symbols
+    t, q, v, *given = symbols
+    told = told_positions(kinematics)
     switches = find_switches(motion, find_delaying(kinematics).values)
     found = settled(motion, switches, {"held": switches.hold([a, y]), "switches": [switches.values, switches.rates]})
     (a, y), (_, rates) = found["held"], found["switches"]
     shares = ca.vertcat(switches.symbols, motion.impacts.impulses) if switches.symbols.numel() else ca.SX(0, 1)
     still = ca.SX.zeros(switches.slopes.numel(), 1)
     (rates,) = ca.substitute([rates], [motion.a, switches.slopes], [a, still])
-    slope = ca.vertcat(v, a)
+    Q, V = q, v
     if motion.constrained is not None:
         Q = q + place
         V = v + ca.substitute(steer, q, Q)
         a, y, rates = ca.substitute([a, y, rates], [q, v], [Q, V])
-        slope = ca.vertcat(V, a) + stabilisation * (ca.vertcat(Q, V) - ca.vertcat(q, v))
-    slope, y, rates = kinematics.algebra.by_inputs([slope, y, rates])
-    return kinematics, symbols, [slope, y, rates, shares, switches.rest_symbols]
-
+    here = told.of(Q)
+    slope = ca.vertcat(told.pace(here, V), a)
+    if motion.constrained is not None or told.quaternions:
+        slope += stabilisation * (ca.vertcat(here, V) - ca.vertcat(told.q, v))
+    slope, y, rates = told.put(kinematics.algebra.by_inputs([slope, y, rates]))
+    return kinematics, [t, told.q, v, *given], [slope, y, rates, shares, switches.rest_symbols]
 
 
 def _both(knowns: list[ca.SX], unknowns: list[ca.SX], state: list[ca.SX]) -> tuple[ca.Function, ca.Function]:

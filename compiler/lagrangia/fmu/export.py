@@ -21,16 +21,16 @@ from lagrangia.base.result_files import Target, keep_apart
 from lagrangia.base.search_path import search_path
 from lagrangia.base.version import VERSION
 from lagrangia.fmu.build import DARWIN, PLATFORMS, Platform, build_binaries, host_platform, read_platforms, universal
+from lagrangia.fmu.exportable import Exportable
 from lagrangia.fmu.page import license_text, write_page, write_terminals
 from lagrangia.fmu.pictures import Icon, draw_graph, draw_icon
 from lagrangia.fmu.source import scene_source, table_source
 from lagrangia.fmu.stored import NAME as STORED
 from lagrangia.fmu.stored import write_stored
-from lagrangia.fmu.variables import Exportable, FmuModel, build_fmu_model
+from lagrangia.fmu.variables import FmuModel, build_fmu_model
 from lagrangia.fmu.xml import About
 from lagrangia.fmu.xml2 import write_fmi2
 from lagrangia.fmu.xml3 import write_build_description, write_fmi3
-from lagrangia.frames.attitude_starts import HINGES, refuse_attitudes
 from lagrangia.language.delays import refuse_delays
 from lagrangia.native.prebuilt import find_fmu
 from lagrangia.native.table_code import MOST_WRITTEN, are_long
@@ -122,7 +122,6 @@ def export_fmus(
 
 def _possible(model: Exportable, kinds: tuple[str, ...]) -> tuple[str, ...]:
     """The kinds that the scene can be. Raises LagError L0901."""
-    refuse_attitudes(model.compilation.graph.attitudes, "an FMU", HINGES)
     if model.compilation.flat.delays and kinds == ("me",):
         refuse_delays(model.compilation.flat, "an FMU for Model Exchange", "an importer's integrator keeps no past of its steps; "
                       "Co-Simulation does: --kind cs")
@@ -210,7 +209,7 @@ def build_extras(model: Exportable, described: FmuModel) -> Extras:
 
     files, equations = model_files(model), ""
     flat = model.compilation.flat
-    if not (flat.samplers or flat.delays):  # whose accelerations the state alone does not tell
+    if not (flat.samplers or flat.delays or model.compilation.graph.attitudes):  # accelerations that q, v do not tell
         functions = ca.StringSerializer()
         functions.pack(list(model.functions().values()))
         files = {"functions.casadi": functions.encode().encode()} | files

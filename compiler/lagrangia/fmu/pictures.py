@@ -14,7 +14,8 @@ from lagrangia.draw.raster import rasterise
 from lagrangia.draw.strokes import Stroke
 from lagrangia.draw.svg import write_svg
 from lagrangia.draw.values import States
-from lagrangia.fmu.variables import Exportable
+from lagrangia.fmu.exportable import Exportable
+from lagrangia.fmu.states import state_columns
 from lagrangia.language.flat import Figure
 from lagrangia.run.input_pieces import held_at_first
 from lagrangia.solids.showing import all_figures_of, icon_of
@@ -33,12 +34,15 @@ class Icon:
     svg: bytes
 
 
-def draw_icon(model: Exportable, start: tuple[float, ...]) -> Icon:
+def draw_icon(model: Exportable, start: Sequence[float]) -> Icon:
     """The schematic, without names, for which an icon has no room: 128 x 128 pixels, and as lines."""
     scene = model.scene
-    n, parameters = scene.n, model.parameter_values()
-    given = [*(known.value or 0.0 for known in scene.inputs), *held_at_first(scene, list(map(float, parameters)))]
-    columns = ([scene.start], start[:n], start[n:], given, parameters)
+    parameters = model.parameter_values()
+    told, turned = dict(zip((c.name for c in state_columns(scene)), start, strict=True)), scene.notes.get("attitudes", {})
+    q = [told.get(c.name, 0.0) for c in scene.coordinates]  # attitudes are not turned against themselves
+    kept = [*(told[f"{name}[{k}]"] for name in turned for k in range(1, 5)), *held_at_first(scene, list(map(float, parameters)))]
+    columns = ([scene.start], q, start[-scene.n :] if scene.n else (), [*(known.value or 0.0 for known in scene.inputs), *kept],
+               parameters)
     states = States(*(np.array(column, dtype=float).reshape(-1, 1) for column in columns))
     page = icon_of(model.compilation, _told_apart(all_figures_of(model)), states)
     if not page.paths:  # a scene of energies alone, whose components have no drawing: a box, as of any block

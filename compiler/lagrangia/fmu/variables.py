@@ -3,60 +3,28 @@
 The groups of value references, and their order, are those of runtime/fmi/fmu.h.
 """
 
-import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import cached_property
-from pathlib import Path
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING
 
-from lagrangia.base.diagnostics import LagError, RunError, fail
 from lagrangia.base.records import dataclass
+from lagrangia.fmu.exportable import Exportable
+from lagrangia.fmu.states import find_states, state_columns, state_kinds
 from lagrangia.language.units import per_second
 from lagrangia.native.tapes import Tape
-from lagrangia.run.request import Request, check_values
-from lagrangia.run.scene import Column, Scene
+from lagrangia.run.request import check_values
+from lagrangia.run.scene import Scene
 
 if TYPE_CHECKING:
-    import casadi
-    import numpy as np
 
-    from lagrangia.compile.pipeline import Compilation
+    pass
 
 _CONSTANTS = ("real", "integer", "boolean", "string")
 GROUPS = ("time", "state", "slope", "output", "energy", "input", "parameter", "indicator", *_CONSTANTS)
 _ENERGIES = {"kinetic": "kinetic energy", "potential": "potential energy", "total": "kinetic and potential energy",
              "dissipated": "taken out by dampers since the start", "work": "put in by loads and moving supports since the start",
              "residual": "of the energy account, which is 0 but for errors"}
-_DRIFT_RATE = 100  # stabilisation: times in an experiment in which an error of the constraints falls to 1/e
-_ROUNDING = 1e-12  # of positions: what moves no further in the experiment stands still
-_NOTHING = 1e-14  # what has stuck all the time is rounding
-_SMALLEST_NOMINAL = 1e-3  # of the largest of its kind
-
-
-class Exportable(Protocol):
-    """What is asked of a compiled scene: a Model (model.py)."""
-
-    path: Path
-    model: str | None
-    structural: dict[str, Any]
-    outputs: tuple[str, ...]
-    scene: Scene
-
-    @property
-    def compilation(self) -> "Compilation":
-        """The formulas."""
-
-    def functions(self) -> "dict[str, casadi.Function]":
-        """CasADi functions, by name."""
-
-    def equations(self) -> str:
-        """The equations of motion as text."""
-
-    def parameter_values(self, parameters: Mapping[str, float] | None = None) -> "np.ndarray":
-        """All parameters, (n_parameters,), with some changed."""
-
-    def run(self, request: Request) -> Any:
-        """A run, to know the state it starts from."""
+_DRIFT_RATE = 100  # stabilisation: times in an experiment in which an error of constraints, of quaternions, falls to 1/e
 
 
 @dataclass(frozen=True)
@@ -129,12 +97,13 @@ def build_fmu_model(model: Exportable, parameters: Mapping[str, float] | None = 
     given = tuple(float(x) for x in model.parameter_values(parameters))
     settable = tuple(not known.locked and (known.value is not None or bool(mask))
                      for known, mask in zip(scene.parameters, values.mask, strict=True))
-    evaluations, start, nominal = _states(model, parameters)
-    length = scene.stop - scene.start
-    stabilisation = _DRIFT_RATE / length if scene.sizes["n_multipliers"] and length > 0 else 0.0
-    outputs = tuple(column.name for column in scene.outputs)
+    evaluations, start, nominal = find_states(model, parameters)
+    length, attitudes = scene.stop - scene.start, scene.notes.get("attitudes", {})
+    has_drift = scene.sizes["n_multipliers"] or attitudes
+    stabilisation = _DRIFT_RATE / length if has_drift and length > 0 else 0.0
+    outputs = tuple(column.name for column in scene.own_outputs)
     derivatives = build_derivatives(model.compilation, outputs, settable, stabilisation)
-    kinds = _state_kinds(model)
+    kinds = state_kinds(model)
     names = _Names(scene)
     variables = tuple(_variables(scene, names, kinds, start, nominal, given, settable))
     columns = _columns(names, variables)
@@ -149,92 +118,30 @@ def build_fmu_model(model: Exportable, parameters: Mapping[str, float] | None = 
                     derivatives.forward, derivatives.adjoint)
 
 
-def _states(model: Exportable, parameters: Mapping[str, float] | None) -> tuple[int, list[float], tuple[float, ...]]:
-    """How many evaluations a run takes, where the states begin, and the size of each in the experiment, to a power of ten."""
-    import numpy as np
-
-    scene = model.scene
-    try:
-        run = model.run(Request(parameters=parameters))
-    except RunError as error:
-        run = error.trajectory
-    rows = run.rows if run is not None else np.zeros((0, 1 + 2 * scene.n))
-    if not len(rows):
-        _refuse_infinite(model)
-        return 0, [0.0] * (2 * scene.n), (1.0,) * (2 * scene.n)
-    states = rows[:, 1 : 1 + 2 * scene.n]
-    largest = np.abs(states).max(axis=0) if scene.n else np.zeros(0)
-    largest[largest < _NOTHING] = 0.0
-    own = scene.coordinate_kind[: scene.n]  # the others are of coordinates that these give
-    kinds = np.array([*own, *(-1 - kind for kind in own)])
-    for kind in set(own):  # rates of what stands still are rounding
-        reach, rates = max(largest[kinds == kind].max(), 0.0 if kind else 1.0), kinds == -1 - kind
-        if largest[rates].max() * (scene.stop - scene.start) <= _ROUNDING * reach:
-            largest[rates] = 0.0
-    nominal = []
-    for size, kind in zip(largest, kinds, strict=True):
-        least = max(_SMALLEST_NOMINAL * largest[kinds == kind].max(), 0.0)
-        nominal.append(1.0 if kind == 0 else _power_of_ten(max(size, least)))
-    evaluations = run.statistics.rhs_evaluations if run.statistics is not None else 0
-    return evaluations, states[0].tolist(), tuple(nominal)
-
-
-def _refuse_infinite(model: Exportable) -> None:
-    """What cannot start for a constant that is no number. Raises LagError L0605."""
-    import casadi as ca
-
-    from lagrangia.constraints.parameters import scalars
-
-    kinematics = model.compilation.kinematics
-    for variable in kinematics.graph.model.variables.values():
-        if variable.binding is None:
-            continue
-        try:
-            values = [ca.SX(x) for _, x in scalars(variable.name, kinematics.evaluator.value(variable.binding))]
-        except (LagError, NotImplementedError):  # frames, texts
-            continue
-        if any(x.is_constant() and not math.isfinite(float(x)) for x in values):
-            fail("L0605", f"'{variable.name}' is not finite: no FMU can start with it", variable.binding.span,
-                 "numbers go to some 1.8e308")
-
-
-def _power_of_ten(size: float) -> float:
-    """The largest one below, 1 for 0. Angles have a natural size, 1."""
-    return float(f"1e{math.floor(math.log10(size) + 1e-6)}") if size > 0 and math.isfinite(size) else 1.0
-
-
-def _state_kinds(model: Exportable) -> list[str]:
-    """FMI's `initial` of each state: exact numbers; calculated from parameters; approx where equations decide."""
-    import casadi as ca
-
-    scene, initial, p = model.scene, model.compilation.initial, model.compilation.motion.p
-    if scene.sizes["n_initial"]:
-        return ["approx"] * (2 * scene.n)
-    starts = ca.vertsplit(ca.vertcat(initial.q[: scene.n], initial.v[: scene.n])) if scene.n else []
-    return ["calculated" if p.numel() and ca.depends_on(ca.SX(start), p) else "exact" for start in starts]
-
-
 class _Names:
     """Names of states and their derivatives. A rate takes the name its component gives it (hinge.w), so that der(hinge.phi) is
     free for the derivative."""
 
     def __init__(self, scene: Scene) -> None:
-        n = scene.n
-        columns: tuple[Column, ...] = (*scene.coordinates, *scene.rates, *scene.outputs)
-        taken = {c.name for c in columns} | {p.name for p in (*scene.parameters, *scene.inputs)}
+        told = state_columns(scene)
+        n = len(told) - scene.n
+        taken = {c.name for c in (*told, *scene.outputs)} | {p.name for p in (*scene.parameters, *scene.inputs)}
         taken |= {*scene.aliases, *scene.structural}
         others: dict[int, list[str]] = {}
         for alias, slot in scene.aliases.items():
             if alias not in {c.name for c in scene.outputs}:
                 others.setdefault(slot, []).append(alias)
-        self.states = [c.name for c in scene.coordinates]
-        self.slopes = [f"der({c.name})" for c in scene.coordinates]
+        self.states = [c.name for c in told[:n]]
+        self.slopes = [f"der({c.name})" for c in told[:n]]
         self.aliases: dict[str, tuple[str, ...]] = {}
-        for k in range(n):
-            first, *rest = others.get(n + k) or [_free(f"{self.states[k]}_rate", taken)]
+        attitudes = scene.notes.get("attitudes", {})
+        parts = {part: f"{name}_rate[{k}]" for name, of in attitudes.items() for k, part in enumerate(of, 1)}
+        for k, coordinate in enumerate(scene.coordinates):
+            own = others.get(scene.n + k)
+            first, *rest = own or [_free(parts.get(coordinate.name, f"{coordinate.name}_rate"), taken)]
             self.states.append(first)
             self.aliases[first] = tuple(rest)
-            self.slopes.append(f"der({first})" if others.get(n + k) else f"der({self.states[k]},2)")
+            self.slopes.append(f"der({first})" if own or coordinate.name in parts else f"der({coordinate.name},2)")
         heads = {name.partition(".")[0].partition("[")[0] for name in taken}
         self.energy, self.switch = _free("energy", heads), _free("switch", heads)
 
@@ -255,9 +162,10 @@ def _variables(scene: Scene, names: _Names, kinds: Sequence[str], start: Sequenc
         return count - 1
 
     yield Variable("time", "time", reference(), "independent", "continuous", unit="s", description="simulation time")
-    columns: tuple[Column, ...] = (*scene.coordinates, *scene.rates)
+    columns = state_columns(scene)
+    n = len(columns) - scene.n
     for k, column in enumerate(columns):
-        text = column.description or ("" if k < scene.n else f"rate of {scene.coordinates[k - scene.n].name}")
+        text = column.description or ("" if k < n else f"rate of {_told_name(scene, k - n)}")
         yield Variable(names.states[k], "state", reference(), "local", "continuous", kinds[k],
                        None if kinds[k] == "calculated" else start[k], column.unit, column.display_unit, text,
                        nominal=nominal[k], aliases=names.aliases.get(names.states[k], ()))
@@ -265,7 +173,7 @@ def _variables(scene: Scene, names: _Names, kinds: Sequence[str], start: Sequenc
         yield Variable(names.slopes[k], "slope", reference(), "local", "continuous", "calculated", None,
                        per_second(column.unit), per_second(column.display_unit) if column.display_unit else "",
                        f"derivative of {names.states[k]}", derivative_of=names.states[k])
-    for column in scene.outputs:
+    for column in scene.own_outputs:
         yield Variable(column.name, "output", reference(), "output", "continuous", "calculated", None, column.unit,
                        column.display_unit, column.description)
     for part, text in _ENERGIES.items():
@@ -281,6 +189,12 @@ def _variables(scene: Scene, names: _Names, kinds: Sequence[str], start: Sequenc
         yield Variable(f"{names.switch}[{k}]", "indicator", reference(), "local", "continuous", "calculated", None,
                        description="event indicator: forces bend or jump where it falls to 0")
     yield from _constants(scene, reference)
+
+
+def _told_name(scene: Scene, k: int) -> str:
+    """Of the k-th coordinate, or of the attitude that it is a part of."""
+    name = scene.coordinates[k].name
+    return next((attitude for attitude, parts in scene.notes.get("attitudes", {}).items() if name in parts), name)
 
 
 def _structured(name: str) -> str:

@@ -106,6 +106,24 @@ class Scene:
         return tuple(part for parts in self.notes.get("attitudes", {}).values() for part in parts)
 
     @property
+    def told_positions(self) -> tuple[Column, ...]:
+        """The coordinates, with a quaternion in the place of the three of an attitude."""
+        outputs = {column.name: column for column in self.outputs}
+        firsts = {parts[0]: name for name, parts in self.notes.get("attitudes", {}).items()}
+        found: list[Column] = []
+        for column in self.coordinates:
+            if column.name in firsts:
+                found += [outputs[f"{firsts[column.name]}[{k}]"] for k in range(1, 5)]
+            elif column.name not in self.turned:
+                found.append(column)
+        return tuple(found)
+
+    @property
+    def own_outputs(self) -> tuple[Column, ...]:
+        """The outputs without the quaternions of attitudes, which are the first of them."""
+        return self.outputs[4 * len(self.notes.get("attitudes", {})) :]
+
+    @property
     def told(self) -> tuple[str, ...]:
         """The names of the coordinates, for people: those of an attitude are one."""
         parts = {part: name for name, of in self.notes.get("attitudes", {}).items() for part in of}
