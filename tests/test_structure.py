@@ -244,10 +244,11 @@ def test_a_cached_scene_runs_without_heavy_libraries(tmp_path: Path) -> None:
 
 # ---------------------------------------------------------------- the dimension
 
-PLANAR = {"frames/planar", "frames/planar_joints", "frames/planar_inertia"}
+PLANAR = {"frames/planar", "frames/planar_joints", "frames/planar_inertia", "frames/in_plane"}
 # Who asks what a frame is in the plane: what a frame of another kind has to answer, too.
 ASK_THE_KIND = """
     frames/closures frames/edges frames/evaluation frames/geometry
+    constraints/found_plane
     dynamics/elimination
     draw/scenery draw/values view/mechanism study/pictures study/probes paper/points paper/symbolic
     paper/virtual_steps

@@ -98,12 +98,9 @@ def _compile(syntax: "Syntax", flat: "FlatModel", outputs: tuple[str, ...], form
         from lagrangia.dynamics.joint_loads import feel_reactions
         from lagrangia.dynamics.massless import settle_massless
         from lagrangia.dynamics.motion import build_motion
-        from lagrangia.frames.graph import build_graph
-        from lagrangia.frames.kinematics import build_kinematics
 
     with _timed(took, "graph, kinematics, energies"):
-        kinematics, constraints = reduce_kinematics(
-            build_kinematics(build_graph(flat), formulas.is_general, formulas.massless))
+        kinematics, constraints = reduce_kinematics(_laid_out(flat, outputs, formulas))
         kinematics, constraints, energies = settle_massless(kinematics, constraints, build_energies(kinematics))
     with _timed(took, "motion"):
         constraints, initial = _start(kinematics, constraints, formulas.is_as_written)
@@ -121,6 +118,19 @@ def _compile(syntax: "Syntax", flat: "FlatModel", outputs: tuple[str, ...], form
         scene = divide(scene, kinematics, run, initial)
     return Compilation(syntax, flat, kinematics.graph, kinematics, constraints, energies, motion, hit, run, initial, functions,
                        scene, took)
+
+
+def _laid_out(flat: "FlatModel", outputs: tuple[str, ...], formulas: Formulas) -> "Kinematics":
+    """The kinematics; of a scene in space that lies in a plane, those of the plane."""
+    from lagrangia.frames.graph import build_graph
+    from lagrangia.frames.kinematics import build_kinematics
+
+    kinematics = build_kinematics(build_graph(flat), formulas.is_general, formulas.massless)
+    if not flat.space.is_spatial:
+        return kinematics
+    from lagrangia.constraints.found_plane import in_its_plane
+
+    return in_its_plane(kinematics, outputs, formulas.is_general, formulas.massless)
 
 
 def with_what_waits(made: Compilation, outputs: tuple[str, ...]) -> Compilation:

@@ -63,7 +63,7 @@ def _rigid_clusters(kinematics: Kinematics) -> tuple[dict[str, str], dict[str, P
     graph: ComponentGraph = kinematics.graph
     home, local = {}, {}
     for frame in (*(root.frame for root in graph.roots), *(edge.child for edge in graph.edges if not edge.is_rigid)):
-        home[frame], local[frame] = frame, kinematics.geometry.here
+        home[frame], local[frame] = frame, kinematics.seen_from_itself(frame)
     for edge in graph.edges:
         if edge.is_rigid:
             home[edge.child], local[edge.child] = home[edge.parent], kinematics.follow(edge, local[edge.parent], 0)

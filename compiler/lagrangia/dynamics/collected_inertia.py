@@ -182,9 +182,9 @@ def _absolute_angles(kinematics: Kinematics) -> ca.DM:
     number = {name: k for k, name in enumerate(positions)}
     turning = [(edge.child, number[name]) for edge in graph.edges for name in edge.coordinates if name in number]
     S = np.eye(len(number))
-    if kinematics.graph.model.space.is_spatial:
+    if kinematics.geometry.by_rates:
         return ca.DM.eye(len(number))  # bodies have no angles there
-    angles = ca.vertcat(ca.SX(0, 1), *[kinematics.frame(frame, "phi", 0) for frame, _ in turning])
+    angles = ca.vertcat(ca.SX(0, 1), *[kinematics.pose(frame, 0).phi for frame, _ in turning])
     slopes = ca.jacobian(angles, ca.vertcat(*positions.values()))
     if not slopes.is_constant():
         return ca.DM.eye(len(number))

@@ -267,7 +267,7 @@ class OneMoves:
 def _direction(kinematics: Kinematics, edge: Edge, mover: str) -> Vector:
     """Twist of the edge's child when its parent rests and one coordinate moves at rate 1."""
     evaluator = Evaluator(kinematics.graph.model, kinematics.algebra, OneMoves(kinematics, mover))
-    if len(edge.steps) == 1 and stays(edge.steps[0]):
+    if len(edge.steps) == 1 and stays(edge.steps[0]) and not kinematics.geometry.by_poses:
         return turning(edge.steps[0], evaluator.value(edge.steps[0].amount, 1))
     pose = kinematics.follow(edge, kinematics.pose(edge.parent, 0), 1, evaluator)
     return [*pose.twist]

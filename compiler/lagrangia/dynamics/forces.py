@@ -102,7 +102,7 @@ class _Apart:
             made = self.algebra.new_symbols(2 * size)
             self.frames[name] = made[:size], made[size:]
         shift, rate = self.frames[name]
-        if self.kinematics.geometry.by_rates:
+        if self.kinematics.geometry.by_poses:
             return self._displaced(name, attribute, level)
         if known.kind == "place":
             moved = tuple(displacement((shift[k], rate[k]), level) for k in known.components)

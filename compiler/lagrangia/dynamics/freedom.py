@@ -25,6 +25,7 @@ from lagrangia.dynamics.constrained_motion import ConstrainedMotion
 from lagrangia.dynamics.double_roots import static_constraints
 from lagrangia.dynamics.equilibrium import ways_at
 from lagrangia.dynamics.motion import Motion
+from lagrangia.frames.closures import is_across
 from lagrangia.frames.kinematics import Kinematics
 
 _RANK = 1e-7
@@ -78,7 +79,7 @@ def _find(
 ) -> tuple[Freedom, Assembly | None, Vector]:
     """But for the alternatives; the assembly, and the state it found."""
     held, n = motion.constrained, motion.q.numel()
-    told = tuple(dict.fromkeys(map(_tell, constraints.repeated)))
+    told = tuple(dict.fromkeys(_tell(row, kinematics) for row in constraints.repeated))
     if held is None:
         return Freedom(n, n, told, None), None, np.zeros(0)
     assembly = begin(kinematics, initial, functions)
@@ -93,7 +94,7 @@ def _find(
     slopes = numbers.scaled([q, *numbers.nearby(q)])
     ranks = [_rank(J) for J in slopes]
     dependent = tuple(_dependent_rows(slopes[int(np.argmax(ranks))]))
-    repeated = dict.fromkeys((*told, *(_tell(constraints.rows[k]) for k in dependent)))
+    repeated = dict.fromkeys((*told, *(_tell(constraints.rows[k], kinematics) for k in dependent)))
     is_rigid = bool(constraints.touching) and max(ranks) == n
     found = Freedom(n - max(ranks), n - ranks[0], tuple(repeated), None, (), dependent, (), is_rigid)
     return found, assembly, x
@@ -111,7 +112,9 @@ def _at_the_start(found: Freedom, kinematics: Kinematics, held: ConstrainedMotio
     return replace(found, degrees=now, now=now, is_rigid=ways.is_rigid)
 
 
-def _tell(row: Row) -> str:
+def _tell(row: Row, kinematics: Kinematics) -> str:
+    if row.loop is not None and is_across(kinematics, row.loop, row.part):
+        return f"{row.told} repeats across its plane what others already impose: what its joints carry there is not unique"
     return f"{row.told} repeats in part what others already impose"
 
 

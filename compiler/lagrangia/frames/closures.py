@@ -3,16 +3,17 @@
 from collections.abc import Sequence
 from typing import Protocol
 
-from lagrangia.algebra.duals import Scalar
+from lagrangia.algebra.duals import Scalar, minus
 from lagrangia.algebra.with_casadi import CasadiAlgebra
 from lagrangia.base.diagnostics import LagError
-from lagrangia.frames import planar_joints, spatial_joints
+from lagrangia.frames import in_plane, planar_joints, spatial_joints
 from lagrangia.frames.edges import Closure
 from lagrangia.frames.evaluation import Evaluator, Leaves, Value
-from lagrangia.frames.geometry import Pose
+from lagrangia.frames.geometry import Geometry, Pose
 from lagrangia.frames.graph import ComponentGraph
 from lagrangia.frames.planar_joints import Slide
 from lagrangia.frames.quaternions import Quaternion, conjugate, quaternion_along, quaternion_product
+from lagrangia.frames.spatial import unit_axis
 from lagrangia.frames.steps import Step
 
 
@@ -26,6 +27,9 @@ class Frames(Leaves, Protocol):
     @property
     def is_displaced(self) -> bool:
         """Whether there are virtual displacements."""
+    @property
+    def geometry(self) -> Geometry:
+        """What frames are."""
 
     def pose(self, name: str, level: int) -> Pose:
         """That of a frame, at a level."""
@@ -43,9 +47,12 @@ class Frames(Leaves, Protocol):
 def gaps(frames: Frames, closure: Closure, level: int) -> list[Scalar]:
     """What must vanish, at a level of the kinematics; lengths in m, angles in rad."""
     try:
-        if frames.graph.model.space.is_spatial:
+        if frames.geometry.by_rates:
             return spatial_joints.gaps(*_ends(frames, closure, level), _turn(frames, closure), frames.is_displaced)
-        return planar_joints.gaps(closure.kind, *_ends(frames, closure, level), _slide(frames, closure))
+        a, b = _ends(frames, closure, level)
+        slide = _slide(frames, closure, a)
+        found = planar_joints.gaps(closure.kind, a, _alike(frames, a, b), slide)
+        return [*found, *_beside(frames, a, b, slide)]
     except LagError as error:
         raise error.placed(closure.span) from None
 
@@ -55,20 +62,27 @@ def gap_of(closure: Closure, part: int) -> str:
     return planar_joints.gap_of(closure.kind, part)
 
 
+def is_across(frames: Frames, closure: Closure, part: int) -> bool:
+    """Whether its so-manieth gap is across the plane in which all of a scene in space moves, where there is one."""
+    return frames.geometry.by_poses and not frames.geometry.by_rates and part >= planar_joints.GAPS[closure.kind]
+
+
 def cut_coordinate(frames: Frames, closure: Closure, level: int) -> Scalar:
     """The coordinate of the cut joint, read off the frames."""
     assert closure.freedom is not None
-    return planar_joints.coordinate(*_ends(frames, closure, level), _slide(frames, closure), closure.freedom.is_inverse)
+    a, b = _ends(frames, closure, level)
+    is_inverse = closure.freedom.is_inverse != _is_turned_back(frames, closure.freedom, a)
+    return planar_joints.coordinate(a, _alike(frames, a, b), _slide(frames, closure, a), is_inverse)
 
 
 def wrench_on_b(frames: Frames, closure: Closure, forces: Sequence[Scalar], drive: Scalar) -> list[Scalar]:
     """What holds the frame b: `forces` push the gaps shut, `drive` takes from what acts on the joint's coordinate."""
-    if frames.graph.model.space.is_spatial:
+    if frames.geometry.by_rates:
         side = _turn(frames, closure)[0]  # 1 or -1 where the loop is closed
         return [*forces[:3], *(side * x for x in forces[3:])]
     is_inverse = closure.freedom is not None and closure.freedom.is_inverse
     a = _ends(frames, closure, 0)[0]
-    return planar_joints.wrench_on_b(closure.kind, a, _slide(frames, closure), is_inverse, forces, drive)
+    return planar_joints.wrench_on_b(closure.kind, a, _slide(frames, closure, a), is_inverse, forces, drive)
 
 
 def meeting_place(frames: Frames, closure: Closure) -> Pose:
@@ -94,8 +108,29 @@ def _turn(frames: Frames, closure: Closure) -> Sequence[Scalar]:
     return quaternion_product(quaternion_product(*b), conjugate(quaternion_product(*a)))
 
 
-def _slide(frames: Frames, closure: Closure) -> Slide | None:
-    """Offset and direction of a slider's shift, which is linear in its coordinate."""
+def _alike(frames: Frames, a: Pose, b: Pose) -> Pose:
+    """b, with an angle to be compared with a's."""
+    return in_plane.seen_alike(a, b, frames.evaluator.algebras[0]) if frames.geometry.by_poses else b
+
+
+def _is_turned_back(frames: Frames, freedom: Step, a: Pose) -> bool:
+    """Whether a hinge's axis points to the other side of the plane."""
+    if freedom.kind != "turn" or not frames.geometry.by_poses:
+        return False
+    axis = frames.evaluator.value(freedom.axis) if freedom.axis is not None else None
+    return in_plane.along_normal(a.in_plane(unit_axis(freedom, axis, frames.algebra))) < 0
+
+
+def _beside(frames: Frames, a: Pose, b: Pose, slide: Slide | None) -> Sequence[Scalar]:
+    """What holds in a plane of space as long as nothing leaves it."""
+    if not frames.geometry.by_poses:
+        return ()
+    rise, *tilts = in_plane.beside(a, b)
+    return [minus(rise, slide.rise) if slide is not None else rise, *tilts]
+
+
+def _slide(frames: Frames, closure: Closure, a: Pose) -> Slide | None:
+    """Offset and direction of a slider's shift from a, which is linear in its coordinate."""
     if closure.kind != "slider":
         return None
     assert closure.freedom is not None
@@ -103,9 +138,11 @@ def _slide(frames: Frames, closure: Closure) -> Slide | None:
     places = (algebra.number(0.0), algebra.number(1.0))
     held = (_Held(frames, closure.coordinate, at) for at in places)
     origin, ahead = (Evaluator(model, algebra, leaves).value(closure.freedom.amount) for leaves in held)
-    sign = -1 if closure.freedom.is_inverse else 1
+    sign, rise = -1 if closure.freedom.is_inverse else 1, 0.0
+    if frames.geometry.by_poses:
+        (*origin, rise), (*ahead, _) = (a.in_plane(vector) for vector in (origin, ahead))
     direction = tuple(sign * (y - x) for x, y in zip(origin, ahead, strict=True))
-    return Slide(tuple(sign * x for x in origin), direction, frames.evaluator.norm(direction, 0))
+    return Slide(tuple(sign * x for x in origin), direction, frames.evaluator.norm(direction, 0), sign * rise)
 
 
 class _Held:

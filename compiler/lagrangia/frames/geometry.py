@@ -1,12 +1,14 @@
 """What a frame is, in the plane or in space, behind one set of functions: planar.py and planar_inertia.py, spatial.py and
-spatial_bodies.py."""
+spatial_bodies.py; in_plane.py of what lies in a plane of space."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any, TypeAlias
 
 from lagrangia.base.records import dataclass
-from lagrangia.frames import planar, planar_inertia, spatial, spatial_bodies
+from lagrangia.frames import in_plane, planar, planar_inertia, spatial, spatial_bodies
 from lagrangia.frames.planar_joints import unit_load
+from lagrangia.frames.planes import Plane
 from lagrangia.language.frame_attributes import Space
 
 Pose: TypeAlias = Any  # planar.Pose or spatial.Pose, which have lowered, twist, origin, to_world, at, moved, displaced
@@ -17,7 +19,8 @@ Inertia: TypeAlias = Any
 class Geometry:
     """Functions of poses and inertias; `size` is that of a twist and of a wrench.
 
-    `by_rates`: what bodies ask for works on their twists, not on their places.
+    `by_rates`: what bodies ask for works on their twists, not on their places; `by_poses`: displacements are those of poses, and
+    add to no numbers of attributes.
     """
 
     size: int
@@ -32,6 +35,7 @@ class Geometry:
     wrench_about: Callable[..., Any]
     unit_load: Callable[..., Any]
     by_rates: bool
+    by_poses: bool
 
 
 _PLANE = Geometry(
@@ -39,16 +43,25 @@ _PLANE = Geometry(
     lambda place, number, algebra, level: planar.root_pose(place, number, algebra),
     lambda pose, step, amount, axis, algebra: planar.step(pose, step, amount, algebra),
     planar_inertia.FreeBody, planar_inertia.unlike_a_body, planar_inertia.inertias, planar_inertia.wrench_about, unit_load,
-    by_rates=False)
+    by_rates=False, by_poses=False)
 _SPACE = Geometry(
     spatial.SIZE, spatial.HERE, spatial.attribute_of, spatial.picked, spatial.root_pose, spatial.step,
     spatial_bodies.FreeBody, spatial_bodies.unlike_a_body, spatial_bodies.inertias, spatial_bodies.wrench_about,
-    spatial_bodies.unit_load, by_rates=True)
+    spatial_bodies.unit_load, by_rates=True, by_poses=True)
 
 
-def geometry_of(space: Space) -> Geometry:
-    """That of the plane, or of space."""
+def geometry_of(space: Space, plane: Plane | None = None) -> Geometry:
+    """That of the plane, or of space; there of what lies in a plane, where there is one."""
+    if plane is not None:
+        return _in(plane)
     return _SPACE if space.is_spatial else _PLANE
+
+
+def _in(plane: Plane) -> Geometry:
+    return replace(
+        _PLANE, here=in_plane.here(plane), attribute_of=in_plane.attribute_of, picked=spatial.picked, step=in_plane.step,
+        root_pose=lambda place, number, algebra, level: in_plane.root_pose(plane, number),
+        free_body=lambda: in_plane.FreeBody(plane), by_poses=True)
 
 
 def inertial_reaction(inertia: Inertia, place: Pose, pose: Pose, geometry: Geometry) -> list[tuple[Any, Any]]:

@@ -13,6 +13,7 @@ from lagrangia.base.diagnostics import Report, Span, fail
 from lagrangia.base.records import dataclass
 from lagrangia.frames.attitude_starts import FLOATING, Attitude, element, of_frame, of_variable
 from lagrangia.frames.edges import Closure, Edge, choose_tree, close
+from lagrangia.frames.planes import NoPlane, Plane
 from lagrangia.frames.steps import Step
 from lagrangia.language.attitudes import parts_of
 from lagrangia.language.consequences import keep_consequences_out
@@ -79,6 +80,7 @@ class ComponentGraph:
     lost_coordinates: tuple[Coordinate, ...] = ()  # those of the cut joints
     dependent_coordinates: tuple[Coordinate, ...] = ()  # given by linear constraints
     attitudes: Mapping[str, Attitude] = field(default_factory=dict)  # of which coordinates are parts
+    plane: Plane | NoPlane | None = None  # of a scene in space: that in which all of it moves, once it was looked for
 
     def summary(self) -> str:
         """Counts, and a line for each root, edge and closure."""
@@ -96,14 +98,15 @@ class ComponentGraph:
         return "\n".join(lines)
 
 
-def build_graph(model: FlatModel) -> ComponentGraph:
-    """Raises LagError (L04xx): ports joined to nothing, joints that depend on frames."""
-    return _Building(model).build()
+def build_graph(model: FlatModel, plane: Plane | None = None) -> ComponentGraph:
+    """`plane`: that in which a scene in space moves. Raises LagError (L04xx): ports joined to nothing, joints that depend on
+    frames."""
+    return _Building(model, plane).build()
 
 
 class _Building:
-    def __init__(self, model: FlatModel) -> None:
-        self.model = model
+    def __init__(self, model: FlatModel, plane: Plane | None) -> None:
+        self.model, self.plane = model, plane
         self.report = Report()
         self.bindings = {name: v.binding for name, v in model.variables.items()}
         self.candidates: list[Edge] = []
@@ -141,7 +144,7 @@ class _Building:
         coordinates, lost = (tuple(c for c in found if (c.name in cut) == is_lost) for is_lost in (False, True))
         self.report.raise_errors()
         return ComponentGraph(self.model, (*roots, *floating), tuple(self.edges), closures, coordinates, cut, tuple(unused), lost,
-                              attitudes=self.attitudes)
+                              attitudes=self.attitudes, plane=self.plane)
 
     # ------------------------------------------------------------ edges
 
@@ -214,7 +217,7 @@ class _Building:
             if not edge.steps:
                 same.join(edge.parent, edge.child)
         news = [e for e in outside if e.parent not in unused and (e.steps or same.find(e.parent) != same.find(e.child))]
-        is_spatial = self.model.space.is_spatial
+        is_spatial = self.model.space.is_spatial and self.plane is None
         return tuple(close(edge, self.uses, " - ".join(_shortened(self._loop(edge))), is_spatial) for edge in news)
 
     def _loop(self, edge: Edge) -> list[str]:

@@ -24,6 +24,7 @@ from lagrangia.frames.edges import Edge
 from lagrangia.frames.evaluation import Evaluator, Value, scalars_of
 from lagrangia.frames.geometry import Geometry, Pose, geometry_of
 from lagrangia.frames.graph import ComponentGraph
+from lagrangia.frames.planes import Plane
 from lagrangia.frames.quaternions import NOT_TURNED, Quaternion, quaternion_along
 from lagrangia.frames.space_checks import require_about_z
 from lagrangia.frames.spatial import Matrix
@@ -113,7 +114,16 @@ class Kinematics(Attitudes):
     @cached_property
     def geometry(self) -> Geometry:
         """What frames are, in the plane or in space."""
-        return geometry_of(self.graph.model.space)
+        return geometry_of(self.graph.model.space, self._plane)
+
+    @property
+    def _plane(self) -> Plane | None:
+        return self.graph.plane if isinstance(self.graph.plane, Plane) else None
+
+    def seen_from_itself(self, frame: str) -> Pose:
+        """The pose of a frame in its own axes."""
+        here = self.geometry.here
+        return here if self._plane is None else replace(here, own=self.pose(frame, 1).own)
 
     # ------------------------------------------------------------ leaves of expressions
 
@@ -409,7 +419,8 @@ def build_kinematics(graph: ComponentGraph, is_general: bool = True, massless: t
     inputs = [(v.name, x) for v in variables if v.kind == "input" for x in scalars_of(values[v.name])]
     late = (values[delay.name] for delay in graph.model.delays)
     moving = column(*positions.values(), *rates.values(), *accelerations.values(), *(x for _, x in inputs), *late)
-    numbers = compiled_numbers(graph.model, is_general, massless)
+    of_plane = graph.plane.numbers if isinstance(graph.plane, Plane) else {}
+    numbers = {**compiled_numbers(graph.model, is_general, massless), **of_plane}
     compiled = {name: _compiled(values[name], known) for name, known in numbers.items()}
     algebra = CasadiAlgebra(time, moving)
     pieces = {name: _pieces(algebra, graph.model, name, values, [x for x, _ in inputs]) for name in graph.model.moving_inputs}

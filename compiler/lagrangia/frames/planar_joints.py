@@ -17,6 +17,7 @@ from lagrangia.language.tree import Ref
 
 # How well a loop is cut at each kind, and by 1 better where nothing is said about the start of its coordinate.
 WORTH_CUTTING = {"weld": 0, "slider": 1, "hinge": 3}
+GAPS = {"weld": 3, "slider": 2, "hinge": 2}  # in the plane
 
 
 def cut_as(step: Step, coordinate: str) -> str:
@@ -28,11 +29,13 @@ def cut_as(step: Step, coordinate: str) -> str:
 
 @dataclass(frozen=True)
 class Slide:
-    """A shift from a's origin that is linear in its coordinate, in a's axes; `length` is that of its direction."""
+    """A shift from a's origin that is linear in its coordinate, in a's axes; `length` is that of its direction, `rise` is out of
+    the plane."""
 
     offset: Sequence[Scalar]
     direction: Sequence[Scalar]
     length: Scalar
+    rise: Scalar = 0.0
 
     def seen(self, a: Pose, b: Pose) -> tuple[Scalar, Scalar]:
         """b's origin from the offset, in a's axes."""

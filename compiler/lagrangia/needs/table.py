@@ -19,6 +19,7 @@ from lagrangia.dynamics.motion import Motion, build_motion, count_nodes, inertia
 from lagrangia.frames.evaluation import scalars_of
 from lagrangia.frames.graph import Coordinate
 from lagrangia.frames.kinematics import Kinematics
+from lagrangia.frames.planes import Plane
 from lagrangia.language.moving_inputs import rate_inputs
 from lagrangia.language.observables import observe
 from lagrangia.needs.dependence import changes
@@ -107,9 +108,16 @@ def find_needs(
 
 def _space(parts: _Parts) -> Iterable[Need]:
     """Of a scene in space, the statement that says so."""
-    found = parts.kinematics.graph.model.found
-    if found.space.is_spatial:
-        yield Need("space", True, f"three dimensions, since {found.why}", _line(found.span))
+    graph = parts.kinematics.graph
+    found, plane = graph.model.found, graph.plane
+    if not found.space.is_spatial:
+        return
+    yield Need("space", True, f"three dimensions, since {found.why}", _line(found.span))
+    if isinstance(plane, Plane):
+        yield Need("motion across a plane", False, "all that turns does so about parallel axes, and nothing shifts along them: "
+                   "the equations are those of the plane", _line(plane.span), saving="three of six numbers a body")
+    elif plane is not None:
+        yield Need("motion across a plane", True, plane.why, _line(plane.span))
 
 
 def _forces(parts: _Parts) -> Iterable[Need]:

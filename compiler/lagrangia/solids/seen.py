@@ -51,7 +51,8 @@ class _Rows:
         pose = self._pose(node)
         if pose is None:
             return self.add([*scalars_of(self.kinematics.evaluator.value(node)), *np.eye(3).ravel()])
-        return self.add([*pose.origin, *(x for row in pose.axes for x in row)])
+        origin, axes = (self.kinematics.geometry.attribute_of(pose, name) for name in ("r", "R"))
+        return self.add([*origin, *(x for row in axes for x in row)])
 
     def _pose(self, node: Flat) -> Any:
         if isinstance(node, FrameRef) and not node.attribute:
