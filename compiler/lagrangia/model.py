@@ -22,7 +22,7 @@ from lagrangia.run.scene import Column, Scene
 from lagrangia.run.simulate import simulate
 from lagrangia.run.solvers import AUTO, WAYS, is_casadi
 from lagrangia.run.stepped import SteppedRun
-from lagrangia.study.analysed import Analysed
+from lagrangia.study.analysed import REACTION, Analysed
 from lagrangia.study.swept import Swept
 from lagrangia.view.rows import collect
 from lagrangia.view.sight import Shown, Sight, known_column
@@ -260,6 +260,11 @@ class Model(Analysed, Swept):
     @property
     def _has_numbers(self) -> bool:
         return any(p.compiled is not None and not p.locked for p in self.scene.parameters)
+
+    def telling_reactions(self, names: Sequence[str] = (REACTION,)) -> "Model":
+        """The same, or where reactions are among these quantities and a scene in space lies in a plane, the scene in space."""
+        is_asked = any(REACTION in name for name in names)
+        return self._in(replace(self.formulas, in_space=True)) if is_asked and self.compilation.graph.lies_in_plane else self
 
     def _in(self, formulas: Formulas) -> "Model":
         if formulas not in self._others:

@@ -154,3 +154,17 @@ def test_what_lies_in_no_plane_is_told(name: str) -> None:
                       f"Body b(m = 1, I = {{1, 1, 1}}, center = shift(h.b, {{0, 1, 0}})); {parts} {more} end M;")
     plane = plane_of(model)
     assert isinstance(plane, NoPlane) and plane.why.startswith(why)
+
+
+def test_reactions_at_rest_are_those_of_space() -> None:
+    """Across the plane, the hinge carries what gravity has there."""
+    hinge = """Revolute h(a = world, axis = {1, 0, 0}, phi(start = -0.4));
+      Body b(m = 2, I = {1, 1, 1}, center = shift(h.b, {0.5, 0, -1}));"""
+    model = lag.loads(f"model M World world(gravity = {{3, 0, -9}}); {hinge} end M;")
+    assert isinstance(plane_of(model), Plane)
+    (rest, *_) = model.equilibrium()
+    assert rest.position["h.phi"] == pytest.approx(0, abs=1e-9)
+    force = [rest.reactions[f"h.reaction[{k}]"] for k in (1, 2, 3)]
+    assert force == pytest.approx([-6, 0, 18], abs=1e-9)
+    linear = model.linearize(outputs=["h.reaction[1]"])
+    assert linear.outputs == ("h.reaction[1]",)

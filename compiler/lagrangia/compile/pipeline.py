@@ -126,7 +126,7 @@ def _laid_out(flat: "FlatModel", outputs: tuple[str, ...], formulas: Formulas) -
     from lagrangia.frames.kinematics import build_kinematics
 
     kinematics = build_kinematics(build_graph(flat), formulas.is_general, formulas.massless)
-    if not flat.space.is_spatial:
+    if not flat.space.is_spatial or formulas.in_space:
         return kinematics
     from lagrangia.constraints.found_plane import in_its_plane
 

@@ -8,7 +8,7 @@ from typing import Any, TypeAlias
 from lagrangia.base.records import dataclass
 from lagrangia.frames import in_plane, planar, planar_inertia, spatial, spatial_bodies
 from lagrangia.frames.planar_joints import unit_load
-from lagrangia.frames.planes import Plane
+from lagrangia.frames.planes import NoPlane, Plane
 from lagrangia.language.frame_attributes import Space
 
 Pose: TypeAlias = Any  # planar.Pose or spatial.Pose, which have lowered, twist, origin, to_world, at, moved, displaced
@@ -50,9 +50,9 @@ _SPACE = Geometry(
     spatial_bodies.unit_load, by_rates=True, by_poses=True)
 
 
-def geometry_of(space: Space, plane: Plane | None = None) -> Geometry:
+def geometry_of(space: Space, plane: Plane | NoPlane | None = None) -> Geometry:
     """That of the plane, or of space; there of what lies in a plane, where there is one."""
-    if plane is not None:
+    if isinstance(plane, Plane):
         return _in(plane)
     return _SPACE if space.is_spatial else _PLANE
 

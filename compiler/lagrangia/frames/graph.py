@@ -82,6 +82,11 @@ class ComponentGraph:
     attitudes: Mapping[str, Attitude] = field(default_factory=dict)  # of which coordinates are parts
     plane: Plane | NoPlane | None = None  # of a scene in space: that in which all of it moves, once it was looked for
 
+    @property
+    def lies_in_plane(self) -> bool:
+        """Whether all of a scene in space moves in parallel planes, and has their equations."""
+        return isinstance(self.plane, Plane)
+
     def summary(self) -> str:
         """Counts, and a line for each root, edge and closure."""
         lines = [f"{len(self.model.frames)} frames, {len(self.edges)} edges, {len(self.roots)} trees"]

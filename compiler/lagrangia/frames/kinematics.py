@@ -114,16 +114,12 @@ class Kinematics(Attitudes):
     @cached_property
     def geometry(self) -> Geometry:
         """What frames are, in the plane or in space."""
-        return geometry_of(self.graph.model.space, self._plane)
-
-    @property
-    def _plane(self) -> Plane | None:
-        return self.graph.plane if isinstance(self.graph.plane, Plane) else None
+        return geometry_of(self.graph.model.space, self.graph.plane)
 
     def seen_from_itself(self, frame: str) -> Pose:
         """The pose of a frame in its own axes."""
         here = self.geometry.here
-        return here if self._plane is None else replace(here, own=self.pose(frame, 1).own)
+        return replace(here, own=self.pose(frame, 1).own) if self.graph.lies_in_plane else here
 
     # ------------------------------------------------------------ leaves of expressions
 
@@ -220,6 +216,9 @@ class Kinematics(Attitudes):
         """Symbols that stand for the force and torque of a joint on its port b, until dynamics/reactions.py works them out."""
         if level > 0:
             fail("L0911", "the rate of a reaction is not known", self.graph.model.frames[name].span)
+        if self.graph.lies_in_plane:
+            fail("L0911", f"the reaction of '{name}' has parts across the plane of the scene", self.graph.model.frames[name].span,
+                 "declare what it is for as an output")
         if name not in self.reactions:
             self.reactions[name] = tuple(symbol(f"{name}.{part}") for part in self.graph.model.space.wrench)
         return self.geometry.picked(attribute, self.reactions[name])

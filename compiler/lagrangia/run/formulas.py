@@ -20,12 +20,14 @@ Compute = Callable[..., list[list[Any]]]  # interpret.evaluate, or evaluate_each
 @dataclass(frozen=True)
 class Formulas:
     """`for_any_mass`: they hold whatever the masses; `is_general`: no number is compiled in that can be set; `is_as_written`:
-    with what only just holds as it is written; `massless`: the masses compiled in as 0, None for those declared so."""
+    with what only just holds as it is written; `massless`: the masses compiled in as 0, None for those declared so; `in_space`:
+    not by the equations of a plane in which a scene in space may lie."""
 
     for_any_mass: bool = False
     is_general: bool = False
     is_as_written: bool = False
     massless: tuple[str, ...] | None = None
+    in_space: bool = False
 
 
 AS_DECLARED = Formulas()

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from lagrangia.study.modes import Modes
     from lagrangia.study.response import Response
 
+REACTION = ".reaction"  # in the names of reactions
 Given = Mapping[str, float] | None
 
 
@@ -23,6 +24,10 @@ class Analysed(ABC):
     def study(self, parameters: Given = None, initial: Given = None, inputs: Any = None, time: float | None = None) -> "Study":
         """What they are found of, with these numbers, at one time (s). Raises LagError."""
 
+    @abstractmethod
+    def telling_reactions(self, names: Sequence[str] = (REACTION,)) -> "Analysed":
+        """The same, that can be asked for these quantities, should reactions be among them."""
+
     def equilibrium(self, *, parameters: Given = None, initial: Given = None, inputs: Given = None, time: float | None = None,
                     starts: int | None = None) -> "Equilibria":
         """Positions of rest: the one reached from the start values first, then those found from `starts` - 1 other places.
@@ -30,7 +35,7 @@ class Analysed(ABC):
         Each has `.position`, `.stability`, `.eigenvalues`, `.reactions`; time stands still at `time` (s), the start time by
         default. Raises LagError for wrong input, RunError where nothing can rest.
         """
-        return self.study(parameters, initial, inputs, time).equilibria(
+        return self.telling_reactions().study(parameters, initial, inputs, time).equilibria(
             None if starts is None else a_count_within("number of starts", starts, 1, MOST_STARTS))
 
     def linearize(self, *, about: str = "equilibrium", excitations: str | Sequence[str] | None = None,
@@ -41,8 +46,9 @@ class Analysed(ABC):
         `excitations` and `outputs` are names; by default the inputs with all loads that depend on time, and the coordinates with
         the declared outputs. See `lag help analysis`. Raises LagError, RunError.
         """
-        study = self.study(parameters, initial, inputs, time)
-        found = study.linearize(about, any_names("excitations", excitations), any_names("outputs", outputs))
+        chosen = any_names("outputs", outputs)
+        study = self.telling_reactions(chosen or ()).study(parameters, initial, inputs, time)
+        found = study.linearize(about, any_names("excitations", excitations), chosen)
         if not study.c.flat.samplers:
             return found
         from lagrangia.study.sampled import with_sampled_system
@@ -63,4 +69,5 @@ class Analysed(ABC):
         at = None if frequencies is None else [a_frequency(value) for value in numbers("frequencies", frequencies)]
         ends = None if span is None else a_span(span)
         count = a_count_within("number of points", points, 2, MOST_POINTS)
-        return self.study(parameters, initial, inputs, time).response(*chosen, about, at, ends, count)
+        asked = self.telling_reactions(chosen[1] or ())
+        return asked.study(parameters, initial, inputs, time).response(*chosen, about, at, ends, count)
