@@ -35,6 +35,7 @@ static void layout_vectors(LagRun *run, LagArena *arena)
     run->p = lag_take(arena, (size_t)model->n_parameters);
     run->nothing_given = lag_take(arena, (size_t)model->n_parameters);
     run->c = lag_take(arena, (size_t)model->n_hoisted);
+    run->c_kept = lag_take(arena, (size_t)model->n_hoisted);
     run->u = lag_take(arena, LAG_N_U(model));
     run->u_slope = lag_take(arena, LAG_N_U(model));
     run->d = lag_take(arena, (size_t)(model->n_modes + model->n_switches + model->n_resets + model->n_rests));

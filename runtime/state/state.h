@@ -35,7 +35,7 @@ struct LagRun {
     double *memory; /* the part of the block in which all vectors below lie */
     size_t memory_size; /* doubles in it */
     void *block;
-    double *p, *c, *u, *u_slope, *d, *d_before;
+    double *p, *c, *c_kept, *u, *u_slope, *d, *d_before;
     double *nothing_given;        /* n_parameters zeros */
     double *event_a, *event_b;
     double *fires, *sampled, *held; /* n_samplers: whether it is an instant; the last one, counted from 0. n_held: their values */

@@ -6,8 +6,9 @@
  * of a second of 2 000 links at 1e-8: 11 steps in place of 4 396.
  *
  * What symmetry alone keeps at rest (the angle of a hinge through which all forces pass) is moved by nothing but rounding: its
- * accelerations change by about themselves where the state changes in its last digits. Positions are known no better than that then:
- * a block that falls through a hinge took 16 million steps of rounding.
+ * accelerations change by about themselves where the state, or what is computed of parameters, changes in its last digits. Positions
+ * are known no better than that then: a block that falls through a hinge took 16 million steps of rounding, a body of 16 parts with
+ * springs that falls freely 63 000 in a tenth of a second.
  */
 #include "steps/rounding.h"
 
@@ -50,6 +51,21 @@ static int may_be_idle(const LagRun *run, const double *all, int i)
     return moves > 0 && lasts > 0 && fabs(m->slope[n + i]) <= noise && scale->largest[n + i] <= noise * lasts;
 }
 
+/* By what number i is multiplied in a move. */
+static double last_digits(int i, int move)
+{
+    return 1 + ((i + move) % 3 - 1) * move * DBL_EPSILON;
+}
+
+/* What depends on parameters alone has rounding as well: what falls freely has none of its own where its parts do not move. */
+static void move_parameters(LagRun *run, int move)
+{
+    const int count = run->model->n_hoisted;
+    memcpy(run->c_kept, run->c, (size_t)count * sizeof *run->c);
+    for (int i = 0; i < count; ++i)
+        run->c[i] *= last_digits(i, move);
+}
+
 /* Accelerations that are nothing but rounding. */
 static void look_for_idle(LagRun *run, const double *noise)
 {
@@ -62,8 +78,11 @@ static void look_for_idle(LagRun *run, const double *noise)
         any = may_be_idle(run, noise, i);
     for (int move = 1; any && move <= MOVES; ++move) {
         for (int i = 0; i < 2 * n; ++i)
-            moved[i] = m->y[i] * (1 + ((i + move) % 3 - 1) * move * DBL_EPSILON);
-        if (!lag_motion_slope(m, m->t, moved, moved + n, slope))
+            moved[i] = m->y[i] * last_digits(i, move);
+        move_parameters(run, move);
+        const int is_finite = lag_motion_slope(m, m->t, moved, moved + n, slope);
+        memcpy(run->c, run->c_kept, (size_t)run->model->n_hoisted * sizeof *run->c);
+        if (!is_finite)
             return;
         for (int i = 0; i < n; ++i) {
             const double change = fabs(slope[n + i] - m->slope[n + i]);
