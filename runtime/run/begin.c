@@ -113,7 +113,7 @@ LagStatus lag_run_start(LagRun *run, const double *q_given, const double *v_give
         lag_scale_size(&run->scale, run->assembly.reach);
     memcpy(run->motion.y, run->start, n * sizeof *run->start);
     memcpy(run->motion.y + n, run->start + lag_start_size(run->model), n * sizeof *run->start);
-    lag_attitudes_begin(run);
+    lag_attitudes_begin(run, q_given);
     lag_scale_note(&run->scale, run->motion.y);
     if (lag_sampling_begin(run) != LAG_OK)
         return run->failure.status;

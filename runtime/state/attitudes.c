@@ -129,7 +129,19 @@ static void turn_reference(const double *s, double *reference, double *carry)
     memcpy(reference, next, sizeof next);
 }
 
-void lag_attitudes_begin(LagRun *run)
+/* What was given stands as it is, without the rounding of a turn, where nothing has moved it. */
+static int is_as_given(const double *reference, const double *given, const double *s, double *wanted)
+{
+    const double not_turned[4] = {1, 0, 0, 0};
+    double asked[3];
+    if (isnan(given[0]))
+        return 0;
+    lag_attitude_present(not_turned, given, wanted);
+    lag_attitude_between(reference, wanted, asked);
+    return memcmp(asked, s, sizeof asked) == 0;
+}
+
+void lag_attitudes_begin(LagRun *run, const double *q_given)
 {
     const LagModel *model = run->model;
     if (model->n_attitudes == 0)
@@ -138,8 +150,11 @@ void lag_attitudes_begin(LagRun *run)
     memset(run->motion.attitude_carry, 0, 4 * (size_t)model->n_attitudes * sizeof *run->motion.attitude_carry);
     for (int i = 0; i < model->n_attitudes; ++i) {
         const int place = model->attitudes[PARTS * i + PLACE], mode = model->attitudes[PARTS * i + MODE];
-        double *s = run->motion.y + place, *size = run->scale.size + place;
-        turn_reference(s, run->d + mode, run->motion.attitude_carry + 4 * i);
+        double *s = run->motion.y + place, *size = run->scale.size + place, wanted[4];
+        if (q_given && is_as_given(run->d + mode, q_given + place, s, wanted))
+            memcpy(run->d + mode, wanted, sizeof wanted);
+        else
+            turn_reference(s, run->d + mode, run->motion.attitude_carry + 4 * i);
         declared(run, mode); /* what the start has turned it by may have made the real part negative */
         memset(s, 0, 3 * sizeof *s);
         memset(run->motion.attitude_carry + 4 * i, 0, 4 * sizeof *run->motion.attitude_carry);

@@ -183,8 +183,15 @@ def load_asked(options: Namespace) -> tuple[Model, Request]:
     given = assignments(options.parameter, "-p")
     model = load_model(options, given, ())
     tell_warnings(options, model)
-    initial = values_with_units(assignments(options.initial, "--initial"), model.scene.start_units)
+    initial = start_values(options.initial, model.scene)
     return model, asked(options, open_parameters(model.scene, given), initial, read_inputs(options.input, model.scene))
+
+
+def start_values(texts: Iterable[str], scene: Any) -> dict[str, Any]:
+    """What stands after --initial: attitudes as they are written, all else in SI units. Raises LagError L0706, L0712."""
+    given = assignments(texts, "--initial")
+    attitudes = {name: text for name, text in given if name in scene.attitudes}
+    return {**attitudes, **values_with_units([pair for pair in given if pair[0] not in attitudes], scene.start_units)}
 
 
 def open_parameters(scene: Any, given: list[tuple[str, str]]) -> dict[str, float]:

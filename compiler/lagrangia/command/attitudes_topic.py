@@ -14,6 +14,10 @@ Starts       S(start = angles("zxz", a, b, c)): about the first axis, then about
              quaternion(a, b, c, d), real part first, both of any length but 0. w(start = {0, 0, 10[rpm]}); fixed as elsewhere.
              Floating: Body b(center(r(start = ...), Q(start = angles(...)), omega(start = ...))), or w(start = ...) in the
              world's axes. Initial equations of f.R, f.w, f.omega hold at the start as others do.
+             --initial 'tip.S=angles("zxz", 0, 20[deg], 0)' (or axis_angle, quaternion), in sweeps several with commas between
+             them; in Python initial={"tip.S": [a, b, c, d]} or such a text. Rows of a run go on where they ended: all four parts
+             of a quaternion by name are a start, too. In arrays of coordinates (rollouts, prepared runs) an attitude is three
+             numbers tip.S.s[1] to [3], 4 tan(angle/4) along the axis of the turn; they come back as NaN, tip.S[1] to [4] tell.
 Results      tip.S[1] to tip.S[4], a unit quaternion (b against a), real part first: not negative at the start, then continuous;
              der(tip.S)[1] to [3], also called tip.w[1] to [3]. f.R (a matrix) and f.Q say how any frame is turned in the world.
 Equations    of a Rotation are Euler's: d/dt dT/dw + w x dT/dw = torque. The state is the modified Rodrigues vector of what the
@@ -23,5 +27,5 @@ Solvers      erk, erk5, erk9, pirk, implicit. adams, taylor, conservative, linea
 FMUs         have the unit quaternion tip.S[1] to [4] and der(tip.S) (tip.w) as states. In Model Exchange dQ/dt = P (0, w)/2 +
              k (P - Q) with P = Q/|Q|: no other length says anything, and none lasts; k = 100/(stop - start). Co-Simulation steps
              as lag simulate does. A start is set as a whole: its length says nothing, parts that are not set are as declared.
-Not supported yet: small motion (equilibrium, linearize, modes, response), exports, pictures, start values by --initial,
-kinetic energies of der(S) that are no rigid body's. Hinges (a Universal and a Revolute) have all but the pictures."""
+Not supported yet: small motion (equilibrium, linearize, modes, response), exports, pictures, kinetic energies of der(S)
+that are no rigid body's. Hinges (a Universal and a Revolute) have all but the pictures."""

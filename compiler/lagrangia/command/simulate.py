@@ -20,6 +20,7 @@ from lagrangia.command.arguments import (
     open_parameters,
     prepare_target,
     read_inputs,
+    start_values,
     tell_inputs,
     tell_warnings,
     values_with_units,
@@ -60,7 +61,7 @@ def simulate_command(options: Namespace) -> int:
         print(dump(model.completed().compilation, options.dump))
         return 0
     keep_foreign(options, target, [column.name for column in (*scene.moving, *shown(scene)[0].rates)])
-    initial = values_with_units(assignments(options.initial, "--initial"), scene.start_units)
+    initial = start_values(options.initial, scene)
     request = asked(options, open_parameters(scene, given), initial, read_inputs(options.input, scene))
     experiment = plan(scene, request)
     request = _from_rest(options, model, request, experiment.start)

@@ -7,9 +7,9 @@ from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
 from lagrangia.algebra.duals import Algebra, Scalar, minus, plus, times
+from lagrangia.base.attitude_values import PRODUCT
 from lagrangia.frames.spatial import unit_axis
 from lagrangia.frames.steps import Step
-from lagrangia.language.attitudes import PRODUCT
 
 Quaternion = tuple[Scalar, ...]  # (4,)
 NOT_TURNED: Quaternion = (1.0, 0.0, 0.0, 0.0)

@@ -4,15 +4,12 @@ four expressions, real part first."""
 from collections.abc import Callable, Mapping, Sequence
 from functools import reduce
 
+from lagrangia.base.attitude_values import PRODUCT, SEQUENCES
 from lagrangia.base.diagnostics import fail
 from lagrangia.language.elements import Size, element, length
 from lagrangia.language.tree import Array, Binary, Call, Flat, Number, String, Unary
 
 ROTATION = "Rotation"  # the type of a coordinate that is an attitude
-SEQUENCES = tuple(a + b + c for a in "xyz" for b in "xyz" for c in "xyz" if b not in (a, c))
-# Of a product of quaternions, part by part: which parts of the first and of the second one, and with which sign.
-PRODUCT = (((0, 0, 1), (1, 1, -1), (2, 2, -1), (3, 3, -1)), ((0, 1, 1), (1, 0, 1), (2, 3, 1), (3, 2, -1)),
-           ((0, 2, 1), (2, 0, 1), (3, 1, 1), (1, 3, -1)), ((0, 3, 1), (3, 0, 1), (1, 2, 1), (2, 1, -1)))
 _Quaternion = Sequence[Flat | None]  # (4,); None is 0
 
 

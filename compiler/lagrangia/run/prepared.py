@@ -37,6 +37,7 @@ class PreparedRun:
         self.scene, self.experiment = scene, experiment
         self.columns = ("time", *(c.name for c in (*scene.coordinates, *scene.rates, *scene.outputs)), "T", "V", "H",
                         "dissipated", "work")
+        self._turned = [self.columns.index(name) for name in scene.turned]
         self._engine, self._started, self._varied = engine, started, varied
         self._run = start_run(scene, engine, experiment, values)
         weakref.finalize(self, self._run.close)
@@ -75,7 +76,9 @@ class PreparedRun:
         self._seconds = time.perf_counter() - begin
         if self._engine.upgrade is not None:
             self._engine.look(self._seconds, 0.0)
-        return np.frombuffer(values).reshape(-1, self._run.width)
+        rows = np.frombuffer(values).reshape(-1, self._run.width)
+        rows[:, self._turned] = math.nan  # numbers that say nothing without what attitudes are counted from
+        return rows
 
     @property
     def statistics(self) -> Statistics:
@@ -120,8 +123,9 @@ class PreparedRun:
 
 def _start_place(scene: Scene, name: str) -> int:
     slot = scene.slot(name)
-    if name in scene.turned:
-        fail("L0901", f"not supported yet: another start of the attitude that '{name}' is a part of")
+    if name in scene.attitudes:
+        fail("L0702", f"the attitude '{name}' is three numbers, 4 tan(angle/4) along the axis", None,
+             f"prepare the run for its coordinates: {', '.join(scene.attitudes[name])}")
     if slot is None:
         fail("L0901", f"not supported yet: a prepared run from other starts of '{name}', which other coordinates give", None,
              "prepare it for the coordinates themselves, or call simulate")

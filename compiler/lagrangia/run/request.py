@@ -9,6 +9,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from itertools import pairwise
 from typing import Any
 
+from lagrangia.base.attitude_values import HINT, read_attitude, turn_of
 from lagrangia.base.checked_values import a_count, a_number, by_name, misfit, numbers
 from lagrangia.base.diagnostics import Report, fail, suggest
 from lagrangia.base.records import dataclass
@@ -197,13 +198,11 @@ def _start_values(scene: Scene, initial: Mapping[str, float], report: Report) ->
     """Of coordinates and rates; of lost ones and their rates."""
     start, lost = [math.nan] * (2 * scene.n), [math.nan] * (2 * scene.sizes["n_lost"])
     outputs = {column.name for column in scene.outputs}
+    initial = _told_attitudes(scene, initial, report)
     for name, value in initial.items():
         slot = scene.slot(name)
         if not math.isfinite(a_number(f"initial value of '{name}'", value)):
             report.error("L0605", f"the initial value of '{name}' must be a finite number, not {value}")
-        elif name in scene.turned:
-            report.error("L0901", f"not supported yet: another start of the attitude that '{name}' is a part of", None,
-                         "its start is declared; rates can be given")
         elif slot is not None:
             start[slot] = float(value)
         elif name in scene.lost:
@@ -219,6 +218,29 @@ def _start_values(scene: Scene, initial: Mapping[str, float], report: Report) ->
             known = [*(c.name for c in (*scene.coordinates, *scene.rates)), *scene.aliases, *scene.lost]
             _unknown("coordinate or rate", name, known, report)
     return start, lost
+
+
+def _told_attitudes(scene: Scene, initial: Mapping[str, Any], report: Report) -> Mapping[str, Any]:
+    """With the three coordinates of each attitude that begins elsewhere: said by its name, or by all parts of its quaternion."""
+    found = dict(initial)
+    for name, parts in scene.attitudes.items():
+        columns = [f"{name}[{k}]" for k in range(1, 5)]
+        given = [key for key in (*columns, *parts) if key in found]
+        if name in found and given:
+            report.error("L0712", f"'{name}' is given twice, by '{given[0]}' too")
+            found = {key: value for key, value in found.items() if key not in (name, *given)}
+        elif name in found or (given and all(column in found for column in columns) and len(given) == len(columns)):
+            whole = found[name] if name in found else [a_number(f"initial value of '{key}'", found[key]) for key in columns]
+            for key in (name, *columns):
+                found.pop(key, None)
+            try:
+                found |= dict(zip(parts, turn_of(read_attitude(whole)), strict=True))
+            except (ValueError, TypeError) as error:
+                report.error("L0706", f"the start of the attitude '{name}': {error}")
+        elif given and given != list(parts):
+            report.error("L0706", f"'{given[0]}' is a part of the attitude '{name}', which begins as a whole", None, HINT)
+            found = {key: value for key, value in found.items() if key not in given}
+    return found
 
 
 def _input_table(scene: Scene, inputs: Any, report: Report) -> tuple[Sequence[float], Sequence[float]]:

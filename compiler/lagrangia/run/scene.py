@@ -92,7 +92,7 @@ class Scene:
         """Of everything that a start value can be given for."""
         units = {c.name: c.unit for c in (*self.coordinates, *self.rates)}
         units |= {alias: self.rates[slot - self.n].unit for alias, slot in self.aliases.items()}
-        return units | {name: unit for name, (_, unit) in self.lost.items()}
+        return units | {name: unit for name, (_, unit) in self.lost.items()} | dict.fromkeys(self.attitudes, "1")
 
     @property
     def signals(self) -> Mapping[str, str]:
@@ -103,13 +103,19 @@ class Scene:
     @property
     def turned(self) -> tuple[str, ...]:
         """Coordinates of attitudes, which say nothing without the references that they are against."""
-        return tuple(part for parts in self.notes.get("attitudes", {}).values() for part in parts)
+        return tuple(part for parts in self.attitudes.values() for part in parts)
+
+    @property
+    def attitudes(self) -> Mapping[str, tuple[str, ...]]:
+        """The three coordinates of each attitude, by its name."""
+        found: Mapping[str, tuple[str, ...]] = self.notes.get("attitudes", {})
+        return found
 
     @property
     def told_positions(self) -> tuple[Column, ...]:
         """The coordinates, with a quaternion in the place of the three of an attitude."""
         outputs = {column.name: column for column in self.outputs}
-        firsts = {parts[0]: name for name, parts in self.notes.get("attitudes", {}).items()}
+        firsts = {parts[0]: name for name, parts in self.attitudes.items()}
         found: list[Column] = []
         for column in self.coordinates:
             if column.name in firsts:
@@ -121,12 +127,12 @@ class Scene:
     @property
     def own_outputs(self) -> tuple[Column, ...]:
         """The outputs without the quaternions of attitudes, which are the first of them."""
-        return self.outputs[4 * len(self.notes.get("attitudes", {})) :]
+        return self.outputs[4 * len(self.attitudes) :]
 
     @property
     def told(self) -> tuple[str, ...]:
         """The names of the coordinates, for people: those of an attitude are one."""
-        parts = {part: name for name, of in self.notes.get("attitudes", {}).items() for part in of}
+        parts = {part: name for name, of in self.attitudes.items() for part in of}
         return tuple(dict.fromkeys(parts.get(c.name, c.name) for c in self.moving))
 
     @property

@@ -54,6 +54,8 @@ class SteppedRun:
         self._u = np.array(values.input_values[: len(scene.inputs)] if scene.inputs else (), dtype=float)
         self._row = np.array(self._run.row().values)
         self._state = self._row[1 : 1 + 2 * scene.n]
+        self._turned = [self._place[name] for name in scene.turned]
+        self._row[self._turned] = math.nan
         self._pointers = self._u.ctypes.data if len(self._u) else None, self._row.ctypes.data
         self._begin, self._dt, self._count = self.time, math.nan, 0  # the present is so many equal steps after
         self._steps = 0
@@ -65,7 +67,8 @@ class SteppedRun:
 
     @property
     def state(self) -> "np.ndarray":
-        """q, then v: a view (2 n,) of the present, which the next step changes."""
+        """q, then v: a view (2 n,) of the present, which the next step changes; NaN for the coordinates of attitudes, whose
+        quaternions are columns."""
         return self._state
 
     @property
@@ -124,6 +127,8 @@ class SteppedRun:
         status = self._library.lag_run_steps(self._handle, self._begin, dt, self._count, 1, u, row, self._done, 0.0)
         if status != 0:
             self._fail()
+        if self._turned:
+            self._row[self._turned] = math.nan
         self._count += 1
         self._steps += 1
         if looks:  # one step stands for those until the next look
@@ -146,6 +151,7 @@ class SteppedRun:
                                                         self._done, _PAUSE))
             done += self._done[0]
             self._count += self._done[0]
+            rows[:done, self._turned] = math.nan
             if done:
                 self._row[:] = rows[done - 1]
             if u is not None and done:

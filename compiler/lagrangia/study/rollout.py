@@ -39,7 +39,7 @@ class Rollout:
 
     @property
     def q(self) -> "NDArray[np.float64]":
-        """Coordinates, (runs, times, n)."""
+        """Coordinates, (runs, times, n); NaN for those of attitudes, whose quaternions are columns."""
         n: int = self.sweep.job.scene.n
         return self.rows[:, :, 1 : 1 + n]
 
@@ -67,12 +67,10 @@ def roll_out(model: Asked, q0: "ArrayLike | None", v0: "ArrayLike | None", p: "M
     if at.ndim != 1 or len(at) < 2:
         fail("L0702", f"the times of a rollout are two numbers or more, not an array of the shape {at.shape}")
     scene = model.scene
-    if scene.turned:
-        fail("L0901", f"not supported yet: rollouts of scenes with attitudes ('{scene.turned[0]}')")
     given = {**_states(scene, q0, v0), **(p or {})}
     table = _table(given, _runs_of(u, len(at), len(scene.inputs)))
     request = Request(float(at[0]), float(at[-1]), tolerance, at=at.tolist(), solver=solver)
-    first = columns(scene)[1].name if scene.n else "time"
+    first = scene.rates[0].name if scene.n else "time"
     suited, job = model.prepared_for(read_measures([f"final({first})"]), request, Design(table or None, keeps=True, held=u))
     keeper, ledger = InMemory(job.scene, job.runs, len(at), are_all_new=True), Ledger(job)
     sweep = run_job(job, suited, ledger, jobs=jobs, keeper=keeper)

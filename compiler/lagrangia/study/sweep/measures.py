@@ -143,8 +143,9 @@ def _of_quantity(measure: Measure) -> Measure:
 
 
 def usual_measures(scene: Scene) -> list[Measure]:
-    """Final values of all coordinates, rates and outputs."""
-    return [read_measure(f"final({c.name})") for c in (*scene.coordinates, *scene.rates, *scene.outputs)]
+    """Final values of all coordinates, rates and outputs; of attitudes, their quaternions."""
+    told = (c for c in (*scene.coordinates, *scene.rates, *scene.outputs) if c.name not in scene.turned)
+    return [read_measure(f"final({c.name})") for c in told]
 
 
 def quantities(measures: Sequence[Measure]) -> tuple[str, ...]:

@@ -9,6 +9,7 @@ from dataclasses import asdict, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from lagrangia.base.attitude_values import HINT
 from lagrangia.base.checked_values import a_count, a_number, by_name
 from lagrangia.base.diagnostics import LagError, Report, fail, suggest
 from lagrangia.base.records import dataclass
@@ -23,12 +24,14 @@ from lagrangia.run.solvers import AUTO, applicable, is_casadi, number_of
 from lagrangia.study.sweep.measures import Measure, reductions
 from lagrangia.study.sweep.until import Until, read_until
 from lagrangia.study.sweep.values import (
+    ATTITUDE,
     MOST_RUNS,
     Distribution,
     Factor,
     Variations,
     columns_of_runs,
     is_single,
+    read_attitudes,
     read_cell,
     read_runs,
     read_variation,
@@ -254,6 +257,8 @@ def _resolve(scene: Scene, kind: str, name: str) -> _Name:
             fail("L0901", f"not supported yet: a sweep over '{name}', which decides what the scene consists of", None,
                  "sweep once for each of its values")
         fail("L0701", f"the scene has no parameter '{name}'", None, *filter(None, [suggest(name, [*place, *scene.structural])]))
+    if name in scene.attitudes:
+        return _Name(name, kind, scene.attitudes[name], tuple(_place_of(scene, part) for part in scene.attitudes[name]), ATTITUDE)
     slot = scene.slot(name)
     if slot is None and kind == "input":
         k = [p.name for p in scene.inputs].index(name)
@@ -265,7 +270,14 @@ def _resolve(scene: Scene, kind: str, name: str) -> _Name:
         known = [*(c.name for c in (*scene.coordinates, *scene.rates)), *scene.aliases]
         fail("L0701", f"the scene has no coordinate or rate '{name}'", None, *filter(None, [suggest(name, known)]))
     unit = (*scene.coordinates, *scene.rates)[slot].unit
-    return _Name(name, kind, (name,), (len(scene.parameters) + slot,), unit)
+    return _Name(name, kind, (name,), (_place_of(scene, name),), unit)
+
+
+def _place_of(scene: Scene, name: str) -> int:
+    """Of a coordinate or a rate among parameters and start values."""
+    slot = scene.slot(name)
+    assert slot is not None
+    return len(scene.parameters) + slot
 
 
 def _factors(scene: Scene, request: Request, design: Design
@@ -301,7 +313,15 @@ def _factors(scene: Scene, request: Request, design: Design
     factors = [*table, *(_side_by_side(lists) if design.together else lists), *_samples(random, design)]
     for factor in factors:
         _check_finite(factor)
+    _check_whole(scene, {*fixed[1], *(name for factor in factors for name in factor.names)})
     return fixed, factors
+
+
+def _check_whole(scene: Scene, given: set[str]) -> None:
+    """Attitudes begin as a whole. Raises LagError L0706."""
+    for name, parts in scene.attitudes.items():
+        if (some := given & {*parts}) and len(some) < len(parts):
+            fail("L0706", f"'{min(some)}' is a part of the attitude '{name}', which begins as a whole", None, HINT)
 
 
 def _check_once(claims: Sequence[tuple[int, ...]], scene: Scene) -> None:
@@ -326,6 +346,8 @@ def _values(name: _Name, value: Any) -> "tuple[np.ndarray | Distribution, bool]"
     import numpy as np
 
     is_alone = False
+    if name.unit == ATTITUDE:
+        return read_attitudes(name.name, value)
     if isinstance(value, str):
         found, is_alone = read_variation(name.name, value, name.unit), is_single(value)
         if isinstance(found, Distribution):

@@ -12,6 +12,7 @@ from pathlib import Path
 from statistics import NormalDist
 from typing import TYPE_CHECKING, Any
 
+from lagrangia.base.attitude_values import read_attitude, turn_of
 from lagrangia.base.cutting import cut_list, split_list
 from lagrangia.base.diagnostics import fail, suggest
 from lagrangia.base.records import dataclass
@@ -22,6 +23,7 @@ from lagrangia.study.sweep.sensitivity import saltelli_points
 if TYPE_CHECKING:
     import numpy as np
 
+ATTITUDE = "attitude"  # the unit of start values of attitudes
 MOST_RUNS = 100_000_000
 _MOST_VALUES = 10_000_000  # of one name
 _CALL = re.compile(r"(\w+)\((.*)\)")
@@ -166,6 +168,24 @@ def read_variation(name: str, text: str, unit: str) -> "np.ndarray | Distributio
     if len(widths) != 1:
         fail("L0712", f"{name} = {text}: the values must all be numbers, or vectors of the same size")
     return np.array(values, dtype=np.float64)
+
+
+def read_attitudes(name: str, given: Any) -> "tuple[np.ndarray, bool]":
+    """Start values of an attitude, (values, 3), and whether it is one alone: angles(...), axis_angle(...) or quaternion(...),
+    with commas between several; or quaternions (4,), (values, 4). Raises LagError L0712."""
+    import numpy as np
+
+    if isinstance(given, str):
+        items: list[Any] = cut_list(given)
+        is_alone = len(items) == 1
+    else:
+        items = list(given) if np.iterable(given) else [given]
+        is_alone = all(np.ndim(x) == 0 and not isinstance(x, str) for x in items)
+        items = [items] if is_alone else items
+    try:
+        return np.array([turn_of(read_attitude(item)) for item in items], dtype=np.float64), is_alone
+    except (ValueError, TypeError) as error:
+        fail("L0712", f"{name} = {given}: {error}"[:300])
 
 
 def is_single(text: str) -> bool:
