@@ -104,7 +104,7 @@ def test_what_falls_freely_does_not_move_in_itself(scene: Write, solver: str) ->
       for i in 1:6 loop
         kinetic 0.01*h[i].w^2/2; potential 20*h[i].phi^2/2; dissipation 5*h[i].w^2/2;
       end for;
-    end Falling;""").simulate(stop=0.5, solver=solver, max_steps=500)
+    end Falling;""").simulate(stop=0.5, solver=solver, max_steps=2_000)
     assert max(np.abs(run[f"h[{i}].phi"]).max() for i in range(1, 7)) < 1e-12
     assert run["root.z"][-1] == pytest.approx(1 - 9.81 * 0.5**2 / 2, abs=1e-14)
 
