@@ -30,6 +30,7 @@ def faults_beside(table: ClassTable, syntax: Syntax) -> list[Diagnostic]:
         own = [c for c in table.user.values() if c.name_span.source is syntax.source]
         used = {element.type_name.rpartition(".")[2] for c in own for element in c.elements if element.type_name != c.name}
         run = next((c for c in reversed(syntax.classes) if c.kind == "model" and not c.is_partial), None)
+        own = [c for c in own if not _waits(table, c)]
         others = [c for c in own if c.kind in ("model", "block") and not (run and c.name_span == run.name_span)
                   and c.name_span.text not in used]
         found: dict[Diagnostic, None] = {}
@@ -39,6 +40,15 @@ def faults_beside(table: ClassTable, syntax: Syntax) -> list[Diagnostic]:
             place = stand_in.name_span.source
             found |= dict.fromkeys(d for d in _faults(table, stand_in) if d.span is not None and d.span.source is not place)
         return list(found)
+
+
+def _waits(table: ClassTable, definition: ClassDefinition) -> bool:
+    """Whether something else has to be put in its place, or in its parts, before it says anything."""
+    around = definition.name.split(".")
+    outer = (table.user.get(".".join(around[:k])) for k in range(1, len(around)))
+    if any(c is not None and c.is_partial for c in outer):
+        return True
+    return any("replaceable" in inner.prefixes for c in table.lineage(definition) for inner in c.classes)
 
 
 def _faults(table: ClassTable, definition: ClassDefinition) -> Iterator[Diagnostic]:

@@ -115,7 +115,7 @@ class Index:
             package = self.table.scopes.package(name, span)
         except LagError:
             package = None
-        return self.table.user[package] if package else class_named(self.table, name, span)
+        return self.table.scopes.classes[package] if package else class_named(self.table, name, span)
 
     def at(self, offset: int) -> Occurrence | None:
         """The name that stands there, or ends there."""

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import field
+from itertools import islice
 
 from lagrangia.base.records import dataclass
 from lagrangia.editor.words import COMMENT, Piece
@@ -120,7 +121,22 @@ class _Cutter:
             k += 1
         if k == len(self.pieces) or self.pieces[k].kind != "CLASS_KIND":
             return None
-        names = [j for j in range(k + 1, min(k + 6, len(self.pieces))) if self.pieces[j].kind != COMMENT]
+        words = list(islice((j for j in range(k + 1, len(self.pieces)) if self.pieces[j].kind != COMMENT), 3))
+        extends = bool(words) and self.pieces[words[0]].text == "extends" and self.pieces[words[0]].kind != "NAME"
+        names = words[1:] if extends else words
         if len(names) < 2 or self.pieces[names[0]].kind != "NAME" or self.pieces[names[1]].text == "=":
             return None
-        return names[1] + 1 if self.pieces[names[1]].kind == "STRING" else names[0] + 1
+        end = names[0]
+        if extends and self.pieces[names[1]].text == "(":
+            end = self._closed(names[1])
+        follows = next((j for j in range(end + 1, len(self.pieces)) if self.pieces[j].kind != COMMENT), end)
+        return follows + 1 if self.pieces[follows].kind == "STRING" else end + 1
+
+    def _closed(self, start: int) -> int:
+        """Where the bracket ends that begins here."""
+        depth = 0
+        for k in range(start, len(self.pieces)):
+            depth += (self.pieces[k].text in OPEN) - (self.pieces[k].text in CLOSE)
+            if depth == 0:
+                return k
+        return len(self.pieces) - 1

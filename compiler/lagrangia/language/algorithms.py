@@ -380,7 +380,7 @@ class _LocalNames(Names):
 
     def __init__(self, names: Names, trees: Mapping[str, Tree], current: Mapping[str, str], constants: Mapping[str, Flat]
                  ) -> None:
-        super().__init__(names.table, names.report, names.define, work=names.work,
+        super().__init__(names.table, names.report, names.define, work=names.work, made=names.made,
                          lookups=names.lookups, make_package=names.make_package,
                          packages=names.packages, space=names.space)
         self.trees, self.current, self.constants = trees, current, constants

@@ -1,18 +1,20 @@
 """Syntax trees -> ClassTable: which class a name means, and what a quantity type stands for."""
 
-from collections.abc import Iterable
-from dataclasses import field
+from collections import ChainMap
+from collections.abc import Iterable, Iterator
+from dataclasses import field, replace
 from functools import cached_property
 
 from lagrangia.base.diagnostics import LIBRARY, Report, Source, Span, fail, suggest
 from lagrangia.base.records import dataclass
 from lagrangia.language.component_library import library_package
 from lagrangia.language.scoping import Finder, Scopes, has_scopes, lifted, nowhere
-from lagrangia.language.tree import Argument, ClassDefinition, Declaration, Expression, Extends, Syntax
+from lagrangia.language.tree import Argument, ClassDefinition, Declaration, Expression, Extends, Section, Syntax
+from lagrangia.language.variants import COMPONENTS, Variants
 
 _FOREIGN = {"double": "Real", "float": "Real", "int": "Integer", "long": "Integer", "bool": "Boolean", "string": "String"}
 BUILTIN_TYPES = frozenset({"Real", "Integer", "Boolean", "String", "Frame"})
-_OF_CLASSES = frozenset({"encapsulated", "replaceable", "redeclare", "final", "protected"})
+_OF_CLASSES = frozenset({"encapsulated", "replaceable", "redeclare", "final", "protected", "extends"})
 ENUMERATION = "enumeration"
 
 
@@ -41,11 +43,30 @@ class ClassTable:
     library_sources: set[Source] = field(default_factory=set)  # with those of its packages that are named
     files: dict[Source, Syntax] = field(default_factory=dict)  # those in which names may mean something else in each class
     find: Finder = nowhere
+    functions: dict[int, tuple[ClassDefinition, ClassDefinition]] = field(default_factory=dict)  # with what they extend, by ids
 
     @cached_property
     def scopes(self) -> Scopes:
         """Looks names up by what encloses them."""
-        return Scopes(self.user, self.files, self._take, lambda name: self.find(name) or library_package(name))
+        return Scopes(ChainMap({}, self.user), self.files, self._take, lambda name: self.find(name) or library_package(name),
+                      lambda name: self.variants.settled(name) if name in self.scopes.classes else None)
+
+    @cached_property
+    def variants(self) -> Variants:
+        """Classes as they are in what inherits or redeclares them."""
+        return Variants(self, self._share, BUILTIN_TYPES)
+
+    def _share(self, old: Source, new: Source) -> None:
+        self.files[new] = Syntax(new, (), ())
+        if old in self.library_sources:
+            self.library_sources.add(new)
+
+    def settled(self, definition: ClassDefinition) -> ClassDefinition:
+        """The class with what it inherits as it is in it, where it changes that. Raises LagError L0234, L0235."""
+        if definition.span.source in self.files and self.scopes.classes.get(definition.name) is not None:
+            found = self.variants.settled(definition.name)
+            return replace(found, is_partial=definition.is_partial) if found.is_partial is not definition.is_partial else found
+        return definition
 
     def _take(self, syntax: Syntax) -> None:
         report = Report()
@@ -55,13 +76,22 @@ class ClassTable:
             self.library_sources.add(syntax.source)
         report.raise_errors()
 
+    def takes_class(self, definition: ClassDefinition, name: str) -> bool:
+        """Whether a class in another one is redeclared by making the other one anew: packages, functions, types, records."""
+        if definition.span.source not in self.files or definition.name not in self.scopes.classes:
+            return False
+        found = self.variants.inner(definition.name, name)
+        return found is not None and found[1].kind not in COMPONENTS
+
     def found(self, name: str, span: Span) -> ClassDefinition | None:
         """The class that `name` means where `span` is; None where there is none. Raises LagError L0204 for imports of nothing."""
         is_library = span.source in self.library_sources
+        if name.startswith("."):
+            return self.variants.settled(name[1:])
         if span.source in self.files or (not is_library and "." in name):
             full = self.scopes.full_name(name, span)
-            if full is not None and not (is_library and self.user[full].span.source not in self.library_sources):
-                return self.user[full]
+            if full is not None and not (is_library and self.scopes.classes[full].span.source not in self.library_sources):
+                return self.variants.settled(full)
         elif not is_library and name in self.user:
             return self.user[name]
         return self.library.get(name)
@@ -84,9 +114,33 @@ class ClassTable:
         fail("L0201", f"there is no model or type '{name}'", span, hint or 'is a file to be imported? import "file.lag";')
 
     def function(self, name: str, span: Span) -> ClassDefinition | None:
-        """The function of that name which is seen from a place; None where there is none."""
+        """The function of that name which is seen from a place, with what it extends; None where there is none. Raises LagError
+        L0205, L0206."""
         found = self.found(name, span)
-        return found if found is not None and found.kind == "function" else None
+        return self._whole_function(found, ()) if found is not None and found.kind == "function" else None
+
+    def _whole_function(self, definition: ClassDefinition, heirs: tuple[ClassDefinition, ...]) -> ClassDefinition:
+        """With inputs, results and algorithms of what it extends before its own."""
+        if any(definition is heir for heir in heirs):
+            fail("L0206", f"{definition.name} extends itself", definition.name_span)
+        if all(isinstance(e, Declaration) or e.type_name == "der" for e in definition.elements):
+            return definition
+        if id(definition) not in self.functions:
+            elements: list[Declaration | Extends] = []
+            sections: list[Section] = []
+            for element in definition.elements:
+                if isinstance(element, Declaration):
+                    elements.append(element)
+                    continue
+                base = self.lookup(element.type_name, element.span)
+                if base.kind != "function":
+                    fail("L0205", f"a function cannot extend the {base.kind} '{base.name}'", element.span)
+                whole = self._whole_function(base, (*heirs, definition))
+                elements += _given(whole, element.arguments)
+                sections += whole.sections
+            whole = replace(definition, elements=tuple(elements), sections=(*sections, *definition.sections))
+            self.functions[id(definition)] = definition, whole
+        return self.functions[id(definition)][1]
 
     def base_type(self, name: str, span: Span) -> BaseType | None:
         """For a type: the builtin it derives from and its attributes; None for a model. Raises LagError L0206."""
@@ -95,6 +149,9 @@ class ClassTable:
         definition = self.lookup(name, span)
         if definition.kind not in ("type", "connector"):
             return None
+        if definition.is_partial and definition.kind == "type":
+            fail("L0205", f"'{name}' is any enumeration, enumeration(:): another one has to take its place", span,
+                 f"where this is used: (redeclare type {definition.name_span.text} = ...)")
         return self._base_of(definition, ())
 
     def _base_of(self, definition: ClassDefinition, seen: tuple[ClassDefinition, ...]) -> BaseType | None:
@@ -115,8 +172,13 @@ class ClassTable:
                         base.prefixes | extends.prefixes, base.definition)
 
     def declared(self, definition: ClassDefinition) -> dict[str, Declaration]:
-        """Declarations of the class and of all it extends, by name."""
-        return {e.name: e for base in self.lineage(definition) for e in base.elements if isinstance(e, Declaration)}
+        """Declarations of the class and of all it extends, by name, with the values that the classes extending others give them."""
+        found = {e.name: e for base in self.lineage(definition) for e in base.elements if isinstance(e, Declaration)}
+        for base in reversed(self.lineage(definition)):
+            for argument in (a for e in base.elements if isinstance(e, Extends) for a in e.arguments):
+                if argument.value is not None and argument.name in found:
+                    found[argument.name] = replace(found[argument.name], binding=argument.value)
+        return found
 
     def lineage(self, definition: ClassDefinition) -> list[ClassDefinition]:
         """The class and all it extends, each once, though it may extend itself."""
@@ -129,6 +191,23 @@ class ClassTable:
                         found[id(base)] = base
                         pending.append(base)
         return list(found.values())
+
+
+def _given(function: ClassDefinition, arguments: tuple[Argument, ...]) -> Iterator[Declaration | Extends]:
+    """What a function declares, with the values that another one gives it. Raises LagError L0203."""
+    names = {e.name for e in function.elements if isinstance(e, Declaration)}
+    for argument in arguments:
+        if argument.name not in names:
+            fail("L0203", f"{function.name} has no input '{argument.name}'", argument.name_span, *filter(None, [
+                suggest(argument.name, names)]))
+    values = {a.name: a for a in arguments}
+    for element in function.elements:
+        given = values.get(element.name) if isinstance(element, Declaration) else None
+        if given is None or not isinstance(element, Declaration):
+            yield element
+        else:
+            yield replace(element, binding=given.value if given.value is not None else element.binding,
+                          arguments=(*element.arguments, *given.arguments))
 
 
 def _of_modelica(name: str, library: dict[str, ClassDefinition]) -> list[str]:
@@ -144,12 +223,13 @@ def build_class_table(library: Iterable[Syntax], user: Iterable[Syntax], find: F
     library, user = tuple(library), tuple(user)
     tables = [_collect(files, report, {}) for files in (library, user)]
     report.raise_errors()
-    scoped = {syntax.source: syntax for syntax in user if has_scopes(syntax)}
+    scoped = {syntax.source: syntax for syntax in user} if any(map(has_scopes, user)) else {}
     return ClassTable(tables[0], tables[1], {syntax.source for syntax in library}, scoped, find)
 
 
 def _collect(files: Iterable[Syntax], report: Report, known: dict[str, ClassDefinition]) -> dict[str, ClassDefinition]:
     classes: dict[str, ClassDefinition] = {}
+    files = tuple(files)
     for definition in (c for syntax in files for c in lifted(syntax)):
         first = classes.get(definition.name) or known.get(definition.name)
         if definition.name in BUILTIN_TYPES:
@@ -160,6 +240,9 @@ def _collect(files: Iterable[Syntax], report: Report, known: dict[str, ClassDefi
         else:
             _check_members(definition, report)
             classes[definition.name] = definition
+    for top in (c for syntax in files for c in syntax.classes if "redeclare" in c.prefixes):
+        report.error("L0234", f"'{top.name}' stands in no class that inherits another one of this name", top.name_span,
+                     "leave `redeclare` out: this is a class of its own")
     return classes
 
 
@@ -190,11 +273,11 @@ def _check_class_prefixes(definition: ClassDefinition, report: Report) -> None:
     if wrong := definition.prefixes - _OF_CLASSES:
         report.error("L0236", f"a class cannot be {' '.join(sorted(wrong))}", definition.name_span,
                      "numbers can: they are declared as `parameter Real x`")
-    if "redeclare" in definition.prefixes:
-        report.error("L0901", "not supported yet: a class that is redeclared as an element", definition.name_span,
-                     f"write: extends Base(redeclare model {definition.name_span.text} = Other)")
-    if definition.kind == "package" and "replaceable" in definition.prefixes:
-        report.error("L0901", "not supported yet: a replaceable package", definition.name_span, "import the one that is meant")
+    if "extends" in definition.prefixes and "redeclare" not in definition.prefixes:
+        report.error("L0234", f"`{definition.kind} extends {definition.name_span.text}` extends what is inherited, and takes its place",
+                     definition.name_span, f"in a class that extends another one: redeclare {definition.kind} extends "
+                     f"{definition.name_span.text} ... end {definition.name_span.text};", "or give it a name of its own: "
+                     f"{definition.kind} N extends {definition.name_span.text}; ... end N;")
 
 
 def _check_left_out(arguments: tuple[Argument, ...], is_extends: bool, report: Report) -> None:

@@ -17,6 +17,8 @@ _FOLD: Mapping[str, Callable[[Any, Any], Any]] = {
 _FOLD_CALLS: Mapping[str, Callable[..., Any]] = {
     "floor": math.floor, "ceil": math.ceil, "abs": abs, "mod": lambda a, b: a - b * math.floor(a / b), "sqrt": math.sqrt,
     "sin": math.sin, "cos": math.cos, "tan": math.tan, "exp": math.exp, "log": math.log,
+    "log10": math.log10, "asin": math.asin, "acos": math.acos, "atan": math.atan, "atan2": math.atan2, "sinh": math.sinh,
+    "cosh": math.cosh, "tanh": math.tanh,
 }
 _FOLD_ALL: Mapping[str, Callable[[Any], Any]] = {"sum": sum, "product": math.prod, "min": min, "max": max}
 

@@ -23,9 +23,6 @@ FOREIGN_WORDS: Mapping[str, tuple[str, str]] = {
 }
 FOREIGN_PAIRS: Mapping[tuple[str, str], tuple[str, str]] = {
     ("initial", "algorithm"): ("initial algorithms", "write equations: initial equation x = ...;"),
-    **{(kind, "extends"): ("classes that extend what they inherit", "give the class a name of its own, and extend the other: "
-                           "model N extends P.M; ... end N;")
-       for kind in ("model", "class", "block", "package", "function", "record")},
     ("operator", "record"): ("operator records", "write a record and functions with names of their own: add(a, b)"),
     ("operator", "function"): ("operator functions", "write functions with names of their own: add(a, b)"),
 }

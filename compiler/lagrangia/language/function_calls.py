@@ -5,7 +5,7 @@ from typing import Any, Protocol
 from lagrangia.base.diagnostics import Span, fail, suggest
 from lagrangia.language.classes import ClassTable
 from lagrangia.language.folding import fold, folded
-from lagrangia.language.function_variables import Built, Given, Tree, dealt, flat_of, part_of
+from lagrangia.language.function_variables import Built, FlatFunction, Given, Tree, dealt, flat_of, part_of
 from lagrangia.language.instances import Scope
 from lagrangia.language.matrices import shape_of
 from lagrangia.language.tree import (
@@ -30,6 +30,7 @@ class OwnCalls(Protocol):
     """What names.py does with calls of people's own functions."""
 
     table: ClassTable
+    made: dict[str, FlatFunction]
 
     def define_function(self, definition: ClassDefinition, given: Given, span: Span) -> Built:
         """The function for what a call gives it. Raises LagError for one that is wrong."""
@@ -47,11 +48,12 @@ class OwnCalls(Protocol):
                  ) -> Flat:
         """A result of a call, or what it has under the names `way`. Raises LagError L0215, L0303."""
         declared = [e for e in own.elements if isinstance(e, Declaration)]
-        if inherited := next((e for e in own.elements if not isinstance(e, Declaration)), None):
-            if isinstance(inherited, Extends) and inherited.type_name == "der":
-                fail("L0901", "not of this language: functions that are derivatives of others", inherited.span,
-                     "der(f(x)) is computed exactly")
-            fail("L0902", "not supported yet: a function that extends another one", inherited.span, "call it: y := other(x);")
+        if inherited := next((e for e in own.elements if isinstance(e, Extends)), None):
+            fail("L0901", "not of this language: functions that are derivatives of others", inherited.span,
+                 "der(f(x)) is computed exactly")
+        if own.is_partial:
+            fail("L0205", f"the function '{own.name}' is partial: it cannot be called", call.span,
+                 "a function that extends it, or takes its place, says what it computes")
         inputs = {d.name: d for d in declared if "input" in d.prefixes}
         given = _arranged(call, own.name, inputs)
         values = {name: self.flatten(node, scope) for name, node in given.items() if not self._record(inputs[name])}
@@ -59,6 +61,7 @@ class OwnCalls(Protocol):
                       self._record_shape(given[name], inputs[name], scope)) for name in inputs if name in given}
         constants = _constants(own, inputs, values)
         built = self.define_function(own, Given(shapes, constants), call.span)
+        self.made |= built.functions
         cells: list[Flat] = []
         for name, tree in built.inputs.items():
             cells += self._cells(given[name], values.get(name), tree, scope, f"'{name}' of {own.name}")

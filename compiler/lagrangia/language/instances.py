@@ -172,6 +172,8 @@ class StructuralValues(Protocol):
         """The truth value that an expression must be. Raises LagError L0210."""
     def shape(self, bound: Bound) -> tuple[int, ...]:
         """The sizes of what is bound. Raises LagError."""
+    def known(self, bound: Bound) -> Expression | None:
+        """The value of what is bound, where it is known when the scene is compiled. Raises LagError."""
     def begin(self, root: Instance) -> None:
         """Names are looked up in an instance whose members are being made."""
     def count_of_literals(self, node: Reference) -> int | None:

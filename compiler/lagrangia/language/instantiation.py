@@ -4,7 +4,7 @@ from collections.abc import Collection, Iterator
 from dataclasses import field, replace
 from math import prod
 
-from lagrangia.base.diagnostics import Report, Span, fail, suggest
+from lagrangia.base.diagnostics import LagError, Report, Span, fail, suggest
 from lagrangia.base.records import dataclass
 from lagrangia.language.alike_elements import FEWEST, Alike, First, can_be_copied, copies_of
 from lagrangia.language.classes import ClassTable
@@ -28,6 +28,7 @@ from lagrangia.language.redeclarations import (
     known_names,
     redeclared,
     replace_local_classes,
+    with_redeclared_classes,
     with_redeclared_elements,
 )
 from lagrangia.language.space_values import dimensions_of, form_of, prefixes_of
@@ -63,6 +64,7 @@ class Instantiation:
     count: int = 0
     of_types: dict[int, Modification] = field(default_factory=dict)  # by the ids of declarations, which are kept
     kept: list[Declaration] = field(default_factory=list)
+    is_package: bool = False  # of which constants alone are made
 
     def instantiate(
         self, definition: ClassDefinition, path: str, modification: Modification, span: Span, parent: Instance | None,
@@ -70,6 +72,7 @@ class Instantiation:
     ) -> Instance:
         """The instance of a class at a path, with all that is in it; `roles` are prefixes that a record gives to all that it has.
         Raises LagError."""
+        definition = definition if path else self.table.settled(definition)
         instance = Instance(path, definition, span, parent=parent)
         if not path:
             self.values.begin(instance)
@@ -90,8 +93,9 @@ class Instantiation:
         return instance
 
     def constants_of(self, definition: ClassDefinition) -> Instance:
-        """A class that has nothing but constants, of a package."""
-        return self.instantiate(definition, definition.name, NOTHING, definition.name_span, None)
+        """The constants alone of a class, of a package mostly."""
+        inside = Instantiation(self.table, self.values, self.report, is_package=True)
+        return inside.instantiate(definition, definition.name, NOTHING, definition.name_span, None)
 
     # ------------------------------------------------------------ the members of a class
 
@@ -111,6 +115,8 @@ class Instantiation:
                 given = modification.children.get(element.name, NOTHING)
                 if given.is_left_out:
                     scope.instance.absent.add(element.name)
+                elif self.is_package and "constant" not in element.prefixes:
+                    continue
                 elif "redeclare" not in element.prefixes:
                     yield self._modified(element, given, scope)
             elif element.type_name == "Frame":
@@ -329,10 +335,17 @@ class Instantiation:
             starts, fixed = self._frame_starts(change)
             return FrameSlot(path, declaration.name_span, starts, fixed, change.value, instance)
         definition = self.table.lookup(declaration.type_name, declaration.type_span)
+        try:
+            definition, change = with_redeclared_classes(self.table, self.values, definition, change)
+        except LagError as error:  # what else is wrong is told, too
+            self.report.add(error.diagnostics)
+            return Instance(path, definition, declaration.name_span, parent=instance)
         if definition.kind in ("function", "package") or definition.is_partial:
             what = "partial: extend it and complete its energy" if definition.kind not in ("function", "package") else (
                 f"a {definition.kind}")
-            self.report.error("L0205", f"'{definition.name}' cannot be a component, it is {what}", declaration.type_span)
+            hints = [f"where this is used: (redeclare {definition.kind} {definition.name_span.text} = ...)"] if (
+                "replaceable" in definition.prefixes) else []
+            self.report.error("L0205", f"'{definition.name}' cannot be a component, it is {what}", declaration.type_span, *hints)
         roles = declaration.prefixes & _ROLES if definition.kind == "record" else frozenset()
         if definition.kind == "record" and change.value is not None:
             change = dealt_to_fields(change, self.table.declared(definition))

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import field, replace
-from typing import Any
+from typing import Any, cast
 
 from lagrangia.base.diagnostics import Report, Span, fail, suggest
 from lagrangia.base.records import dataclass
@@ -13,9 +13,10 @@ from lagrangia.language.elements import element, length
 from lagrangia.language.folding import fold, folded
 from lagrangia.language.frame_attributes import PLANE, REACTIONS, SPATIAL_ONLY, Space, frame_shape
 from lagrangia.language.frame_words import attribute_of
-from lagrangia.language.function_variables import Built, Given
+from lagrangia.language.function_variables import Built, FlatFunction, Given
 from lagrangia.language.functions import CONSTANTS, DIMENSIONS
 from lagrangia.language.instances import Bound, FrameSlot, Instance, Member, Scope, Slot, held_port
+from lagrangia.language.known_calls import with_known_calls
 from lagrangia.language.lookups import Lookup
 from lagrangia.language.loops import Work
 from lagrangia.language.matrices import EACH, each, matrix_power, product, shape_of, side_by_side
@@ -63,6 +64,7 @@ class Names(Calls):
     root: Instance | None = None
     space: Space = PLANE
     work: Work = field(default_factory=Work)
+    made: dict[str, FlatFunction] = field(default_factory=dict)  # functions, for what they were given
     lookups: dict[Lookup, Span] = field(default_factory=dict)  # tables of files, and where they are asked for first
     delays: dict[str, Call[Flat]] = field(default_factory=dict)  # what acts late, by the names of what stands for it
     packages: dict[str, Instance] = field(default_factory=dict)  # of the constants of each
@@ -97,7 +99,7 @@ class Names(Calls):
         return value
 
     def _constant(self, expression: Expression, scope: Scope, what: str, *hints: str) -> float | bool:
-        value = fold(self.flatten(expression, scope))
+        value = fold(with_known_calls(self.flatten(expression, scope), self.made))
         if value is None:
             fail("L0210", f"{what} must be known when the scene is compiled", expression.span,
                  "use numbers, constants and Integer or Boolean parameters", *hints)
@@ -113,7 +115,7 @@ class Names(Calls):
             fail("L0212", f"'{slot.path}' depends on itself", slot.declaration.name_span, " > ".join([*self._pending, slot.path]))
         self._pending.append(slot.path)
         try:
-            value = folded(self.flatten_bound(slot.binding))
+            value = folded(with_known_calls(self.flatten_bound(slot.binding), self.made))
         finally:
             self._pending.pop()
         if value is None:
@@ -162,6 +164,10 @@ class Names(Calls):
             hints = [_EACH_WHOLE] if shape[:1] == (found,) else []
             fail("L0213", f"{found} values for an array of {size}", flat.span, *hints)
         return element(flat, index, self.size)
+
+    def known(self, bound: Bound) -> Expression | None:
+        """The value of what is bound, where it is known when the scene is compiled."""
+        return cast("Expression | None", folded(with_known_calls(self.flatten_bound(bound), self.made)))
 
     def shape(self, bound: Bound) -> tuple[int, ...]:
         """The sizes of what is bound."""
@@ -342,16 +348,15 @@ class Names(Calls):
                      suggest(part.name, names) or f"its values are {', '.join(names)}")
             return EnumerationLiteral(definition.name, part.name, names.index(part.name) + 1, node.span)
         declared = self.table.declared(definition)
-        constants = tuple(e for e in declared.values() if "constant" in e.prefixes)
-        if part.name not in [e.name for e in constants]:
+        constants = [e.name for e in declared.values() if "constant" in e.prefixes]
+        if part.name not in constants:
             what = f"'{part.name}' of {definition.name} is no constant" if part.name in declared else (
                 f"{definition.name} has no constant '{part.name}'")
-            fail("L0204", what, part.span, suggest(part.name, [e.name for e in constants]) or
+            fail("L0204", what, part.span, suggest(part.name, constants) or
                  "a package has constants: constant Real k = 2;")
         if definition.name not in self.packages:
             assert self.make_package is not None
-            plain = replace(definition, elements=constants, sections=(), classes=())
-            self.packages[definition.name] = self.make_package(plain)
+            self.packages[definition.name] = self.make_package(definition)
         return self._follow(node, at, self.packages[definition.name].members[part.name], scope)
 
     def count_of_literals(self, node: Reference) -> int | None:

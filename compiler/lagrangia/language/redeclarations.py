@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import replace
 
-from lagrangia.base.diagnostics import Report, Span
+from lagrangia.base.diagnostics import Report, Span, fail
 from lagrangia.language.classes import BUILTIN_TYPES, ClassTable
 from lagrangia.language.instances import (
     NOTHING,
@@ -15,9 +15,10 @@ from lagrangia.language.instances import (
     ReplacedClass,
     Scope,
     Slot,
+    StructuralValues,
 )
 from lagrangia.language.modifications import merge, modification_of
-from lagrangia.language.tree import ClassDefinition, Declaration, Extends
+from lagrangia.language.tree import Argument, ClassDefinition, Declaration, Extends
 
 _KEPT = frozenset({"parameter", "constant", "input", "output", "coordinate", "final", "inner", "protected"})
 
@@ -66,6 +67,36 @@ def redeclared(table: ClassTable, report: Report, element: Declaration, given: M
     return declaration, merge(replace(given, redeclared=None), kept)
 
 
+def with_redeclared_classes(table: ClassTable, values: StructuralValues, definition: ClassDefinition, change: Modification
+                            ) -> tuple[ClassDefinition, Modification]:
+    """A class as it is where packages, functions or types in it are redeclared, and the rest of what modifies it. What such a class
+    is given has to be known when the scene is compiled. Raises LagError."""
+    arguments, left = [], dict(change.children)
+    for name, given in change.children.items():
+        if given.redeclared is not None and "class" in given.redeclared.declaration.prefixes and (
+                table.takes_class(definition, name)):
+            new = given.redeclared.declaration
+            inner = tuple(_settled_argument(values, key, one) for key, one in given.children.items())
+            arguments.append(Argument(frozenset(), name, (), None, given.redeclared.span, new.name_span, replace(new, arguments=inner)))
+            del left[name]
+    if not arguments:
+        return definition, change
+    return table.variants.variant(definition.name, tuple(arguments)), replace(change, children=left)
+
+
+def _settled_argument(values: StructuralValues, name: str, given: Modification) -> Argument:
+    value = None
+    place = given.span or (given.value.expression.span if given.value is not None else None)
+    assert place is not None
+    if given.value is not None:
+        value = values.known(given.value)
+        if value is None:
+            fail("L0210", f"'{name}' of a redeclared class must be known when the scene is compiled", given.value.expression.span,
+                 "use numbers, constants and Integer or Boolean parameters")
+    return Argument(frozenset(), name, tuple(_settled_argument(values, key, one) for key, one in given.children.items()), value,
+                    place, place, given.redeclared.declaration if given.redeclared is not None else None)
+
+
 def replace_local_classes(table: ClassTable, report: Report, definition: ClassDefinition, modification: Modification,
                           instance: Instance) -> None:
     """redeclare model M = Other(...): for a replaceable class that stands in the definition."""
@@ -75,7 +106,7 @@ def replace_local_classes(table: ClassTable, report: Report, definition: ClassDe
             continue
         if given.redeclared is None or "class" not in given.redeclared.declaration.prefixes:
             report.error("L0234", f"'{local.name}' is a class: it cannot be modified", given.span,
-                         f"write: redeclare model {local.name} = Other(...)")
+                         f"write: redeclare {local.kind} {local.name} = Other(...)")
             continue
         new = given.redeclared.declaration
         if "replaceable" not in local.prefixes:

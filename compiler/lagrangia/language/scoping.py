@@ -1,6 +1,6 @@
 """What a name means where it is written: classes in classes, imports, packages (Modelica 3.6, sections 5.3 and 13.2)."""
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, MutableMapping, Sequence
 from dataclasses import field, replace
 
 from lagrangia.base.diagnostics import Source, Span, fail, suggest
@@ -17,10 +17,22 @@ def nowhere(name: str) -> Syntax | None:
 
 @dataclass(frozen=True)
 class Enclosing:
-    """A class or file that names are looked up in: the full name ("" of a file beside no package), and its imports."""
+    """A class or file that names are looked up in: the full name ("" of a file beside no package), and its imports. `only`: the class
+    of which it has what is named there, where that was written in another one than the heir (variants.py)."""
 
     name: str
     imports: tuple[Import, ...]
+    only: str = ""
+
+
+@dataclass(frozen=True)
+class Copy:
+    """A class as an heir has it, by the names of both, and what is around the class that was copied."""
+
+    definition: ClassDefinition
+    heir: str
+    base: str
+    outer: tuple[Enclosing, ...]
 
 
 def lifted(syntax: Syntax) -> Iterator[ClassDefinition]:
@@ -40,14 +52,25 @@ def has_scopes(syntax: Syntax) -> bool:
     return bool(syntax.within or syntax.named or any(c.classes or c.imports for c in syntax.classes))
 
 
+def _inside(span: Span, classes: Sequence[ClassDefinition], prefix: str) -> list[Enclosing]:
+    """The classes in classes that a place lies in, the outermost first."""
+    found: list[Enclosing] = []
+    while one := next((c for c in classes if c.span.start <= span.start < c.span.end), None):
+        found.append(Enclosing(f"{prefix}{one.name}", one.imports))
+        prefix, classes = f"{prefix}{one.name}.", one.classes
+    return found
+
+
 @dataclass
 class Scopes:
     """Looks for classes by what encloses the place where they are named. `classes` is filled with what is found on the way."""
 
-    classes: dict[str, ClassDefinition]
+    classes: MutableMapping[str, ClassDefinition]
     files: dict[Source, Syntax]
     take: Callable[[Syntax], None]  # puts the classes of one more file among the others
     find: Finder
+    settled: Callable[[str], object]  # makes what a class inherits its own where it changes that
+    copies: dict[Source, Copy] = field(default_factory=dict)
     used: set[str] = field(default_factory=set)  # short names that imports gave a meaning
     _known: dict[tuple[str, str, int], str | None] = field(default_factory=dict)
     _missing: set[str] = field(default_factory=set)
@@ -67,6 +90,9 @@ class Scopes:
 
     def around(self, span: Span) -> list[Enclosing]:
         """What encloses a place, the innermost first."""
+        if (copy := self.copies.get(span.source)) is not None:
+            inside = _inside(span, copy.definition.classes, f"{copy.heir}.")
+            return [*inside[::-1], Enclosing(copy.heir, copy.definition.imports, copy.base), *copy.outer]
         syntax = self.files.get(span.source)
         if syntax is None:
             return []
@@ -74,16 +100,12 @@ class Scopes:
         packages = syntax.within.split(".") if syntax.within else []
         found = [Enclosing(".".join(packages[:k]), ()) for k in range(1, len(packages) + 1)]
         found.insert(0, Enclosing("", syntax.named))
-        inner: Sequence[ClassDefinition] = syntax.classes
-        while one := next((c for c in inner if c.span.start <= span.start < c.span.end), None):
-            found.append(Enclosing(f"{prefix}{one.name}", one.imports))
-            prefix, inner = f"{prefix}{one.name}.", one.classes
-        return found[::-1]
+        return [*found, *_inside(span, syntax.classes, prefix)][::-1]
 
     def constant(self, name: str, span: Span) -> tuple[ClassDefinition, str] | None:
         """The class around a place, or the package of an import, that declares a constant; and its name there."""
         for scope in self.around(span):
-            if scope.name and self.declares(scope.name, name):
+            if scope.name and self.declares(scope.name, name) and (not scope.only or self.declares(scope.only, name)):
                 return self.classes[scope.name], name
             for package, element in self._imported(name, scope):
                 if package and self._reach(package) and self.declares(package, element):
@@ -93,6 +115,7 @@ class Scopes:
 
     def declares(self, owner: str, name: str) -> bool:
         """Whether a class or what it extends has a constant of this name."""
+        self.settled(owner)
         return any(isinstance(e, Declaration) and e.name == name and "constant" in e.prefixes
                    for base in self.lineage(owner) for e in self.classes[base].elements)
 
@@ -101,13 +124,15 @@ class Scopes:
         found = [name] if name in self.classes else []
         for owner in found:
             for element in self.classes[owner].elements:
-                base = self._base(element, owner) if isinstance(element, Extends) else None
+                base = self.base(element, owner) if isinstance(element, Extends) else None
                 if base is not None and base not in found:
                     found.append(base)
         return found
 
-    def _base(self, element: Extends, owner: str) -> str | None:
+    def base(self, element: Extends, owner: str) -> str | None:
         """Of an extends clause. What it names is not looked for in what the class inherits."""
+        if element.type_name.startswith("."):
+            return element.type_name[1:]
         if (owner, element.type_name) in self._looking:
             return None
         self._looking.add((owner, element.type_name))
@@ -117,6 +142,8 @@ class Scopes:
             self._looking.discard((owner, element.type_name))
 
     def _resolved(self, name: str, around: Iterable[Enclosing]) -> str | None:
+        if name.startswith("."):  # a full name
+            return name[1:] if self._reach(name[1:]) else None
         first, *rest = name.split(".")
         at = self._first(first, around, bool(rest))
         for step in filter(None, rest):
@@ -125,9 +152,12 @@ class Scopes:
 
     def _first(self, name: str, around: Iterable[Enclosing], is_package: bool) -> str | None:
         for scope in around:
-            if scope.name and scope.name.rpartition(".")[2] == name and scope.name in self.classes:
+            if not scope.only and scope.name and scope.name.rpartition(".")[2] == name and scope.name in self.classes:
                 return scope.name
-            if scope.name and (found := self._within(scope.name, name)) is not None:
+            if scope.only and scope.only.rpartition(".")[2] == name:
+                return scope.name
+            if scope.name and (not scope.only or self._within(scope.only, name) is not None) and (
+                    found := self._within(scope.name, name)) is not None:
                 return found
             for package, element in self._imported(name, scope):
                 full = f"{package}.{element}" if package else element
@@ -136,10 +166,16 @@ class Scopes:
                     return full
         return name if name in self.classes or (is_package and self._reach(name)) else None
 
-    def _within(self, owner: str, name: str) -> str | None:
+    def _within(self, owner: str, name: str, seen: tuple[str, ...] = ()) -> str | None:
+        """A class that stands in another one, or in what that extends."""
+        self.settled(owner)
         if self._reach(f"{owner}.{name}"):
             return f"{owner}.{name}"
-        return next((f"{base}.{name}" for base in self.lineage(owner)[1:] if self._reach(f"{base}.{name}")), None)
+        for element in self.classes[owner].elements if owner in self.classes else ():
+            base = self.base(element, owner) if isinstance(element, Extends) else None
+            if base in self.classes and base not in (owner, *seen) and (found := self._within(base, name, (*seen, owner))):
+                return found
+        return None
 
     def _imported(self, name: str, scope: Enclosing) -> Iterator[tuple[str, str]]:
         """What imports say that a name is: a package and the name in it. Names come before all of a package."""

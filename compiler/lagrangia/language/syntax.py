@@ -148,6 +148,14 @@ class _Nodes(_ExpressionNodes):
     def import_as(self, meta: Place, children: list[Any]) -> Import:
         return Import(((str(children[0]), ".".join(children[1:])),), self._span(meta))
 
+    def class_extension(self, meta: Place, children: list[Any]) -> ClassDefinition:
+        """redeclare model extends M: extends what M is in what is inherited."""
+        at = next(k for k, c in enumerate(children) if isinstance(c, Word) and c.type == "NAME")
+        name, arguments, *rest = children[at:]
+        made = self.class_definition(meta, [*children[:at], name, *rest])
+        inherited = Extends(made.name, arguments or (), self._span(name))
+        return replace(made, elements=(inherited, *made.elements), prefixes=made.prefixes | {"extends"})
+
     def class_definition(self, meta: Place, children: list[Any]) -> ClassDefinition:
         prefixes, is_partial, (kind, name, *rest) = _head([c for c in children if isinstance(c, Word)])
         end_name = rest[-1]
@@ -191,7 +199,8 @@ class _Nodes(_ExpressionNodes):
         if kind != "type":
             self.report.error("L0103", f"an enumeration is no {kind}", self._span(kind),
                               f"write: type {name} = enumeration(...);")
-        return ClassDefinition("type", False, name_of(name), text_of(description), (), (), annotation[1] if annotation else (),
+        is_any = not literals  # enumeration(:), which another one takes the place of
+        return ClassDefinition("type", is_any, name_of(name), text_of(description), (), (), annotation[1] if annotation else (),
                                self._span(meta), self._span(name), prefixes=prefixes, literals=literals)
 
     def literal(self, meta: Place, children: list[Any]) -> LiteralDefinition:
@@ -246,10 +255,10 @@ class _Nodes(_ExpressionNodes):
                         declared)
 
     def class_redeclaration(self, meta: Place, children: list[Any]) -> Argument:
-        *prefixes, _, name, (type_name, type_span), arguments = children
+        *prefixes, _, name, (type_name, type_span), arguments, constraining, description = children
         words = frozenset(map(str, prefixes))
-        declared = Declaration(words | {"class"}, type_name, type_span, name_of(name), (), arguments or (), None, None, "",
-                               self._span(meta), self._span(name))
+        declared = Declaration(words | {"class"}, type_name, type_span, name_of(name), (), arguments or (), None, None,
+                               text_of(description), self._span(meta), self._span(name), (), constraining)
         return Argument(words, declared.name, declared.arguments, None, self._span(meta), declared.name_span, declared)
 
     def left_out(self, meta: Place, children: list[Any]) -> Argument:

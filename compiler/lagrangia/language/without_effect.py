@@ -47,7 +47,8 @@ def find_without_effect(model: FlatModel, root: Instance, table: ClassTable) -> 
     """A warning for each, in the classes of people's own that the model is made of."""
     report = Report()
     instances = [root, *inside(root)]
-    definitions = {id(c): c for instance in instances for c in table.lineage(instance.definition)}
+    definitions = {(c.span.source.name, c.span.start): c  # of which there may be copies (variants.py)
+                   for instance in instances for c in table.lineage(instance.definition)}
     own = [c for c in definitions.values() if c.name_span.source not in table.library_sources]
     for definition in own:
         _look_at_class(definition, report)
