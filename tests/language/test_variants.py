@@ -1,6 +1,7 @@
 """Packages and classes that are redeclared: what is inherited is as it is in the heir, as Modelica's specification says."""
 
 from collections.abc import Callable
+from math import cos
 
 import pytest
 
@@ -27,7 +28,10 @@ package Media "as Modelica.Media is built"
     redeclare replaceable model extends BaseProperties(T = 0.25) equation d = density(T); end BaseProperties;
   end Water;
   package Salty = Water(rho = 1100);
-  package Cold extends Water(rho = 999); redeclare model extends BaseProperties(T = 0) Real more = X0[2]; end BaseProperties; end Cold;
+  package Cold
+    extends Water(rho = 999);
+    redeclare model extends BaseProperties(T = 0) Real more = X0[2]; end BaseProperties;
+  end Cold;
 end Media;
 partial model PartialTank
   replaceable package Medium = Media.PartialMedium constrainedby Media.PartialMedium "what is in it";
@@ -54,7 +58,8 @@ end Scene;
 
 TANKS = {  # by hand: density(T) = rho*(1 - T)
     "p.a.props.d": 999.0, "p.a.props.d2": 1998.0, "p.a.q": 999.0, "p.a.n": 2.0, "p.a.r": 499.5, "p.b[2].props.d": 880.0,
-    "p.w.zz": 1000.0, "p.w.props.d": 750.0, "q.a.props.d": 5.25, "q.a.z": 7.0, "t.v": 990.0, "p.a.props.more": 0.5, "p.b[1].v": 990.0}
+    "p.w.zz": 1000.0, "p.w.props.d": 750.0, "q.a.props.d": 5.25, "q.a.z": 7.0, "t.v": 990.0,
+    "p.a.props.more": 0.5, "p.b[1].v": 990.0}
 
 
 def outputs(names: dict[str, float]) -> str:
@@ -121,7 +126,8 @@ end M;
 """
 
 VALUES = {  # as the specification has them, by hand
-    "W.rho": 1000.0, "W.g(2)": 6000.0, "V.g(2)": 42.0, "P.g(2)": 6.0, "w.m": 1000.0, "v.m": 7.0, "s.a": 5.0, "t.a": 6.0, "s2.a": 5.0,
+    "W.rho": 1000.0, "W.g(2)": 6000.0, "V.g(2)": 42.0, "P.g(2)": 6.0, "w.m": 1000.0, "v.m": 7.0, "s.a": 5.0, "t.a": 6.0,
+    "s2.a": 5.0,
     "c.y": 27.0, "if c.e == Gears.high then c.q else 0": 1.0, "sum(many)": 21.0, "P.h2(1)": 21.0, "P.h2(1, 2)": 3.0,
     "sport.z + sport.t.more": 8.0, "racer.z": 9.0, "truck.t.extra": 14.0, "other.z": 11.0}
 
@@ -129,3 +135,17 @@ VALUES = {  # as the specification has them, by hand
 def test_classes(scene: Write) -> None:
     run = scene(CLASSES % outputs(VALUES)).simulate(at=[0.0])
     assert {name: run[f"y{k}"][0] for k, name in enumerate(VALUES)} == pytest.approx(VALUES, abs=1e-12)
+
+
+def test_connections_are_left_out(scene: Write) -> None:
+    """break connect(a, b) of Modelica 3.6: the rest of what is inherited stays."""
+    text = """model A
+      Block p(m = 1, base = world, s(start = 1)), q(m = 1, base = world, s(start = 1));
+      Spring spring(a = world, k = 4);
+    equation
+      connect(spring.b, p.center);
+    end A;
+    model M extends A(break connect(spring.b, p.center)); equation connect(spring.b, q.center); end M;"""
+    run = scene(text).simulate(at=[1.0])
+    assert run["p.s"][0] == 1.0
+    assert run["q.s"][0] == pytest.approx(cos(2.0), abs=1e-7)

@@ -36,6 +36,8 @@ def faults_beside(table: ClassTable, syntax: Syntax) -> list[Diagnostic]:
         found: dict[Diagnostic, None] = {}
         for definition in others:
             found |= dict.fromkeys(_faults(table, definition))
+        for package in (c for c in own if c.kind == "package"):
+            found |= dict.fromkeys(_faults_of_package(table, package))
         for stand_in in _stand_ins(table, syntax.source.name, own, used):
             place = stand_in.name_span.source
             found |= dict.fromkeys(d for d in _faults(table, stand_in) if d.span is not None and d.span.source is not place)
@@ -48,7 +50,10 @@ def _waits(table: ClassTable, definition: ClassDefinition) -> bool:
     outer = (table.user.get(".".join(around[:k])) for k in range(1, len(around)))
     if any(c is not None and c.is_partial for c in outer):
         return True
-    return any("replaceable" in inner.prefixes for c in table.lineage(definition) for inner in c.classes)
+    try:
+        return any("replaceable" in inner.prefixes for c in table.lineage(definition) for inner in c.classes)
+    except LagError:  # which is told of what is looked at
+        return False
 
 
 def _faults(table: ClassTable, definition: ClassDefinition) -> Iterator[Diagnostic]:
@@ -56,6 +61,15 @@ def _faults(table: ClassTable, definition: ClassDefinition) -> Iterator[Diagnost
         check_dimensions(flatten(table, replace(definition, is_partial=False)))
     except LagError as error:
         yield from (diagnostic for diagnostic in error.diagnostics if diagnostic.code != _LACKS_A_VALUE)
+
+
+def _faults_of_package(table: ClassTable, package: ClassDefinition) -> list[Diagnostic]:
+    """Of its constants, but of those without a value."""
+    try:
+        table.refuse_circle(package)
+        return list(_faults(table, replace(package, kind="model")))
+    except LagError as error:
+        return list(error.diagnostics)
 
 
 def _some(table: ClassTable, declaration: Declaration) -> str:

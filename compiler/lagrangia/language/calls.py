@@ -1,6 +1,7 @@
 """Calls of functions: of the kernel, of arrays, and people's own."""
 
-from typing import Protocol
+from dataclasses import replace
+from typing import NoReturn, Protocol
 
 from lagrangia.base.diagnostics import Span, fail, suggest
 from lagrangia.language.attitudes import ATTITUDES
@@ -120,14 +121,17 @@ class Calls(Loops, OwnCalls, Protocol):
             what = "a record, not a number" if record.kind == "record" else f"a {record.kind}, no function"
             hint = f"declare one: {record.name} r = {node.span.text}; and name its parts, as r.x"
             fail("L0302", f"{record.name} is {what}", node.span, *([hint] if record.kind == "record" else []))
-        if node.function in REWRITTEN and not node.named:
+        if node.function in REWRITTEN:
             count, make = REWRITTEN[node.function]
-            _check_count(node, (count,))
-            return make(*node.arguments, node.span)
+            arguments = (*node.arguments, *_by_name(node))
+            _check_count(replace(node, arguments=arguments), (count,))
+            return make(*arguments, node.span)
         if (last := node.function.rpartition(".")[2]) in FOREIGN_CALLS:
             fail("L0901", f"not of this language: {node.function}(...)", node.span, FOREIGN_CALLS[last])
         if node.function not in FUNCTIONS:
             user = [name for name, c in {**self.table.library, **self.table.user}.items() if c.kind == "function"]
+            if last != node.function and last in FUNCTIONS:
+                fail("L0204", f"there is no function '{node.function}'", node.span, f"write: {last}(...)")
             hint = f"it is called '{ALIASES[node.function]}' here" if node.function in ALIASES else suggest(
                 node.function, [*FUNCTIONS, *ARRAY_FUNCTIONS, *REWRITTEN, *user])
             fail("L0204", f"there is no function '{node.function}'", node.span, *filter(None, [hint]))
@@ -137,7 +141,7 @@ class Calls(Loops, OwnCalls, Protocol):
             self.lookups.setdefault(plane_of(node), node.arguments[2].span)
             return node
         if node.named:
-            fail("L0215", f"{node.function} takes no named arguments", node.span)
+            _refuse_named(node)
         _check_count(node, FUNCTIONS[node.function])
         if node.function in FRAME_WORDS:
             return frame_call(node, self.space, self.size)
@@ -150,7 +154,7 @@ class Calls(Loops, OwnCalls, Protocol):
     def _array_call(self, node: Call[Flat]) -> Flat:
         wanted, make = ARRAY_FUNCTIONS[node.function]
         if node.named:
-            fail("L0215", f"{node.function} takes no named arguments", node.span)
+            _refuse_named(node)
         _check_count(node, wanted)
         return make(node, self.size)
 
@@ -178,6 +182,19 @@ class Calls(Loops, OwnCalls, Protocol):
         return node
 
     # ------------------------------------------------------------ loops
+
+
+def _by_name(node: Call[Flat]) -> list[Flat]:
+    """The arguments of homotopy(actual = ..., simplified = ...) in their order. Raises LagError L0215 for all others."""
+    given = dict(node.named)
+    if given and (node.function != "homotopy" or node.arguments or given.keys() != {"actual", "simplified"}):
+        _refuse_named(node)
+    return [given["actual"], given["simplified"]] if given else []
+
+
+def _refuse_named(node: Call[Flat]) -> NoReturn:
+    values = ", ".join([*(a.span.text for a in node.arguments), *(value.span.text for _, value in node.named)])
+    fail("L0215", f"{node.function} takes no named arguments", node.span, f"write them in their order: {node.function}({values})")
 
 
 def _check_count(node: Call[Flat], wanted: tuple[int, ...] | None) -> None:

@@ -123,7 +123,7 @@ class ClassTable:
         """With inputs, results and algorithms of what it extends before its own."""
         if any(definition is heir for heir in heirs):
             fail("L0206", f"{definition.name} extends itself", definition.name_span)
-        if all(isinstance(e, Declaration) or e.type_name == "der" for e in definition.elements):
+        if all(isinstance(e, Declaration) for e in definition.elements):
             return definition
         if id(definition) not in self.functions:
             elements: list[Declaration | Extends] = []
@@ -172,13 +172,23 @@ class ClassTable:
                         base.prefixes | extends.prefixes, base.definition)
 
     def declared(self, definition: ClassDefinition) -> dict[str, Declaration]:
-        """Declarations of the class and of all it extends, by name, with the values that the classes extending others give them."""
-        found = {e.name: e for base in self.lineage(definition) for e in base.elements if isinstance(e, Declaration)}
-        for base in reversed(self.lineage(definition)):
+        """Declarations of the class and of all it extends, by name, with the values that extends clauses give them."""
+        lineage = self.lineage(definition)
+        found = {e.name: e for base in lineage for e in base.elements if isinstance(e, Declaration)}
+        for base in reversed(lineage):
             for argument in (a for e in base.elements if isinstance(e, Extends) for a in e.arguments):
                 if argument.value is not None and argument.name in found:
                     found[argument.name] = replace(found[argument.name], binding=argument.value)
         return found
+
+    def refuse_circle(self, definition: ClassDefinition, heirs: tuple[ClassDefinition, ...] = ()) -> None:
+        """Raises LagError L0206 for a class that extends itself."""
+        if any(definition is heir for heir in heirs):
+            fail("L0206", f"{definition.name} extends itself", definition.name_span,
+                 " > ".join(heir.name for heir in (*heirs, definition)))
+        for element in definition.elements:
+            if isinstance(element, Extends) and element.type_name not in BUILTIN_TYPES:
+                self.refuse_circle(self.lookup(element.type_name, element.span), (*heirs, definition))
 
     def lineage(self, definition: ClassDefinition) -> list[ClassDefinition]:
         """The class and all it extends, each once, though it may extend itself."""
@@ -248,6 +258,10 @@ def _collect(files: Iterable[Syntax], report: Report, known: dict[str, ClassDefi
 
 def _check_members(definition: ClassDefinition, report: Report) -> None:
     seen: dict[str, Declaration] = {}
+    if definition.kind == "function":
+        for extends in (e for e in definition.elements if isinstance(e, Extends) and e.type_name == "der"):
+            report.error("L0901", "not of this language: functions that are derivatives of others", extends.span,
+                         "der(f(x)) is computed exactly")
     for element in definition.elements:
         if isinstance(element, Declaration):
             if element.name in seen:
@@ -274,10 +288,10 @@ def _check_class_prefixes(definition: ClassDefinition, report: Report) -> None:
         report.error("L0236", f"a class cannot be {' '.join(sorted(wrong))}", definition.name_span,
                      "numbers can: they are declared as `parameter Real x`")
     if "extends" in definition.prefixes and "redeclare" not in definition.prefixes:
-        report.error("L0234", f"`{definition.kind} extends {definition.name_span.text}` extends what is inherited, and takes its place",
-                     definition.name_span, f"in a class that extends another one: redeclare {definition.kind} extends "
-                     f"{definition.name_span.text} ... end {definition.name_span.text};", "or give it a name of its own: "
-                     f"{definition.kind} N extends {definition.name_span.text}; ... end N;")
+        kind, name = definition.kind, definition.name_span.text
+        report.error("L0234", f"`{kind} extends {name}` extends what is inherited, and takes its place", definition.name_span,
+                     f"in a class that extends another one: redeclare {kind} extends {name} ... end {name};",
+                     f"or give it a name of its own: {kind} N extends {name}; ... end N;")
 
 
 def _check_left_out(arguments: tuple[Argument, ...], is_extends: bool, report: Report) -> None:

@@ -7,7 +7,7 @@ from typing import NoReturn
 
 from lark import Lark, Token
 
-from lagrangia.base.diagnostics import LagError, Report, Source, Span, suggest
+from lagrangia.base.diagnostics import LagError, Report, Source, Span, nearest
 from lagrangia.language.foreign_words import FOREIGN_PAIRS, FOREIGN_WORDS
 from lagrangia.language.recovery import Stop, find_stops
 
@@ -39,11 +39,12 @@ _FOREIGN = {
     "||": "write: or", "!=": "write: <>", "!": "write: not", "#": "a comment begins with //",
     ":=": "an equation has '='; ':=' assigns, in the algorithm of a function",
     "->": "frames are joined by connect(a, b), or a = b", "+=": "write: x := x + ...", "-=": "write: x := x - ...",
-    "within": "`within P;` stands first in a file",
+    "within": "`within P;` stands first in a file", "?": "write: if c then a else b", "%": "the remainder is mod(a, b)",
     "*/": "no comment is open here", "'": "a name in single quotes ends with one",
     **dict.fromkeys("−–", "write the minus sign of the keyboard: -"), **dict.fromkeys("×·", "write: *"),
     **dict.fromkeys("“”", 'a text stands in straight quotes: "..."'), "²": "a power is written a^2",
 }
+_SECTIONS = ("equation", "algorithm", "energy", "initial")  # which stand in models
 _KINDS = {"class": "model", "block": "model", "struct": "record", "def": "function", "include": "import", "from": "import"}
 _ENERGIES = ("kinetic", "potential", "dissipation", "work")
 _CLOSES = {")": "(", "]": "[", "}": "{"}
@@ -78,6 +79,15 @@ def _tell(report: Report, stop: Stop, parser: Lark) -> None:
 def _tell_unsupported(report: Report, stop: Stop) -> bool:
     """What is Modelica's, but not ours; it was read as a type or a name, or is the word that did not fit."""
     here = (stop.word, stop.span) if stop.word else None
+    types, texts = stop.last(4), [str(token) for token in stop.before[-4:]]
+    if texts[-1:] == ["when"] and types[-1:] == ("NAME",):
+        return _unsupported(report, _place(stop, -1), "`when` in algorithms", "events stand among the equations of a model: "
+                            "when x > 1 then reinit(der(x), v); end when;")
+    if texts[-1:] == ["function"] and "(" in map(str, _open_brackets(stop)):
+        return _unsupported(report, _place(stop, -1), "functions as arguments", "call the function where its value is needed, or "
+                            "let it be replaceable: replaceable function f = g;")
+    if types[:1] == ("CLASS_KIND",) and texts[2:3] == ["="] and texts[3:4] and texts[3] in FOREIGN_WORDS:
+        return _unsupported(report, _place(stop, -1), *FOREIGN_WORDS[texts[3]])
     told = [(str(t), Span(stop.source, t.start_pos or 0, t.end_pos or 0)) for t in stop.before[-6:] if t.type not in ("STRING",)]
     for (first, place), (second, end) in pairwise(told):
         if second == "extends" and (first, second) in FOREIGN_PAIRS:
@@ -101,6 +111,16 @@ def _tell_unsupported(report: Report, stop: Stop) -> bool:
         report.error("L0901", f"not of this language: {what}", place, instead)
         return True
     return False
+
+
+def _place(stop: Stop, at: int) -> Span:
+    token = stop.before[at]
+    return Span(stop.source, token.start_pos or 0, token.end_pos or 0)
+
+
+def _unsupported(report: Report, place: Span, what: str, instead: str) -> bool:
+    report.error("L0901", f"not of this language: {what}", place, instead)
+    return True
 
 
 def _widened(stop: Stop) -> Stop:
@@ -165,6 +185,8 @@ def _guesses(stop: Stop) -> Iterator[str]:
     if stop.before and stop.before[-1].type == "STRING" and "\n" in stop.before[-1]:
         line, column = stop.source.line_and_column(stop.before[-1].start_pos or 0)
         yield f"the text that ends before it begins at {line}:{column}: is a quote missing?"
+    if word == "+" and stop.last(1) == ("STRING",):
+        yield "a text stands in one pair of quotes"
     if word in _CLOSES and stop.last(1) == ("COMMA",):
         yield "is the ',' before it one too many?"
     if word in _CLOSES and not _open_brackets(stop):
@@ -175,19 +197,53 @@ def _guesses(stop: Stop) -> Iterator[str]:
         yield f"a part of a part is modified in brackets: {stop.before[-1]}(... = ...)"
     if word == ".":
         yield "a name has no dot before it, and parts are picked from names: r = f(x), r.a"
+    if word == ";" and accepted & {"CLASS_KIND", "END"}:
+        yield "this ';' is one too many: no statement is empty"
     if "CLASS_KIND" in accepted:
-        near = suggest(word, ["model", "function", "type", "import", "partial"])
-        yield f"did you mean '{_KINDS[word]}'?" if word in _KINDS else near or "a file holds models: model Name ... end Name;"
+        near = nearest(word, ["model", "function", "type", "import", "partial"]) if word not in _SECTIONS else ""
+        yield f"did you mean '{_KINDS.get(word, near)}'?" if word in _KINDS or near else (
+            "declarations and equations stand in a model: model Name ... end Name;")
     if stop.last(1) == ("END",) and accepted <= {"FOR", "IF", "WHEN", "WHILE"}:
         yield f"an inner block is still open: end {min(accepted).lower()};"
     if stop.last(1) == ("END",):
         yield "say what ends: end Name;"
+    yield from _guesses_of_modelica(stop)
     yield from _guesses_from_neighbours(stop)
     if (opened := _open_brackets(stop)) and (word == ";" or word in _CLOSES):
         line, column = stop.source.line_and_column(opened[-1].start_pos or 0)
         yield f"the '{opened[-1]}' at {line}:{column} is still open"
     if "SEMICOLON" in accepted and word.isidentifier():
         yield "is an operator or a ';' missing before it?"
+
+
+def _guesses_of_modelica(stop: Stop) -> Iterator[str]:
+    """Where its habits, or those of other languages of formulas, meet what is not here."""
+    word, accepted, last = stop.word, stop.accepted, stop.last(3)
+    if last[-1:] in (("ADD",), ("MULTIPLY",), ("EACH_ADD",), ("EACH_MULTIPLY",)) and word in ("+", "-"):
+        yield f"a sign behind an operator stands in brackets: a {stop.before[-1]} ({word}b)"
+    if word == "^" and "POWER" not in accepted and "POWER" in stop.last(2):
+        yield "a power of a power stands in brackets: (a^b)^c, or a^(b^c)"
+    if word == "not" and last[-1:] == ("NOT",):
+        yield "write: not (not x)"
+    if last[-1:] in (("RPAR",), ("RBRACE",), ("RSQB",)) and word == "[":
+        yield "an element is picked from a name: Real v[3] = {1, 2, 3}; v[2]"
+    if word == "[" and {"EQUAL", "RPAR"} <= accepted:
+        yield f"the elements of an array are given together: {stop.before[-1]} = {{1, 2, 3}}"
+    if word == ";" and "ELSE" in accepted:
+        yield "an if expression has an else: if c then a else b"
+    if word == "=" and _section(stop) == "ALGORITHM":
+        yield "in an algorithm: name := expression;"
+    if word == ")" and last[1:] == ("ENUMERATION", "LPAR"):
+        yield "it has at least one value: enumeration(low, high)"
+    if word == ":" and "NAME" in accepted:
+        yield "a ':' alone stands for all of a size or an index: Real x[:], A[:, 1]"
+
+
+def _section(stop: Stop) -> str:
+    """The word that the section around the stop begins with; "" in front of the first."""
+    words = ("EQUATION", "ALGORITHM", "ENERGY", "DRAWING", "CLASS_KIND")
+    found = next((token.type for token in reversed(stop.before) if token.type in words), "")
+    return "" if found == "CLASS_KIND" else found
 
 
 def _guesses_from_neighbours(stop: Stop) -> Iterator[str]:

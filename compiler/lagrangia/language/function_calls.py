@@ -14,7 +14,6 @@ from lagrangia.language.tree import (
     Clause,
     Declaration,
     Expression,
-    Extends,
     Field,
     Flat,
     ForBlock,
@@ -48,9 +47,6 @@ class OwnCalls(Protocol):
                  ) -> Flat:
         """A result of a call, or what it has under the names `way`. Raises LagError L0215, L0303."""
         declared = [e for e in own.elements if isinstance(e, Declaration)]
-        if inherited := next((e for e in own.elements if isinstance(e, Extends)), None):
-            fail("L0901", "not of this language: functions that are derivatives of others", inherited.span,
-                 "der(f(x)) is computed exactly")
         if own.is_partial:
             fail("L0205", f"the function '{own.name}' is partial: it cannot be called", call.span,
                  "a function that extends it, or takes its place, says what it computes")

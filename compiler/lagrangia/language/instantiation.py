@@ -26,6 +26,8 @@ from lagrangia.language.redeclarations import (
     add_outer,
     check_constraint,
     known_names,
+    leave_out_connections,
+    modifying,
     redeclared,
     replace_local_classes,
     with_redeclared_classes,
@@ -127,12 +129,14 @@ class Instantiation:
                 if base.kind not in ("model", "record", "block", "connector", "package"):
                     self.report.error("L0205", f"a model cannot extend the {base.kind} '{base.name}'", element.span)
                     continue
-                inner = modification_of(element.arguments, scope, None, element.span)
+                inner = modification_of(modifying(element), scope, None, element.span)
+                first = len(scope.instance.clauses)
                 if inner.children:
                     self._refuse_unknown(base, inner, known_names(self.table, base))
                 for name in modification.children.keys() & inner.children.keys():
                     self._refuse_final(name, modification.children[name], inner.children[name])
                 yield from self._members(base, merge(modification, inner), scope, (*bases, definition))
+                leave_out_connections(self.report, base, element, scope.instance.clauses, first)
         if any(section.kind == "drawing" for section in definition.sections):  # in place of what is inherited
             kept = [(kind, clause) for kind, clause in scope.instance.clauses[inherited:] if kind != "drawing"]
             scope.instance.clauses[inherited:] = kept

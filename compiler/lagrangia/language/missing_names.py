@@ -13,6 +13,9 @@ from lagrangia.language.tree import Reference
 def refuse_name(node: Reference, scope: Scope) -> NoReturn:
     """Raises LagError L0204."""
     first = node.parts[0]
+    if first.name == "break":
+        fail("L0901", "not of this language: a value that is taken away by `break`", first.span,
+             "give another value; what is inherited as a whole is left out in extends: extends A(break part)")
     known = {*scope.instance.members, *scope.iterators, "time", "world"}
     hints = [suggest(first.name, known)]
     if first.name in scope.instance.absent:

@@ -350,6 +350,7 @@ class Names(Calls):
         declared = self.table.declared(definition)
         constants = [e.name for e in declared.values() if "constant" in e.prefixes]
         if part.name not in constants:
+            self.table.refuse_circle(definition)
             what = f"'{part.name}' of {definition.name} is no constant" if part.name in declared else (
                 f"{definition.name} has no constant '{part.name}'")
             fail("L0204", what, part.span, suggest(part.name, constants) or

@@ -18,7 +18,7 @@ from lagrangia.language.instances import (
     StructuralValues,
 )
 from lagrangia.language.modifications import merge, modification_of
-from lagrangia.language.tree import Argument, ClassDefinition, Declaration, Extends
+from lagrangia.language.tree import Argument, Array, Call, CallEquation, ClassDefinition, Clause, Declaration, Extends
 
 _KEPT = frozenset({"parameter", "constant", "input", "output", "coordinate", "final", "inner", "protected"})
 
@@ -69,15 +69,16 @@ def redeclared(table: ClassTable, report: Report, element: Declaration, given: M
 
 def with_redeclared_classes(table: ClassTable, values: StructuralValues, definition: ClassDefinition, change: Modification
                             ) -> tuple[ClassDefinition, Modification]:
-    """A class as it is where packages, functions or types in it are redeclared, and the rest of what modifies it. What such a class
-    is given has to be known when the scene is compiled. Raises LagError."""
+    """A class as it is where packages, functions or types in it are redeclared, and the rest of what modifies it. What such a
+    class is given has to be known when the scene is compiled. Raises LagError."""
     arguments, left = [], dict(change.children)
     for name, given in change.children.items():
         if given.redeclared is not None and "class" in given.redeclared.declaration.prefixes and (
                 table.takes_class(definition, name)):
             new = given.redeclared.declaration
             inner = tuple(_settled_argument(values, key, one) for key, one in given.children.items())
-            arguments.append(Argument(frozenset(), name, (), None, given.redeclared.span, new.name_span, replace(new, arguments=inner)))
+            arguments.append(Argument(frozenset(), name, (), None, given.redeclared.span, new.name_span,
+                                      replace(new, arguments=inner)))
             del left[name]
     if not arguments:
         return definition, change
@@ -149,6 +150,32 @@ def _fits(table: ClassTable, report: Report, new: tuple[str, Span], wanted: tupl
 
 def _listed(names: Sequence[str]) -> str:
     return ", ".join(f"'{name}'" for name in names[:6]) + (", ..." if len(names) > 6 else "")
+
+
+def modifying(element: Extends) -> tuple[Argument, ...]:
+    """The arguments of an extends clause but for connections that are left out."""
+    return tuple(a for a in element.arguments if not (a.is_left_out and a.value is not None))
+
+
+def leave_out_connections(report: Report, base: ClassDefinition, element: Extends, clauses: list[tuple[str, Clause]],
+                          first: int) -> None:
+    """extends A(break connect(a, b)): the connections of these texts are not taken over, of the clauses from `first` on."""
+    for argument in element.arguments:
+        if not (argument.is_left_out and isinstance(argument.value, Array)):
+            continue
+        wanted = tuple(map(str, argument.value.items))
+        found = [k for k in range(first, len(clauses)) if _connected(clauses[k][1]) == wanted]
+        if not found:
+            report.error("L0203", f"{base.name} has no connect({', '.join(wanted)})", argument.span,
+                         "what is left out is written as it is there")
+        for k in reversed(found):
+            del clauses[k]
+
+
+def _connected(clause: Clause) -> tuple[str, ...]:
+    call = clause.call if isinstance(clause, CallEquation) else None
+    is_connect = isinstance(call, Call) and call.function == "connect"
+    return tuple(map(str, call.arguments)) if is_connect and isinstance(call, Call) else ()
 
 
 # ------------------------------------------------------------ inner and outer

@@ -17,8 +17,8 @@ def nowhere(name: str) -> Syntax | None:
 
 @dataclass(frozen=True)
 class Enclosing:
-    """A class or file that names are looked up in: the full name ("" of a file beside no package), and its imports. `only`: the class
-    of which it has what is named there, where that was written in another one than the heir (variants.py)."""
+    """A class or file that names are looked up in: the full name ("" of a file beside no package), and its imports. `only`: the
+    class of which it has what is named there, where that was written in another one than the heir (variants.py)."""
 
     name: str
     imports: tuple[Import, ...]
@@ -173,7 +173,9 @@ class Scopes:
             return f"{owner}.{name}"
         for element in self.classes[owner].elements if owner in self.classes else ():
             base = self.base(element, owner) if isinstance(element, Extends) else None
-            if base in self.classes and base not in (owner, *seen) and (found := self._within(base, name, (*seen, owner))):
+            if base is None or base not in self.classes or base in (owner, *seen):
+                continue
+            if found := self._within(base, name, (*seen, owner)):
                 return found
         return None
 

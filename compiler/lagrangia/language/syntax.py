@@ -15,6 +15,7 @@ from lagrangia.language.reader import NotReadError, Place, Tables, Word, read, w
 from lagrangia.language.shipped import made_of
 from lagrangia.language.tree import (
     Argument,
+    Array,
     Assignment,
     CallEquation,
     ClassDefinition,
@@ -39,9 +40,13 @@ from lagrangia.language.tree import (
 )
 
 _DEEPEST = 100  # brackets in brackets, conditions in conditions, loops in loops
+_LESS_DEEP = {"loops": "one loop runs over several: for i in 1:3, j in 1:4 loop",
+              "classes": "classes stand beside each other, too"}
 _NESTING = re.compile(
     r"""(?P<text>"(?:[^"\\]|\\.)*"? | //[^\n]* | /\*(?:.*?\*/|.*)) | (?P<open>[(\[{]) | (?P<close>[)\]}])
-    | (?P<condition>\b(?:else)?if\b) | (?P<done>\bend\s+for\b) | (?P<loop>\bloop\b) | ;""", re.DOTALL | re.VERBOSE)
+    | (?P<condition>\b(?:else)?if\b) | (?P<done>\bend\s+for\b) | (?P<loop>\bloop\b) | ;
+    | (?P<class>\b(?:model|function|record|package|connector)\s+(?:extends\s+)?\w+\b(?!\s*=))
+    | (?P<ended>\bend\s+(?!if\b|when\b|while\b)\w+)""", re.DOTALL | re.VERBOSE)
 RESERVED = frozenset(
     "algorithm and annotation coordinate connect constant der drawing each else elseif end energy equation extends false final "
     "for function if import initial input loop model not or output package parameter partial protected public record then time "
@@ -104,16 +109,17 @@ def _check_text(source: Source) -> None:
     if "\0" in source.text:
         at = source.text.index("\0")
         fail("L0101", f"{source.name} is not a text file: it holds a NUL character", Span(source, at, at + 1))
-    depth = conditions = loops = 0
+    depth = conditions = loops = classes = 0
     for mark in _NESTING.finditer(source.text):
         depth = max(0, depth + (mark.lastgroup == "open") - (mark.lastgroup == "close"))
         conditions = 0 if mark[0] == ";" else conditions + (mark.lastgroup == "condition")
         loops = max(0, loops + (mark.lastgroup == "loop") - (mark.lastgroup == "done"))
-        if max(depth, conditions, loops) > _DEEPEST:
-            what = "brackets" if depth > _DEEPEST else "conditions" if conditions > _DEEPEST else "loops"
-            fail("L0102", f"{what} nested deeper than {_DEEPEST}", Span(source, mark.start(), mark.end()),
-                 "one loop runs over several: for i in 1:3, j in 1:4 loop" if what == "loops" else
-                 "name a part of the expression with a variable of its own")
+        classes = max(0, classes + (mark.lastgroup == "class") - (mark.lastgroup == "ended"))
+        if max(depth, conditions, loops, classes) > _DEEPEST:
+            what = ("brackets" if depth > _DEEPEST else "conditions" if conditions > _DEEPEST else "loops" if loops > _DEEPEST
+                    else "classes")
+            fail("L0102", f"{what} nested deeper than {_DEEPEST}", Span(source, mark.start(), mark.end()), _LESS_DEEP.get(
+                 what, "name a part of the expression with a variable of its own"))
 
 
 class _Nodes(_ExpressionNodes):
@@ -131,10 +137,11 @@ class _Nodes(_ExpressionNodes):
         return ImportFile(text_of(children[0]), self._span(meta))
 
     def import_name(self, meta: Place, children: list[Any]) -> Import:
-        return Import(((str(children[-1]), ".".join(children)),), self._span(meta))
+        *names, _, _ = children
+        return Import(((str(names[-1]), ".".join(names)),), self._span(meta))
 
     def import_all(self, meta: Place, children: list[Any]) -> Import:
-        *names, star = children
+        *names, star, _, _ = children
         if star != ".*":
             self.report.error("L0103", f"unexpected '{star}'", self._span(star), f"write: import {'.'.join(names)}.*;")
         return Import((("*", ".".join(names)),), self._span(meta))
@@ -143,10 +150,10 @@ class _Nodes(_ExpressionNodes):
         text = self._span(meta).text
         package = "".join(text[len("import") : text.index("{")].split())
         count = len(package.rstrip(".").split("."))
-        return Import(tuple((str(name), f"{package}{name}") for name in children[count:]), self._span(meta))
+        return Import(tuple((str(name), f"{package}{name}") for name in children[count:-2]), self._span(meta))
 
     def import_as(self, meta: Place, children: list[Any]) -> Import:
-        return Import(((str(children[0]), ".".join(children[1:])),), self._span(meta))
+        return Import(((str(children[0]), ".".join(children[1:-2])),), self._span(meta))
 
     def class_extension(self, meta: Place, children: list[Any]) -> ClassDefinition:
         """redeclare model extends M: extends what M is in what is inherited."""
@@ -204,7 +211,8 @@ class _Nodes(_ExpressionNodes):
                                self._span(meta), self._span(name), prefixes=prefixes, literals=literals)
 
     def literal(self, meta: Place, children: list[Any]) -> LiteralDefinition:
-        return LiteralDefinition(name_of(children[0]), text_of(children[1]), self._span(children[0]))
+        name, description, _ = children
+        return LiteralDefinition(name_of(name), text_of(description), self._span(name))
 
     def visibility(self, meta: Place, children: list[Any]) -> tuple[str, str]:
         return "visibility", str(children[0])
@@ -263,6 +271,10 @@ class _Nodes(_ExpressionNodes):
 
     def left_out(self, meta: Place, children: list[Any]) -> Argument:
         return Argument(frozenset(), name_of(children[0]), (), None, self._span(meta), self._span(children[0]), None, True)
+
+    def left_out_connection(self, meta: Place, children: list[Any]) -> Argument:
+        ends = Array(tuple(children), self._span(meta))
+        return Argument(frozenset(), "connect", (), ends, self._span(meta), self._span(meta), None, True)
 
     # ---------------------------------------------------------------- sections
 

@@ -1,8 +1,8 @@
 """Classes as they are in what inherits or redeclares them (Modelica 3.6, sections 5.6.1 and 7.3).
 
-A package that gives other constants or classes to what it extends (`package Water extends Medium(rho = 1000); redeclare function
-density ... `), and a class of which a class is redeclared (`Tank t(redeclare package Medium = Water)`), have what they inherit as it
-is in themselves: copies of its text, in which names mean what they mean in the heir.
+A package that gives other constants or classes to what it extends (`package Water extends Medium(rho = 1000); redeclare
+function density ... `), and a class of which a class is redeclared (`Tank t(redeclare package Medium = Water)`), have what they
+inherit as it is in themselves: copies of its text, in which names mean what they mean in the heir.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -61,8 +61,9 @@ class Variants:
             full, count = stem, 1
             while full in self.scopes.classes:
                 full, count = f"{stem} {count + 1}", count + 1
-            self.scopes.classes[full] = replace(definition, name=full, elements=(Extends(f".{name}", arguments, definition.span),),
-                                                sections=(), classes=(), imports=(), annotation=())
+            base = Extends(f".{name}", arguments, definition.span)
+            self.scopes.classes[full] = replace(definition, name=full, elements=(base,), sections=(), classes=(), imports=(),
+                                                annotation=())
             self._variants[key] = full
         return self.settled(self._variants[key])
 
@@ -110,7 +111,8 @@ class Variants:
                 made = self._redeclared(argument, name)
                 own[argument.name] = made
                 self.scopes.classes[f"{name}.{argument.name}"] = replace(made, name=f"{name}.{argument.name}")
-            elements.append(replace(element, arguments=tuple(a for a in element.arguments if a not in taken), type_name=f".{base}"))
+            left = tuple(a for a in element.arguments if a not in taken)
+            elements.append(replace(element, arguments=left, type_name=f".{base}"))
             bases.append(base)
         for inner in definition.classes:
             if "redeclare" in inner.prefixes:

@@ -34,8 +34,13 @@ _OF_MODELS = ("experiment", "allow")
 _OF_PARAMETERS = ("Evaluate", "Varying", ANNOTATION)
 _PLACES = ((_OF_MODELS, "on a line of its own in a model"), (_OF_PARAMETERS, "behind a parameter"))
 # Of Modelica's annotations, those for people and their editors; a vendor's own begin with two underscores.
-_FOR_PEOPLE = frozenset({"Documentation", "Icon", "Diagram", "Placement", "Line", "Dialog", "choices", "preferredView", "version",
-                         "uses", "defaultComponentName", "HideResult"})
+_FOR_PEOPLE = frozenset("""absoluteValue choices choicesAllMatching conversion dateModified defaultComponentName
+    defaultComponentPrefixes Diagram DiagramMap Dialog Documentation DocumentationClass DynamicSelect Figure Figures HideResult
+    Icon IconMap Inline InlineAfterIndexReduction LateInline License Line mayOnlyConnectOnce missingInnerMessage mustBeConnected
+    obsolete Placement preferredView Protection revisionId smoothOrder TestCase Text unassignedMessage uses version versionBuild
+    versionDate""".split())
+_OF_FUNCTIONS = {"derivative": "functions are differentiated exactly", "inverse": "equations are solved as they stand",
+                 "GenerateEvents": "branches of functions are found where they change"}
 # Attributes that change nothing where a kind of variable has them; "" stands for every kind.
 _IDLE = {"": ("nominal", "stateSelect", "quantity"), "parameter": ("start", "fixed"), "coordinate": ("min", "max"),
          "variable": ("min", "max"), "input": ("fixed",), "held": ("min", "max", "fixed")}
@@ -189,6 +194,10 @@ def _decides(declaration: Declaration, table: ClassTable) -> bool:
 def _look_at_functions(functions: Iterable[ClassDefinition], report: Report) -> None:
     """Inputs and variables of functions whose names stand nowhere in them."""
     for function in functions:
+        for argument in function.annotation:
+            if argument.name not in _FOR_PEOPLE and not argument.name.startswith("__"):
+                report.warning(CODE, f"the annotation '{argument.name}' has no effect here", argument.name_span,
+                               *([_OF_FUNCTIONS[argument.name]] if argument.name in _OF_FUNCTIONS else []))
         mentioned = set(_words((function.elements, function.sections)))
         for element in function.elements:
             if isinstance(element, Declaration) and "output" not in element.prefixes and element.name not in mentioned:
