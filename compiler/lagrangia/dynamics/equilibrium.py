@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from lagrangia.base.records import dataclass
 from lagrangia.constraints.singular_positions import Ways, find_ways
+from lagrangia.dynamics.turned_positions import apart, half_turned, pacing_of, shorter
 
 Vector = NDArray[np.float64]
 _MOST_STEPS, _MOST_DESCENTS, _MOST_RETURNS, _SHORTEST = 50, 300, 15, 1e-3
@@ -56,6 +57,7 @@ class StaticEquations:
     reach: Vector
     is_angle: NDArray[np.bool_]
     is_rolling: bool = False  # there are constraints on rates
+    turned: tuple[tuple[int, ...], ...] = ()  # of each attitude, the places of its s: 4 tan(angle/4) along the axis
 
 
 def find_rest(equations: StaticEquations, start: Vector) -> Rest | None:
@@ -115,7 +117,7 @@ def find_all(equations: StaticEquations, start: Vector, most: int) -> tuple[list
 def starts(equations: StaticEquations, start: Vector, most: int) -> list[Vector]:
     """The given one, those with angles turned by half a turn, and random ones all over the circle: the same every time."""
     angles = np.flatnonzero(equations.is_angle)
-    found = [start]
+    found = [start, *half_turned(equations.turned, start)]
     if angles.size <= 5:
         for turns in list(product((0.0, np.pi), repeat=angles.size))[1:]:
             other = start.copy()
@@ -131,6 +133,8 @@ def starts(equations: StaticEquations, start: Vector, most: int) -> list[Vector]
 
 def _unwound(equations: StaticEquations, rest: Rest) -> Rest:
     """The same position with its angles between -pi and pi, where that is the same: a wound torsion spring is not."""
+    if equations.turned:
+        rest = replace(rest, q=shorter(equations.turned, rest.q))
     turns = np.where(equations.is_angle, np.round(rest.q / (2 * np.pi)), 0.0)
     if not turns.any():
         return rest
@@ -146,6 +150,9 @@ def _unwound(equations: StaticEquations, rest: Rest) -> Rest:
 def _energy_size(equations: StaticEquations, rest: Rest) -> float:
     """What natural displacements cost: the same all round a circle of positions."""
     K, _, _ = equations.stiffness(rest.q, rest.multipliers)
+    if equations.turned:
+        N = pacing_of(equations.turned, rest.q)
+        K = N.T @ K @ N
     return float(np.linalg.norm(K * equations.reach * equations.reach[:, None])) + 1e-300
 
 
@@ -158,7 +165,7 @@ def _gap_sizes(equations: StaticEquations, q: Vector) -> Vector:
 
 def _is_same(equations: StaticEquations, a: Rest, b: Rest) -> bool:
     """The same place; or two of a family that costs nothing to go through, with the same energy and stiffness."""
-    gap = a.q - b.q
+    gap = apart(equations.turned, a.q, b.q)
     turned = gap - 2 * np.pi * np.round(gap / (2 * np.pi))
     gap = np.where(equations.is_angle & (np.abs(np.abs(a.q) - np.pi) < 0.1), turned, gap)
     if np.abs(gap / equations.reach).max(initial=0.0) < _SAME * 100:

@@ -98,6 +98,38 @@ class Attitudes(Protocol):
         """dq/dt, (n,), where attitudes are among the coordinates; else it is v."""
         return self.paced([*self.symbols.rates.values()]) if self.symbols.attitudes else None
 
+    @property
+    def turned(self) -> tuple[str, ...]:
+        """The coordinates of attitudes."""
+        return tuple(part for name in self.symbols.attitudes for part in parts_of(name))
+
+    def by_turns(self, value: ca.SX) -> ca.SX:
+        """The gradient of a number by positions, (n, 1): by small turns about the turned axes where these are attitudes."""
+        q = ca.vertcat(ca.SX(0, 1), *self.symbols.positions.values())
+        if not self.symbols.attitudes:
+            return ca.gradient(value, q)
+        small = ca.SX.sym("small", q.numel())
+        return ca.densify(ca.gradient(ca.jtimes(value, q, self.paced(ca.vertsplit(small))), small))
+
+    def carried(self, momentum: ca.SX) -> ca.SX:
+        """What momenta (n, 1) of attitudes change by because they are told in axes that turn: w x p; 0 for all others."""
+        found = ca.SX(momentum.numel(), 1)
+        places = {name: k for k, name in enumerate(self.symbols.positions)}
+        for name in self.symbols.attitudes:
+            at = [places[part] for part in parts_of(name)]
+            found[at] = ca.cross(ca.vertcat(*[self.symbols.rates[part] for part in parts_of(name)]), momentum[at])
+        return found
+
+    def by_places(self, forces: ca.SX) -> ca.SX:
+        """Forces (n, 1) on small turns about the turned axes as forces on positions: N^-T x = N x/(1 + |s|^2/16)^2."""
+        found = ca.SX(forces)
+        places = {name: k for k, name in enumerate(self.symbols.positions)}
+        for name in self.symbols.attitudes:
+            s = [self.symbols.positions[part] for part in parts_of(name)]
+            at = [places[part] for part in parts_of(name)]
+            found[at] = ca.vertcat(*turned_by(s, ca.vertsplit(found[at]))) / (1 + dot(s, s) / 16) ** 2
+        return found
+
     def attitude_named(self, name: str) -> Value | None:
         """The unit quaternion of a coordinate that is an attitude, or one of its parts; None for other names."""
         attitudes = self.symbols.attitudes

@@ -2,25 +2,20 @@
 
 import math
 from collections.abc import Callable, Sequence
+from copy import copy
 from dataclasses import replace
 from functools import cached_property
-from operator import attrgetter
 from typing import TYPE_CHECKING
 
 import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from lagrangia.algebra.duals import value_of
 from lagrangia.base.checked_values import a_number
 from lagrangia.base.diagnostics import RunError, fail
-from lagrangia.constraints.assembly import Assembly
-from lagrangia.constraints.initial import FIXED, FREE
-from lagrangia.constraints.newton import start_equations
 from lagrangia.constraints.singular_positions import told
 from lagrangia.dynamics.constrained_motion import constraint_rows
 from lagrangia.dynamics.equilibrium import Rest, find_all, find_rest, onto_constraints
-from lagrangia.frames.attitude_starts import HINGES, refuse_attitudes
 from lagrangia.frames.joints import all_reactions, reaction_ports
 from lagrangia.language.consequences import refuse_felt_reactions
 from lagrangia.language.delays import refuse_delays
@@ -29,17 +24,18 @@ from lagrangia.language.observables import observe
 from lagrangia.language.tree import Ref
 from lagrangia.run.input_pieces import InputTable
 from lagrangia.run.request import Values, check_parameters
+from lagrangia.study.beginning import Beginning
 from lagrangia.study.contacts_at_rest import Grip, balance, find_all_held, find_held, holds_at
 from lagrangia.study.corners_at_rest import BENT, bends_at
 from lagrangia.study.equilibria import Equilibria, Equilibrium
 from lagrangia.study.linearization import Given, Linearization, TangentParts, linearization, no_mass, tangent_of, with_signals
 from lagrangia.study.modes import Modes, find_modes, modes_of_ways, stability_of_ways
 from lagrangia.study.moving import about_motion
-from lagrangia.study.probes import Probe, find_probes, usual_probes
+from lagrangia.study.probes import Probe, find_probes, unprobed, usual_probes
 from lagrangia.study.response import Response, find_response
 from lagrangia.study.rest_equations import Resting, forces_of_grip, told_grip
-from lagrangia.study.signal_states import SignalStates
 from lagrangia.study.small_motion import DIRECTIONS, SmallMotion, build_small_motion
+from lagrangia.study.turned import turned_of
 from lagrangia.view.mechanism import Mechanism, build_mechanism
 
 if TYPE_CHECKING:
@@ -58,7 +54,7 @@ _BALANCED = 1e-9  # of the forces at the point
 _LARGE = 40  # coordinates: above, the usual search is from few starts
 
 
-class Study:
+class Study(Beginning):
     """One scene with its numbers: parameters, start values, constant inputs, and the time at which it is looked at."""
 
     def __init__(self, compilation: "Compilation", values: Values, time: float | None) -> None:
@@ -66,7 +62,6 @@ class Study:
                       "what is late changes what is stable, and has endlessly many modes: run it from a start beside rest "
                       "(--initial), or put a lag in its place, FirstOrder")
         refuse_felt_reactions(compilation.flat, "rest and small motion")
-        refuse_attitudes(compilation.graph.attitudes, "rest and small motion", HINGES)
         self.c, self.scene, self.values = compilation, compilation.scene, values
         self.time = self.scene.start if time is None else a_number("time", time)
         if not math.isfinite(self.time):
@@ -80,63 +75,7 @@ class Study:
                  "lag simulate tells the reactions of such a scene")
         self.names = tuple(c.name for c in self.scene.coordinates)
         self.is_angle = np.array([c.unit == "rad" for c in self.scene.coordinates])
-
-    # ------------------------------------------------------------ where it begins
-
-    @cached_property
-    def start(self) -> tuple[Vector, Vector]:
-        """Positions and rates, assembled. Raises LagError L0606 when it does not assemble."""
-        table, initial, n = self.c.functions.table, self.c.initial, self.scene.n
-        guess = np.concatenate([x.full().ravel() for x in table["start"](self.p)])
-        lost = len(initial.lost)
-        others = self.values.lost or (math.nan,) * (2 * lost)
-        given = np.array([*self.values.q, *others[:lost], *self.values.v, *others[lost:]])
-        is_given = np.isfinite(given)
-        guess = np.where(is_given, given, guess)
-        if "initial" not in table:
-            return guess[:n], guess[n:]
-        equations = start_equations(self.c.kinematics, initial, self.c.functions.table)
-        equations = replace(equations, p=self.p, u=None if equations.u is None else self.u)
-        x, worst = Assembly(equations, np.where(is_given, FIXED, np.array(initial.fixed)), guess).assemble()
-        if worst >= 0:
-            fail("L0606", initial.complaint(worst), initial.residual_spans[worst],
-                 "change the parameters it depends on, or the values given with --initial")
-        return x[:n], x[n + lost : 2 * n + lost]
-
-    @cached_property
-    def places(self) -> tuple[tuple[str, ...], ca.Function]:
-        """The frames, and their places as a function of q: (frames, SIZE) in the plane, (frames, 3) of origins in space."""
-        k = self.c.kinematics
-        poses = k.poses(1)
-        numbers_of = attrgetter("origin" if k.graph.model.space.is_spatial else "place")
-        flat = [ca.SX(value_of(x)) for pose in poses.values() for x in numbers_of(pose)]
-        table = ca.reshape(ca.vertcat(*flat), -1, len(poses)).T
-        m = self.c.motion
-        modes = k.algebra.modes
-        if modes:
-            table = ca.substitute(table, ca.vertcat(*[x.symbol for x in modes]), ca.vertcat(*[x.value for x in modes]))
-        numbers = [ca.SX(self.time), ca.SX(ca.DM(self.p)), ca.SX(ca.DM(self.u))]
-        (table,) = ca.substitute([table], [m.t, m.p, m.u], numbers)
-        return tuple(poses), ca.Function("places", [m.q], [table])
-
-    @cached_property
-    def size(self) -> float:
-        """How large the scene is at its start, m; 1 where all is in one point."""
-        q, _ = self.start
-        places = self.places[1](q).full()[:, : self.c.flat.space.dimensions]
-        lengths = np.abs(q[~self.is_angle])
-        spread = float(np.ptp(places, axis=0).max(initial=0.0)) if np.isfinite(places).all() else 0.0
-        return max(spread, float(lengths.max(initial=0.0))) or 1.0
-
-    @property
-    def reach(self) -> Vector:
-        """Natural sizes of the coordinates (n,): 1 rad, or the size of the scene in m."""
-        return np.where(self.is_angle, 1.0, self.size)
-
-    @property
-    def is_preferred(self) -> tuple[bool, ...]:
-        """The coordinates that the model starts itself."""
-        return tuple(kind != FREE for kind in self.c.initial.fixed[: self.scene.n])
+        self.turned = turned_of(self.scene)
 
     # ------------------------------------------------------------ the equations in numbers
 
@@ -151,7 +90,8 @@ class Study:
         """Values of a function of the state at rest, or in the motion given, and its directions `seeds`."""
         still = np.zeros(self.scene.n)
         state = q, still if v is None else v, still if a is None else a, lam
-        found = function.call([*state, self.time if time is None else time, pace, self.u, self.p, *seeds])
+        given = np.concatenate([self.u, self.references.ravel()])
+        found = function.call([*state, self.time if time is None else time, pace, given, self.p, *seeds])
         return [x.full() for x in found]
 
     def slopes(self, e: SmallMotion, function: ca.Function, names: Sequence[str], q: Vector, lam: Vector, pace: float,
@@ -203,15 +143,13 @@ class Study:
 
         def slopes(names: Sequence[str], q: Vector, lam: Vector) -> dict[str, list[Vector]]:
             s = self.signals
-            return s.by_states(self.slopes(e, e.slopes, s.asked(names), q, lam, pace, s.steady(q)))
+            found = s.by_states(self.slopes(e, e.slopes, s.asked(names), q, lam, pace, s.steady(q)))
+            if self.turned.names and "v" in found:  # rows of rates, beside forces on positions
+                found["v"] = [self.turned.by_positions(x, q) if x.size else x for x in found["v"]]
+            return found
 
         return Resting(e, lambda f, q, lam: self.call(f, q, lam, pace, self.signals.steady(q)), slopes, m_h, self.reach,
-                       self.is_angle)
-
-    @cached_property
-    def signals(self) -> SignalStates:
-        """The first-order states."""
-        return SignalStates(self.names, self.scene.signals)
+                       self.is_angle & ~np.isin(np.arange(self.scene.n), self.turned.all), tuple(map(tuple, self.turned.places)))
 
     @property
     def first(self) -> Vector:
@@ -278,12 +216,14 @@ class Study:
         units = {name: (rate if name != own.name else own).unit for name, own, rate in
                  zip(self.signals.names, self.scene.coordinates, self.scene.rates, strict=True)}
         units |= {name: unit_of(graph.model, observe(graph.model, name)) for name in outputs}
+        units |= {c.name: "" for c in self.scene.told_positions if c.name not in units}  # quaternions
         return Equilibria(self.scene.name, self.time, tuple(self._told(full, *x, pace, len(outputs)) for x in found),
                           is_reached, units, tuple(notes), reaction_ports(graph))
 
     def _told(self, e: SmallMotion, rest: Rest, grip: Grip | None, pace: float, n_given: int) -> Equilibrium:
         y = self.call(e.observed, rest.q, rest.multipliers, pace, self.signals.steady(rest.q))[0].ravel()
         position = dict(zip(self.signals.names, map(float, rest.q), strict=True))
+        position = {k: x for k, x in position.items() if k not in self.scene.turned} | self.turned.told(rest.q, self.references)
         position |= dict(zip(e.outputs[:n_given], map(float, y[:n_given]), strict=True))
         reactions = dict(zip(e.outputs[n_given:], map(float, y[n_given:]), strict=True))
         linears = self.linears_at(e, rest, grip, pace)
@@ -300,12 +240,13 @@ class Study:
         where ways meet that linear motion does not know."""
         planes: Sequence[Vector | None] = [None]
         if rest.ways is not None:
-            if rest.ways.is_open:
+            if rest.ways.is_open or self.turned.names:
                 return None
             planes = [self.reach[:, None] * plane for plane in rest.ways.planes or (np.zeros((self.scene.n, 0)),)]
-        still = self.signals.steady(rest.q)
+        here, q = self.centred(rest.q)
+        still = self.signals.steady(q)
         return {told(plane, self.names) if plane is not None and len(planes) > 1 else "":
-                self.linear_at(e, rest.q, still, rest.multipliers, pace, True, None, plane, grip) for plane in planes}
+                here.linear_at(e, q, still, rest.multipliers, pace, True, None, plane, grip) for plane in planes}
 
     def linear_at(self, e: SmallMotion, q: Vector, v: Vector, lam: Vector, pace: float, is_equilibrium: bool,
                   a: Vector | None = None, plane: Vector | None = None, grip: Grip | None = None) -> Linearization:
@@ -316,13 +257,17 @@ class Study:
         y, yq, yv, ya, yl, *ys = self.observed(e, q, lam, pace, v, a)
         residual = np.zeros(e.n) if is_equilibrium else self.call(e.static, q, lam, pace, v)[0].ravel()
         given = Given(self.scene.name, self.names, tuple(p.name for p in e.probes), e.outputs,
-                      dict(zip(self.names, map(float, self.signals.in_places(q, v)), strict=True)), residual, is_equilibrium,
+                      self.point(q, v), residual, is_equilibrium,
                       (y, yq, yv, ya, yl[:, places], *ys))
         found = replace(linearization(tangent, given), notes=told_grip(e, grip))
         return with_signals(found, self.scene.signals) if self.signals.states else found
 
     def linearize(self, about: str, excitations: Sequence[str] | None, outputs: Sequence[str] | None) -> Linearization:
         """About the equilibrium found from the start, or the start itself. Raises LagError, RunError."""
+        found = self._linearized(about, excitations, outputs)
+        return replace(found, notes=(*found.notes, *(unprobed(self.c.kinematics) if excitations is None else ())))
+
+    def _linearized(self, about: str, excitations: Sequence[str] | None, outputs: Sequence[str] | None) -> Linearization:
         if about not in ABOUT:
             fail("L0702", f"a linearisation is about the equilibrium or the start, not '{about}'", None, *ABOUT)
         kinematics = self.c.kinematics
@@ -347,7 +292,14 @@ class Study:
 
     def _timely(self, linear: Linearization, e: SmallMotion) -> Linearization:
         """With a word where its coefficients change from side to side, or with time, as supports or loads move."""
-        q = np.array([linear.point[name] for name in self.signals.names])
+        if self.turned.names:
+            other = copy(self)
+            other._references = self.turned.read(linear.point)
+            return other._timely_here(linear, e)
+        return self._timely_here(linear, e)
+
+    def _timely_here(self, linear: Linearization, e: SmallMotion) -> Linearization:
+        q = np.array([linear.point.get(name, 0.0) for name in self.signals.names])
         N, free = linear.tangent.N, e.multipliers()
         if e.is_bent and bends_at(lambda dq, side: self._sided(e, N, q + dq, side), N, self.reach):
             linear = replace(linear, notes=(*linear.notes, BENT))
@@ -387,7 +339,7 @@ class Study:
         """The coordinates, those that others give too, but none that is itself what excites; and the declared outputs."""
         variables = self.c.flat.variables
         prescribed = {name for name, x in self.c.kinematics.dependents.items() if not x.terms}
-        others = [x.name for x in self.scene.outputs if not x.name.startswith("der(") and x.name not in prescribed]
+        others = [x.name for x in self.scene.own_outputs if not x.name.startswith("der(") and x.name not in prescribed]
         declared = [name for name, variable in variables.items() if variable.is_output]
         told = [x.name for x in self.scene.outputs if x.name.partition("[")[0] in declared]
         return tuple(dict.fromkeys((*self.signals.names, *(name for name in others if name not in told), *told)))
@@ -409,7 +361,7 @@ class Study:
         lam = np.asarray(-np.linalg.pinv(rows.T, rcond=1e-9) @ R) if e.m else np.zeros(0)
         left = float(np.abs(R + rows.T @ lam).max(initial=0.0))
         is_rest = left <= _BALANCED * float(np.abs(R).max(initial=0.0)) and not moves
-        if e.m and not is_rest:
+        if (e.m or (moves and self.turned.names)) and not is_rest:
             return about_motion(self, e, (q, v, free), pace)
         try:
             a = None if is_rest else np.asarray(-np.linalg.solve(M, R), dtype=np.float64)
@@ -474,7 +426,9 @@ class Study:
         if not linear.excitations:
             fail("L0718", "nothing excites this scene: it has no input, and no load depends on time", None,
                  "name what does with --from: a force (P.force[2]), or the place of a frame that hangs on the ground (road.y)")
-        units = tuple(_unit(model, name) for name in (*linear.outputs, *linear.excitations))
+        own = {c.name: c.unit for c in (*self.scene.coordinates, *self.scene.outputs)}
+        units = tuple(own[name] if name in self.scene.turned else _unit(model, name)
+                      for name in (*linear.outputs, *linear.excitations))
         return find_response(linear, frequencies, span, points, units)
 
 

@@ -17,7 +17,7 @@ Matrix = NDArray[np.float64]
 _ROUNDING = 1e-11  # of the largest omega^2: below, a mode is rigid-body motion
 _DEFECTIVE = 1e-6  # of the largest |s|: what rounding makes of a double zero
 _SYMMETRIC = 1e-9
-_OF_MOTION = "modes without damping, and shapes, are of what vibrates about rest: this scene moves while constraints hold it"
+_OF_MOTION = "modes without damping, and shapes, are of what vibrates about rest: this scene moves"
 
 
 @dataclass(frozen=True)
@@ -177,7 +177,7 @@ class Modes:
         if self.linearization.free_rates:
             fail("L0916", f"not supported yet: shapes of {self.name} ({_OF_MOTION})")
 
-        q = np.array([self.linearization.point[name] for name in self.coordinates])
+        q = np.array([self.linearization.point.get(name, 0.0) for name in self.coordinates])  # attitudes are not turned there
         shapes = tuple((mode.title, np.array([mode.shape[name] for name in self.coordinates])) for mode in self.modes)
         return draw_modes(Shapes(self.name, self.coordinates, q, shapes, self.mechanism), path)
 

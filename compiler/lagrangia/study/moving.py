@@ -32,6 +32,8 @@ from lagrangia.study.linearization import (
 from lagrangia.study.small_motion import SmallMotion
 
 _RANK, _STEADY = 1e-9, 1e-9
+_SEEN = ("attitudes turn, and small turns are told in the turned axes: frequencies are as they are seen from there, those of the "
+         "world less or more by what it turns")
 _LATER = (0.0123, 1.71)  # s: moments at which steady motion is as it was
 
 
@@ -41,6 +43,13 @@ class Study(Protocol):
     c: Any
     scene: Any
     names: tuple[str, ...]
+    turned: Any
+
+    def advanced(self, q: Matrix, v: Matrix, moment: float) -> "tuple[Study, Matrix]":
+        """The same after so many seconds at these rates, where attitudes are told against those there, and the position."""
+
+    def point(self, q: Matrix, v: Matrix) -> dict[str, float]:
+        """Positions by their names."""
 
     @property
     def reach(self) -> Matrix:
@@ -111,8 +120,10 @@ def accelerations(M: Matrix, rows: Matrix, force: Matrix, bias: Matrix) -> tuple
     return found[:n] * weigh, found[n:] / sizes
 
 
-def moving_linearization(parts: TangentParts, held: Held, given: Given, a: Matrix) -> Linearization:
-    """`a` (n,): the accelerations at the point. Raises RunError where M is singular."""
+def moving_linearization(parts: TangentParts, held: Held, given: Given, a: Matrix, of_rates: tuple[str, ...], dragging: Matrix
+                         ) -> Linearization:
+    """`a` (n,): the accelerations at the point; `of_rates`: names; `dragging` (n, n): what dx/dt has of x beside dv, as small
+    turns have that are told in turning axes. Raises RunError where M is singular."""
     M, C, K, E = parts.M, parts.C, parts.K, parts.E
     N, P, S, Tz, Tx = held.N, held.P, held.S, held.Tz, held.Tx
     f, w = N.shape[1], P.shape[1]
@@ -124,7 +135,7 @@ def moving_linearization(parts: TangentParts, held: Held, given: Given, a: Matri
                       (small[0], small[1], small[2]), (M, C, K, parts.rates, *E))
     inverse = inverse_mass(reduced)
     places = list(held.coordinates)
-    A = np.block([[S[places], P[places]], [-inverse @ stiffness, -inverse @ damping]])
+    A = np.block([[(S + dragging @ N)[places], P[places]], [-inverse @ stiffness, -inverse @ damping]])
     inputs = inputs_of(reduced, given)
     columns = [-inverse @ small[order][:, [k]] for _, order, k in inputs]
     jolt = np.hstack(columns) if columns else np.zeros((w, 0))
@@ -133,7 +144,7 @@ def moving_linearization(parts: TangentParts, held: Held, given: Given, a: Matri
     output, D = observation(reduced.full, given, inputs, (N @ x, pushed), (S @ x + P @ z, pushed),
                             (P @ A[f:] + Tx @ x + Tz @ z, P @ jolt))
     names = tuple(given.coordinates[k] for k in held.coordinates)
-    rates = tuple(f"der({given.coordinates[k]})" for k in held.rates)
+    rates = tuple(of_rates[k] for k in held.rates)
     pace = a[list(held.rates)]
     return Linearization(
         given.name, names, (*names, *rates), tuple(name for name, _, _ in inputs),
@@ -151,13 +162,15 @@ def about_motion(study: Study, e: SmallMotion, state: tuple[Matrix, Matrix, Matr
         fail("L0916", f"not supported yet: {what} in small motion of a scene that moves while constraints hold it",
              study.c.flat.span, "linearise about the equilibrium found from there: --about equilibrium")
     q, v, free = state
-    here, later = _at(study, e, state), [_at(study, e, (q + moment * v, v, free)) for moment in _LATER]
+    moved = [study.advanced(q, v, moment) for moment in (0.0, *_LATER)]
+    here, *later = [_at(there, e, (position, v, free)) for there, position in moved]
     size = _STEADY * float(np.abs(here.A).max(initial=1e-300))
     stays = all(np.abs(other.A - here.A).max(initial=0.0) <= size for other in later)
     is_steady = stays and float(np.abs(here.drift).max(initial=0.0)) <= size
     word = ("the motion there is steady: free rates stay as they are" if is_steady else "the motion there is not steady: the "
             "matrices are of that moment, and eigenvalues do not tell whether it is stable")
-    return replace(here, notes=(*here.notes, word))
+    seen = (_SEEN,) if study.turned.names else ()
+    return replace(here, notes=(*here.notes, word, *seen))
 
 
 def _weights(study: Study) -> tuple[Matrix, Matrix]:
@@ -182,5 +195,6 @@ def _at(study: Study, e: SmallMotion, state: tuple[Matrix, Matrix, Matrix]) -> L
     second = study.slopes(e, e.second_slopes, ("q", "v"), q, lam, 1.0, v, a)
     held = held_changes(parts, turned, (second["q"][0], second["v"][0]), _weights(study))
     given = Given(study.scene.name, study.names, tuple(p.name for p in e.probes), e.outputs,
-                  dict(zip(study.names, map(float, q), strict=True)), R, False, study.observed(e, q, lam, 1.0, v, a))
-    return moving_linearization(parts, held, given, a)
+                  study.point(q, v), R, False, study.observed(e, q, lam, 1.0, v, a))
+    names = tuple(rate.name for rate in study.scene.rates)
+    return moving_linearization(parts, held, given, a, names, study.turned.dragging(v))

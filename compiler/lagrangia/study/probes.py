@@ -14,6 +14,7 @@ from lagrangia.base.diagnostics import fail
 from lagrangia.base.records import dataclass
 from lagrangia.constraints.parameters import scalars
 from lagrangia.constraints.rows import Constraints
+from lagrangia.frames.edges import Edge
 from lagrangia.frames.evaluation import Value, scalars_of
 from lagrangia.frames.kinematics import Displacement, Kinematics, Symbols
 from lagrangia.frames.planar import SIZE
@@ -116,14 +117,27 @@ def usual_probes(kinematics: Kinematics) -> tuple[Probe, ...]:
 def _moving_frames(kinematics: Kinematics) -> list[Probe]:
     """The places of frames whose own equation mentions time."""
     found, t = list[Probe](), kinematics.symbols.time
+    if kinematics.graph.model.space.is_spatial:
+        return found  # unprobed: these are told
     for edge in kinematics.graph.edges:
-        if any(isinstance(node, Time) for step in edge.steps for node in nodes(step.amount)):
-            refuse_in_space(kinematics.graph.model, "probes", edge.span)
+        if _is_timed(edge):
             above, here = kinematics.pose(edge.parent, 0), kinematics.pose(edge.child, 0)
             found += [Probe(f"{edge.child}.{part.name}", "frame", edge.child, k, part.unit)
                       for k, (part, x, y) in enumerate(zip(COMPONENTS, here.place, above.place, strict=True))
                       if ca.depends_on(ca.SX(x), t) and not ca.depends_on(ca.SX(y), t)]
     return found
+
+
+def _is_timed(edge: Edge) -> bool:
+    return any(isinstance(node, Time) for step in edge.steps for node in nodes(step.amount))
+
+
+def unprobed(kinematics: Kinematics) -> tuple[str, ...]:
+    """A word for what moves frames in space, and is none of the usual excitations."""
+    names = [edge.child for edge in kinematics.graph.edges if _is_timed(edge)]
+    if not (names and kinematics.graph.model.space.is_spatial):
+        return ()
+    return (f"what moves {', '.join(names[:4])} is not among the excitations: not supported yet in space",)
 
 
 def _find(kinematics: Kinematics, constraints: Constraints, name: str) -> list[Probe]:

@@ -30,6 +30,7 @@ class Resting:
     m_h: int
     reach: Vector
     is_angle: NDArray[np.bool_]
+    turned: tuple[tuple[int, ...], ...] = ()  # the places of the coordinates of each attitude
 
     def equations(self) -> GripEquations:
         """Those of contacts and friction, for grips."""
@@ -56,7 +57,7 @@ class Resting:
             places = np.vstack([by["q"][1], by["q"][3][list(pressing)]])
             return by["q"][0], places, self._rows(by, pressing, sticking) if "v" in by else places
 
-        return StaticEquations(static, stiffness, self.reach, self.is_angle, e.m > own or bool(sticking))
+        return StaticEquations(static, stiffness, self.reach, self.is_angle, e.m > own or bool(sticking), self.turned)
 
     def multipliers(self, q: Vector) -> Vector:
         """Nothing presses; friction is half way, or where it slips at rest already, as on a belt, at its limit."""

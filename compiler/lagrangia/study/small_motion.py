@@ -88,7 +88,7 @@ class SmallMotion:
     def is_timed(self) -> bool:
         """Whether time is in the forces."""
         parts = self._parts
-        modes = ca.vertcat(_NONE, *[mode.symbol for mode in parts.free.algebra.modes])
+        modes = ca.vertcat(_NONE, *[mode.symbol for mode in parts.free.algebra.modes if not mode.of_attitude])
         return bool(ca.depends_on(parts.R, ca.vertcat(parts.motion.t, parts.free.symbols.tau, modes)))
 
     @cached_property
@@ -178,20 +178,22 @@ class _Parts:
         self.T, self.V, self.D = (energies.total(x) for x in (energies.kinetic, energies.potential, energies.dissipation))
         q, v, t, tau = motion.q, motion.v, motion.t, free.symbols.tau
         momentum = ca.densify(ca.gradient(self.T, v))
-        inertia = ca.jtimes(momentum, ca.vertcat(q, v, t, s[0], s[1]), ca.vertcat(v, motion.a, tau, s[1], s[2]))
+        pace = free.turning
+        along = ca.vertcat(v if pace is None else pace, motion.a, tau, s[1], s[2])
+        inertia = ca.jtimes(momentum, ca.vertcat(q, v, t, s[0], s[1]), along) + free.carried(momentum)
         rows = constraints.rows
         self.phi = ca.vertcat(ca.SX(0, 1), *[ca.SX(row.value(free, 0)) for row in rows if row.is_holonomic])
         self.rate = ca.vertcat(ca.SX(0, 1), *[ca.SX(row.rate(free)) for row in rows])
         self.lam = motion.constrained.symbols if motion.constrained else ca.SX(0, 1)
         held = ca.jtimes(self.rate, v, self.lam, True) if rows else ca.SX.zeros(q.numel())
-        self.unloaded = inertia - ca.gradient(self.T, q) + ca.gradient(self.V, q) + ca.gradient(self.D, v)
+        self.unloaded = inertia - free.by_turns(self.T) + free.by_turns(self.V) + ca.gradient(self.D, v)
         self.R = self.unloaded + held
         self.loads = energies.loads
         struck = motion.impacts.loads_in(free)
         if loads := (*energies.loads, *struck):
             self.R = self.R - generalised_force(loads, q, v)
         self.holds, self.holding = _find_holds(motion, energies, self, struck)
-        self.R, self.unloaded = self.held([self.R, self.unloaded])
+        self.R, self.unloaded = map(free.by_places, self.held([self.R, self.unloaded]))
         rolling = ca.vertcat(ca.SX(0, 1), *[ca.SX(row.rate(free)) for row in rows if not row.is_holonomic])
         if rolling.numel() and ca.depends_on(rolling, ca.vertcat(*s)):
             fail("L0916", "not supported yet: an excitation of a constraint on velocities", free.graph.model.span)
@@ -212,12 +214,14 @@ class _Parts:
         """Of the state, with the excitations at rest."""
         m = self.motion
         values = [ca.densify(ca.SX(x)) for x in values]
-        if modes := self.free.algebra.modes:
+        references = [x.symbol for x in self.free.algebra.modes if x.of_attitude]  # behind inputs
+        if modes := [x for x in self.free.algebra.modes if not x.of_attitude]:
             values = ca.substitute(values, [x.symbol for x in modes], [x.value for x in modes])
         if quiet := self.s[0].numel():
             values = ca.substitute(values, [ca.vertcat(*self.s)], [ca.SX.zeros(3 * quiet)])
         multipliers = ca.vertcat(self.lam, self.holds.forces, self.holds.shares)
-        return ca.Function(name, [m.q, m.v, m.a, multipliers, m.t, self.free.symbols.tau, m.u, m.p, *seeds], values)
+        return ca.Function(name, [m.q, m.v, m.a, multipliers, m.t, self.free.symbols.tau, ca.vertcat(m.u, *references),
+                                  m.p, *seeds], values)
 
     def derivatives(self, name: str, values: list[ca.SX]) -> ca.Function:
         """Along a direction: as long as the values themselves; a whole Jacobian would be as many times that as it has columns."""
@@ -229,7 +233,9 @@ class _Parts:
     def outputs(self, names: Sequence[str]) -> tuple[tuple[str, ...], ca.SX]:
         labels, values = [], []
         for name in names:
-            for label, x in scalars(name, self.free.evaluator.value(observe(self.free.graph.model, name))):
+            value = self.free.symbols.positions.get(name) if name in self.free.turned else self.free.attitude_named(name)
+            value = self.free.evaluator.value(observe(self.free.graph.model, name)) if value is None else value
+            for label, x in scalars(name, value):
                 labels.append(label)
                 values.append(ca.SX(x))
         y = ca.vertcat(ca.SX(0, 1), *values)

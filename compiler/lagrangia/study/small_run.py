@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from lagrangia.base.diagnostics import fail
 from lagrangia.compile.functions import observer
+from lagrangia.frames.attitude_starts import HINGES, refuse_attitudes
 from lagrangia.language.samplers import refuse_held
 from lagrangia.run.request import Values
 from lagrangia.study.analysis import Study
@@ -38,6 +39,7 @@ def small_run(compilation: "Compilation", values: Values, rows: Matrix, names: S
     Raises LagError L0918 for rolling and for inputs whose rates matter; RunError where there is no equilibrium.
     """
     refuse_held(compilation.flat, "small motion over time")
+    refuse_attitudes(compilation.graph.attitudes, "small motion over time", HINGES)
     study = Study(compilation, values, float(rows[0, 0]))
     linear = study.linearize("equilibrium", None, names)
     scene = compilation.scene

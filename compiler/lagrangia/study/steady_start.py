@@ -12,6 +12,7 @@ import numpy as np
 from lagrangia.base.checked_values import by_name
 from lagrangia.base.diagnostics import RunError, fail, suggest
 from lagrangia.base.records import dataclass
+from lagrangia.frames.attitude_starts import HINGES, refuse_attitudes
 from lagrangia.run.request import check_values
 from lagrangia.study.rest_start import RestStart, start_at_rest
 
@@ -33,6 +34,7 @@ def start_steady(model: Any, rates: Mapping[str, float], parameters: Any, guesse
     """The steady motion with these rates, or with those among the guesses, that is reached from the guesses. Raises LagError
     L0706, L0901, RunError."""
     scene, compilation = model.scene, model.compilation
+    refuse_attitudes(compilation.graph.attitudes, "a start in steady motion", "state its rates with --initial", HINGES)
     if compilation.motion.constrained is not None:
         fail("L0901", "not supported yet: a start in steady motion of a scene with closed loops or rolling", None,
              "state its rates and positions with --initial")
