@@ -249,7 +249,7 @@ def test_a_spring_of_no_length_at_the_start(lag: Run) -> None:
 def neither(monkeypatch: pytest.MonkeyPatch) -> None:
     """A machine without a C compiler, where the package came without a run time (with one: tests/native/test_prebuilt.py)."""
     monkeypatch.setenv("LAGRANGIA_CC", "none")
-    monkeypatch.setattr("lagrangia.native.prebuilt.find", lambda _: None)
+    monkeypatch.setattr("lagrangia.native.prebuilt.find", lambda *_, **__: None)
 
 
 def test_without_a_c_compiler(lag: Run, request: pytest.FixtureRequest) -> None:

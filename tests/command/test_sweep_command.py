@@ -245,7 +245,7 @@ def test_a_name_too_long_for_a_file_is_told(run: Run) -> None:
 def test_without_a_compiler_nothing_is_swept_or_benchmarked(run: Run, monkeypatch: pytest.MonkeyPatch,
                                                             capsys: pytest.CaptureFixture[str]) -> None:
     monkeypatch.setenv("LAGRANGIA_CC", "none")
-    monkeypatch.setattr("lagrangia.native.prebuilt.find", lambda _: None)
+    monkeypatch.setattr("lagrangia.native.prebuilt.find", lambda *_, **__: None)
     code, said = run("pendulum.lag", "-p", "m=1,2", "--solver", "erk")
     assert code == 2 and "error[L0901]" in said
     assert main(["bench", "pendulum.lag"]) == 2

@@ -265,7 +265,7 @@ def test_wrong_parameters_are_refused(given: str, tmp_path: Path, capsys: pytest
 
 def test_without_a_run_time_only_casadi_can_run(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("LAGRANGIA_CC", "none")
-    monkeypatch.setattr("lagrangia.native.prebuilt.find", lambda _: None)
+    monkeypatch.setattr("lagrangia.native.prebuilt.find", lambda *_, **__: None)
     for name, solver, can in (("vibration_absorber", "casadi:cvodes", True), ("four_bar", "none", False)):
         assert main(["explain", str(EXAMPLES / f"{name}.lag"), "--json"]) == 0
         told = json.loads(capsys.readouterr().out)
@@ -293,7 +293,7 @@ def test_statistics_without_a_compiler_tell_of_no_native_code(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("LAGRANGIA_CC", "none")
-    monkeypatch.setattr("lagrangia.native.prebuilt.find", lambda _: None)
+    monkeypatch.setattr("lagrangia.native.prebuilt.find", lambda *_, **__: None)
     target = str(tmp_path / "rows.csv")
     assert main(["simulate", str(EXAMPLES / "pendulum.lag"), "--stop", "0.1", "--stats", "-o", target]) == 0
     said = capsys.readouterr().out

@@ -26,6 +26,22 @@ def data_folder(name: str) -> Path:
     raise FileNotFoundError(f"the installation of lagrangia lacks its folder {name!r}")
 
 
+def stamps(folder: str | Path, *endings: str) -> list[tuple[str, int, int]]:
+    """Of the files with these endings in a folder and all those in it, in order: names, sizes and times of their last change,
+    which tell sooner than contents whether something is another. Raises OSError."""
+    found: list[tuple[str, int, int]] = []
+    pending = [str(folder)]
+    while pending:
+        with os.scandir(pending.pop()) as entries:
+            for entry in entries:
+                if entry.name.endswith(endings):
+                    stat = entry.stat()
+                    found.append((entry.path, stat.st_size, stat.st_mtime_ns))
+                elif entry.name != "__pycache__" and entry.is_dir():
+                    pending.append(entry.path)
+    return sorted(found)
+
+
 def cache_folder() -> Path:
     """Where libraries and other results are kept: $LAGRANGIA_CACHE, the system's place for caches, a private temporary one.
 

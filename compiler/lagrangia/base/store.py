@@ -13,7 +13,7 @@ from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
 
-from lagrangia.base.folders import cache_folder, data_folder, is_trusted, note_use
+from lagrangia.base.folders import cache_folder, data_folder, is_trusted, note_use, stamps
 from lagrangia.base.records import dataclass
 
 _KINDS = ("scenes", "syntax", "objects", "texts")  # folders of files
@@ -100,7 +100,6 @@ def _digest(content: bytes) -> bytes:
 @cache
 def _installation() -> str:
     """Changes with every file of the compiler, its grammar and its library."""
-    files = [*Path(__file__).parents[1].rglob("*.py"), *data_folder("grammar").glob("*.lark"),
-             *(data_folder("models") / "library").glob("*.lag")]
-    stats = [(file.name, (stat := file.stat()).st_size, stat.st_mtime_ns) for file in sorted(files)]
-    return hashlib.sha256(repr(stats).encode()).hexdigest()
+    found = (stamps(Path(__file__).parents[1], ".py"), stamps(data_folder("grammar"), ".lark"),
+             stamps(data_folder("models") / "library", ".lag"))
+    return hashlib.sha256(repr(found).encode()).hexdigest()

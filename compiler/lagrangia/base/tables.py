@@ -1,6 +1,5 @@
 """Tables of numbers over time, as people give them."""
 
-import csv
 from pathlib import Path
 
 from lagrangia.base.diagnostics import fail
@@ -9,6 +8,8 @@ from lagrangia.base.result_files import open_with_care
 
 def read_table(path: Path) -> tuple[list[float], dict[str, list[float]]]:
     """A CSV file with a line of names, one of them time. Raises LagError L0703."""
+    import csv
+
     try:
         with open(path, newline="", encoding="utf-8", opener=open_with_care) as stream:
             rows = [row for row in csv.reader(stream) if row]

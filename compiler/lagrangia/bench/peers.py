@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any
 import casadi as ca
 import numpy as np
 
+from lagrangia.algebra.pointers import Pointer
 from lagrangia.base.records import dataclass
 from lagrangia.bench.problem import Piece, Problem
 from lagrangia.native.build import build, find_compiler
@@ -205,31 +206,6 @@ def _jacobian(piece: Piece) -> "Callable[[float, NDArray[Any]], NDArray[Any]]":
     jacobian = ca.densify(ca.jacobian(piece.slope(t, y), y))
     by_columns = Pointer(compiled(ca.Function("jacobian", [t, y], [ca.cse(jacobian)])))
     return lambda t, y: by_columns(t, y).T
-
-
-class Pointer:
-    """A function of numbers and vectors with one output, called through C pointers: 2 us, where CasADi's own call takes 10.
-
-    The output comes as CasADi stores it, by columns: its rows are the columns of a matrix; a single column comes as a vector.
-    """
-
-    def __init__(self, function: ca.Function) -> None:
-        self._function = function
-        self._buffer, self._evaluate = function.buffer()
-        self._in = [np.zeros(function.numel_in(k)) for k in range(function.n_in())]
-        rows, columns = function.size_out(0)
-        self._out = np.zeros((columns, rows) if columns > 1 else rows)
-        for k, vector in enumerate(self._in):
-            self._buffer.set_arg(k, memoryview(vector.data))
-        self._buffer.set_res(0, memoryview(self._out.data))
-
-    def __call__(self, *values: Any) -> "NDArray[Any]":
-        for vector, value in zip(self._in, values, strict=True):
-            vector[:] = value
-        self._evaluate()
-        if self._buffer.ret():
-            raise ArithmeticError(f"{self._function.name()} gave up")
-        return self._out.copy()
 
 
 __all__ = ["Pointer", "Prepared", "Solver", "Unsuitable", "compiled"]

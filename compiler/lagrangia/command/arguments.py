@@ -1,13 +1,11 @@
 """What the subcommands of `lag` share: what was written after them -> names, values in SI units, tables, the model."""
 
-import csv
 import os
 import re
 import sys
 from argparse import Namespace
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
-from html import escape
 from math import isfinite
 from pathlib import Path
 from typing import Any
@@ -275,6 +273,8 @@ def keep_foreign(options: Namespace, target: str, names: Sequence[str]) -> None:
     all these names in its first line."""
     if options.output is not None or not os.path.isfile(target):
         return
+    import csv
+
     try:
         with open(target, newline="", encoding="utf-8") as stream:
             head = next(csv.reader(stream), [])
@@ -302,6 +302,8 @@ def keep_other(options: Namespace, target: str | Path, *signs: str) -> None:
 
 def titles(model: Model) -> list[str]:
     """Of its pictures and pages: signs by which they are known again."""
+    from html import escape
+
     return [f"<title>{escape(text)}</title>" for text in (model.name, model.scene.description) if text]
 
 

@@ -17,13 +17,16 @@ from lagrangia.command.idle_options import refuse_idle
 from lagrangia.command.parser import WRONG, build_parser
 
 DONE, FAILED = 0, 1
+_SLEEP_SOON = "4"  # threads of NumPy's OpenBLAS that have nothing to do: else they spin for 30 ms when it is imported
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Exit codes: 0 done, 1 the run failed, 2 the input is wrong, 130 interrupted."""
     atexit.register(gc.freeze)  # what ends with the process need not be searched for cycles
     prepare_output()
-    parsed = build_parser().parse_args(arguments)
+    os.environ.setdefault("OPENBLAS_THREAD_TIMEOUT", _SLEEP_SOON)
+    words = sys.argv[1:] if arguments is None else arguments
+    parsed = build_parser(*words[:1]).parse_args(words)
     warnings.filterwarnings("ignore", category=RuntimeWarning)  # of NumPy: what is not finite is told in our words
     warnings.filterwarnings("ignore", category=EngineWarning)  # so is this
     with ended_as_by_control_c():

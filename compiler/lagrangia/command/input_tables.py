@@ -7,13 +7,13 @@ import os
 from collections.abc import Mapping, Sequence
 from itertools import pairwise
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from lagrangia.base.diagnostics import fail
-from lagrangia.base.table_data import curvature
 from lagrangia.language.units import parse_unit
-from lagrangia.run.columns import Columns, read_columns
-from lagrangia.run.input_rates import slopes
+
+if TYPE_CHECKING:
+    from lagrangia.run.columns import Columns
 
 _KINDS = (".csv", ".txt", ".dat", ".parquet", ".mat")
 _SMOOTHNESS = ("linear", "steps", "cubic", "monotone")
@@ -45,6 +45,9 @@ def named_tables(given: Sequence[str]) -> dict[str, str]:
 def read_input(name: str, unit: str, named: str, is_moving: bool) -> Table:
     """The column of that name over the first one, or the second of two, in SI units; `is_moving`: its rates matter. Raises
     LagError L0301, L0703, L0901."""
+    from lagrangia.run.columns import read_columns
+    from lagrangia.run.input_rates import slopes
+
     path, smoothness = _parted(named)
     columns = read_columns(Path(path))
     place = columns.place(name) if name in columns.names else columns.place(None)
@@ -65,7 +68,7 @@ def read_input(name: str, unit: str, named: str, is_moving: bool) -> Table:
     return times, {name: values, f"der({name})": slopes(times, values, smoothness)}
 
 
-def _in_si(columns: Columns, place: int, wanted: str, path: str) -> list[float]:
+def _in_si(columns: "Columns", place: int, wanted: str, path: str) -> list[float]:
     """As it stands where no unit is written."""
     values, text = columns.values[place], columns.units[place]
     if text:
@@ -108,6 +111,8 @@ def together(tables: Sequence[Table]) -> Table:
 def _refined(times: Sequence[float], values: Sequence[float], rates: Sequence[float], at: Any) -> tuple[list[float], list[float]]:
     """Values and rates at more times; of two that are equal those before, then those after."""
     import numpy as np
+
+    from lagrangia.base.table_data import curvature
 
     x, y, s = (np.asarray(column, float) for column in (times, values, rates))
     k = np.clip(np.searchsorted(x, at, side="right") - 1, 0, len(x) - 2)

@@ -61,13 +61,16 @@ _HELP = _Command("help", "longer texts: the language, the library, the solver", 
 _WITHOUT_WARNINGS = ("help", "format", "server", "doc", "new")  # commands that tell none
 
 
-def build_parser() -> argparse.ArgumentParser:
-    """The parser of the whole command line."""
+def build_parser(wanted: str = "") -> argparse.ArgumentParser:
+    """The parser of the whole command line; of the one command, where `wanted` is its name."""
     parser = _Parser(prog="lag", description="Lagrangia: a language for mechanics, with a compiler. `lag help` lists the topics.")
     parser.add_argument("--version", action=_Version, nargs=0, help="print the version and stop")
     commands = parser.add_subparsers(dest="name", required=True, metavar="COMMAND", parser_class=_Parser)
-    for command in COMMANDS:
+    chosen = [command for command in COMMANDS if command.name == wanted]
+    for command in chosen or COMMANDS:
         _add(commands, command)
+    if chosen:
+        return parser
     fmu = commands.add_parser("fmu", help="look for errors in an FMU", description="Look for errors in an FMU.")
     _add(fmu.add_subparsers(dest="name", required=True, metavar="COMMAND", parser_class=_Parser), _FMU_CHECK)
     _add(commands, _HELP)

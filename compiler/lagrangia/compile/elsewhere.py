@@ -8,7 +8,7 @@ from lagrangia.base.diagnostics import Diagnostic, LagError, Source
 from lagrangia.compile.packages import Packages
 from lagrangia.compile.pipeline import deep_recursion, read_files
 from lagrangia.language.classes import ClassTable, build_class_table
-from lagrangia.language.component_library import library
+from lagrangia.language.component_library import library_classes
 from lagrangia.language.dimensions import check_dimensions
 from lagrangia.language.flattening import flatten
 from lagrangia.language.syntax import parse
@@ -21,7 +21,7 @@ def faults_elsewhere(path: Path) -> list[Diagnostic]:
     """All but values that only who uses a model can give. Raises LagError where the file cannot be read."""
     with deep_recursion():
         syntax, imported = read_files(path)
-        return faults_beside(build_class_table(library(), [syntax, *imported], Packages(syntax).find), syntax)
+        return faults_beside(build_class_table(library_classes(), [syntax, *imported], Packages(syntax).find), syntax)
 
 
 def faults_beside(table: ClassTable, syntax: Syntax) -> list[Diagnostic]:

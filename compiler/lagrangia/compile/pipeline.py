@@ -18,7 +18,7 @@ from lagrangia.base.records import dataclass
 from lagrangia.compile.packages import Packages, enclosing
 from lagrangia.compile.sources import read_source
 from lagrangia.language.classes import build_class_table
-from lagrangia.language.component_library import drawn_library, library
+from lagrangia.language.component_library import drawn_library, library_classes
 from lagrangia.language.consequences import refuse_felt_reactions
 from lagrangia.language.delays import refuse_delays
 from lagrangia.language.dimensions import check_dimensions
@@ -263,7 +263,7 @@ def flatten_files(syntax: "Syntax", imported: "list[Syntax]", model: str | None 
                   structural: Mapping[str, Any] | None = None, is_drawn: bool = False) -> "FlatModel":
     """The same of files that are read. Raises LagError."""
     packages = Packages(syntax)
-    table = build_class_table(drawn_library() if is_drawn else library(), [syntax, *imported], packages.find)
+    table = build_class_table(drawn_library() if is_drawn else library_classes(), [syntax, *imported], packages.find)
     flat = flatten(table, _choose(syntax, table, model), structural)
     unused = find_unused_imports(syntax, _brought(syntax, imported)) if syntax.imports or table.files else Report()
     read = tuple(file.source.name for file in (*imported, *packages.read))

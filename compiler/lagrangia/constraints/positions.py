@@ -6,6 +6,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from lagrangia.algebra.pointers import Pointer
 from lagrangia.constraints.parameters import at_declared_values
 from lagrangia.frames.kinematics import Kinematics
 
@@ -20,25 +21,30 @@ class Positions:
     def __init__(self, kinematics: Kinematics, phi: ca.SX, J: ca.SX) -> None:
         q = ca.vertcat(*kinematics.symbols.positions.values())
         phi, J = (ca.densify(x) for x in at_declared_values(kinematics, [phi, J]))
-        self.n = q.numel()
-        self._gaps = ca.Function("gaps", [q], [phi, ca.densify(ca.jacobian(phi, q))])
-        self._slopes = ca.Function("slopes", [q], [J])
+        self.n, self._shape = q.numel(), J.shape
+        self._gaps = Pointer(ca.Function("gaps", [q], [phi, ca.densify(ca.jacobian(phi, q))]))
+        self._slopes = Pointer(ca.Function("slopes", [q], [J]))
 
     def gap(self, q: Vector) -> float:
         """The largest |Phi|."""
-        return float(np.abs(self._gaps(q)[0].full()).max(initial=0.0))
+        return float(np.abs(self._gaps(q)).max(initial=0.0))
 
     def slopes(self, q: Vector) -> Vector:
         """J, (m, n)."""
-        return np.asarray(self._slopes(q).full())
+        return np.ascontiguousarray(self._slopes(q).T).reshape(self._shape)
+
+    def _near(self, q: Vector) -> tuple[Vector, Vector]:
+        """Phi, and its slopes."""
+        phi, slopes = self._gaps.outputs(q)
+        return phi, np.ascontiguousarray(slopes.T).reshape(phi.size, self.n)
 
     def onto(self, q: Vector, units: Vector | None = None) -> Vector:
         """Onto the constraints by the shortest corrections, lengths measured in `units`, as long as they help."""
         units = np.ones(self.n) if units is None else units
-        g, J = (x.full() for x in self._gaps(q))
+        g, J = self._near(q)
         for _ in range(_RETURNS):
-            step = units * shortest(J * units, -g.ravel())
-            ahead, slopes = (x.full() for x in self._gaps(q + step))
+            step = units * shortest(J * units, -g)
+            ahead, slopes = self._near(q + step)
             if not np.linalg.norm(ahead) < np.linalg.norm(g):
                 break
             q, g, J = q + step, ahead, slopes

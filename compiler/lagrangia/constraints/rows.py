@@ -9,6 +9,7 @@ from collections import ChainMap
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import field, replace
 from functools import partial
+from random import Random
 
 import casadi as ca
 import numpy as np
@@ -294,7 +295,8 @@ class _Reduction:
         holonomic = [row for row in rows if row.is_holonomic]
         q = ca.vertcat(ca.SX(0, 1), *kinematics.symbols.positions.values())
         gaps = ca.vertcat(ca.SX(0, 1), *[row.value(kinematics, 0) for row in holonomic])
-        places, ways = np.random.default_rng(1).uniform(0.3, 1.7, (2, q.numel()))
+        random = Random(1)
+        places, ways = ([random.uniform(0.3, 1.7) for _ in range(q.numel())] for _ in range(2))
         here, slopes = ca.substitute([gaps, ca.jtimes(gaps, q, ca.DM(ways))], [q], [ca.SX(places)])
         sizes = self._sizes_in_time(slopes)
         still = [k for k, size in enumerate(sizes) if size <= _NEGLIGIBLE]

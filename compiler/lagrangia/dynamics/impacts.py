@@ -246,7 +246,7 @@ class _Event:
         return ca.Function("look", [v, ca.vertcat(q, symbols.time, *others), p], results), numbers
 
 
-def _turns_back(look: ca.Function, p: Numbers, random: np.random.Generator) -> bool:
+def _turns_back(look: ca.Function, p: Numbers, random: "np.random.Generator") -> bool:
     """Whether, at a random state, the rate of what is reset is that of the condition but for a factor, 0 is reset to 0, and what
     approaches does not do so afterwards."""
     v, known = (random.uniform(0.4, 1.6, look.numel_in(k)) for k in range(2))
@@ -265,7 +265,7 @@ def _turns_back(look: ca.Function, p: Numbers, random: np.random.Generator) -> b
                 and abs(still) <= _SAME * size and turned * np.sign(factor) <= _SAME * size)
 
 
-def _stops(look: ca.Function, p: Numbers, random: np.random.Generator) -> int:
+def _stops(look: ca.Function, p: Numbers, random: "np.random.Generator") -> int:
     """The sign of the factor by which, at a random state, g is the rate less what it is reset to; 0 where there is none, or where
     that goes with the rate."""
     v, known = (random.uniform(0.4, 1.6, look.numel_in(k)) for k in range(2))
@@ -280,7 +280,7 @@ def _stops(look: ca.Function, p: Numbers, random: np.random.Generator) -> int:
     return int(np.sign(factor)) if is_same and not follows else 0
 
 
-def _stays(look: ca.Function, p: Numbers, random: np.random.Generator) -> bool:
+def _stays(look: ca.Function, p: Numbers, random: "np.random.Generator") -> bool:
     """Whether, where a condition on rates alone changes along the rate that is reset, that is what it is set to, and goes on."""
     v, known = (random.uniform(0.4, 1.6, look.numel_in(k)) for k in range(2))
     (g,), _, slope, own = (np.array(x).ravel() for x in look(v, known, p))

@@ -11,7 +11,7 @@ from lagrangia.compile.pipeline import deep_recursion, flatten_files, read_files
 from lagrangia.editor.meanings import Index, members
 from lagrangia.editor.surroundings import statement_start, without_texts
 from lagrangia.language.classes import ClassTable, build_class_table
-from lagrangia.language.component_library import library
+from lagrangia.language.component_library import library_classes
 from lagrangia.language.dimensions import check_dimensions
 from lagrangia.language.flat import FlatModel
 from lagrangia.language.syntax import parse
@@ -45,7 +45,7 @@ def read_text(path: Path, read: Read) -> Reading:
         flat = None
         try:
             syntax, imported = read_files(path, read)
-            table = build_class_table(library(), [syntax, *imported], Packages(syntax).find)
+            table = build_class_table(library_classes(), [syntax, *imported], Packages(syntax).find)
         except LagError as error:
             return Reading(source, error.diagnostics, None, lambda: _index_of_mended(path, source, read))
         last = next((c for c in reversed(syntax.classes) if c.kind == "model" and not c.is_partial), None)
@@ -79,7 +79,7 @@ def _index_of_mended(path: Path, source: Source, read: Read) -> Index | None:
     for _ in range(_MOST_MENDED):
         try:
             syntax, imported = read_files(path, _in_place(path, Source(source.name, text), read))
-            return Index(syntax, build_class_table(library(), [syntax, *imported], Packages(syntax).find))
+            return Index(syntax, build_class_table(library_classes(), [syntax, *imported], Packages(syntax).find))
         except LagError as error:
             places = [d.span for d in error.diagnostics if d.span is not None and d.span.source.name == source.name]
             shorter = without_statements(text, places)
@@ -88,7 +88,7 @@ def _index_of_mended(path: Path, source: Source, read: Read) -> Index | None:
             text = shorter
     try:
         syntax = parse(Source(source.name, text))  # it may be what it imports that is wrong
-        return Index(syntax, build_class_table(library(), [syntax]))
+        return Index(syntax, build_class_table(library_classes(), [syntax]))
     except LagError:
         return None
 

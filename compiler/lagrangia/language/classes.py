@@ -1,13 +1,14 @@
 """Syntax trees -> ClassTable: which class a name means, and what a quantity type stands for."""
 
 from collections import ChainMap
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import field, replace
 from functools import cached_property
 
 from lagrangia.base.diagnostics import LIBRARY, Report, Source, Span, fail, suggest
 from lagrangia.base.records import dataclass
 from lagrangia.language.component_library import library_package
+from lagrangia.language.plain_tree import PlainClasses
 from lagrangia.language.scoping import Finder, Scopes, has_scopes, lifted, nowhere
 from lagrangia.language.tree import Argument, ClassDefinition, Declaration, Expression, Extends, Section, Syntax
 from lagrangia.language.variants import COMPONENTS, Variants
@@ -38,7 +39,7 @@ class ClassTable:
     """The classes of the library and of the user's files, those in packages by their full names. A user's class hides a library
     class of the same name, but not from the library itself."""
 
-    library: dict[str, ClassDefinition]
+    library: Mapping[str, ClassDefinition]
     user: dict[str, ClassDefinition]
     library_sources: set[Source] = field(default_factory=set)  # with those of its packages that are named
     files: dict[Source, Syntax] = field(default_factory=dict)  # those in which names may mean something else in each class
@@ -220,21 +221,26 @@ def _given(function: ClassDefinition, arguments: tuple[Argument, ...]) -> Iterat
                           arguments=(*element.arguments, *given.arguments))
 
 
-def _of_modelica(name: str, library: dict[str, ClassDefinition]) -> list[str]:
+def _of_modelica(name: str, library: Mapping[str, ClassDefinition]) -> list[str]:
     last = name.rpartition(".")[2]
     is_alike = last in library and (library[last].kind == "type") is (".Units." in name or ".SIunits." in name)
     return [f"the library of this language has {last} of its own: write {last}" if is_alike else
             suggest(last, library) or "lag help library lists what there is"]
 
 
-def build_class_table(library: Iterable[Syntax], user: Iterable[Syntax], find: Finder = nowhere) -> ClassTable:
+def build_class_table(library: Iterable[Syntax] | PlainClasses, user: Iterable[Syntax], find: Finder = nowhere) -> ClassTable:
     """`find` brings packages of folders when they are named. Raises LagError L0202 when a file set defines a name twice."""
-    report = Report()
-    library, user = tuple(library), tuple(user)
-    tables = [_collect(files, report, {}) for files in (library, user)]
+    report, user = Report(), tuple(user)
+    if isinstance(library, PlainClasses):
+        known: Mapping[str, ClassDefinition] = library
+        sources = {*library.sources}
+    else:
+        library = tuple(library)
+        known, sources = _collect(library, report, {}), {syntax.source for syntax in library}
+    own = _collect(user, report, {})
     report.raise_errors()
     scoped = {syntax.source: syntax for syntax in user} if any(map(has_scopes, user)) else {}
-    return ClassTable(tables[0], tables[1], {syntax.source for syntax in library}, scoped, find)
+    return ClassTable(known, own, sources, scoped, find)
 
 
 def _collect(files: Iterable[Syntax], report: Report, known: dict[str, ClassDefinition]) -> dict[str, ClassDefinition]:

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from lagrangia.base.diagnostics import LIBRARY, Source
 from lagrangia.base.folders import data_folder
-from lagrangia.language.plain_tree import read_trees, write_trees
+from lagrangia.language.plain_tree import PlainClasses, read_trees, write_trees
 from lagrangia.language.shipped import made_of, ship
 from lagrangia.language.syntax import grammar_file, parse, reader_tables
 from lagrangia.language.tree import ClassDefinition, Syntax
@@ -18,6 +18,12 @@ LIBRARY_PACKAGES = {"Rotational": "rotational.lag", "Translational": "translatio
 def library() -> tuple[Syntax, ...]:
     """The files of the library, in the order of their names, without their drawing sections; read once in a process."""
     return read_trees(made_of("library", _files(), _parsed))
+
+
+@cache
+def library_classes() -> PlainClasses:
+    """The same by their names: most scenes need few of them."""
+    return PlainClasses(made_of("library", _files(), _parsed))
 
 
 @cache

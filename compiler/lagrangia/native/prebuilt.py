@@ -14,7 +14,7 @@ Two libraries more, one a version of the standard, are binaries of FMUs: for any
 import hashlib
 import os
 import sys
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -76,18 +76,19 @@ def kind_here() -> str:
     return next(kind for kind in kinds() if _KINDS[kind][1] <= {*told})
 
 
-def find(runtime: Path, folder: Path = _FOLDER) -> Path | None:
+def find(runtime: Path, folder: Path = _FOLDER, digest_of: "Callable[[Path], str] | None" = None) -> Path | None:
     """The library for this machine, built from these sources; None where it is not there, or was built from others.
 
     `runtime` is the folder of the sources. What is loaded lies beside the modules, and is as trusted as they are.
+    `digest_of`: what knows the digest of sources sooner than by reading them.
     """
     try:
         known = (folder / "digest").read_text().strip()
     except OSError:
         return None
     able = kinds()[kinds().index(kind_here()) :]
-    there = [library for kind in able if (library := folder / f"{kind}{SUFFIX}").exists()]
-    return there[0] if there and known == digest(runtime) else None
+    there = next((library for kind in able if (library := folder / f"{kind}{SUFFIX}").exists()), None)
+    return there if there is not None and known == (digest_of or digest)(runtime) else None
 
 
 def find_fmu(runtime: Path, version: str, folder: Path = _FOLDER) -> Path | None:

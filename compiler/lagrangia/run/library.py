@@ -12,8 +12,9 @@ from pathlib import Path
 from threading import Lock
 from typing import TYPE_CHECKING
 
-from lagrangia.base.folders import cache_folder, data_folder
+from lagrangia.base.folders import cache_folder, data_folder, stamps
 from lagrangia.base.records import dataclass
+from lagrangia.base.store import find_kept, keep, key_of
 from lagrangia.native import prebuilt
 from lagrangia.run.runtime import Model, Run, Settings, load_runtime
 
@@ -102,7 +103,9 @@ def start_runtime(compiler: "Compiler | None" = None, level: str = prebuilt.LEVE
 
 def find_runtime() -> Runtime | None:
     """That of `start_runtime`, or None where there is neither a compiler nor a run time that came with the package."""
-    return start_runtime() if has_runtime() else None
+    if (ready := _ready()) is not None:
+        return _taken(cache_folder(), ready)
+    return start_runtime() if _find_compiler() is not None else None
 
 
 def has_runtime() -> bool:
@@ -117,7 +120,19 @@ def has_compiler() -> bool:
 
 def _ready() -> Path | None:
     """What came with the package, unless a compiler is asked for by name. Raises LagError L0706 for a name that is none."""
-    return None if _is_compiler_named() and _find_compiler() is not None else prebuilt.find(data_folder("runtime"))
+    is_other = _is_compiler_named() and _find_compiler() is not None
+    return None if is_other else prebuilt.find(data_folder("runtime"), digest_of=_digest)
+
+
+@cache
+def _digest(runtime: Path) -> str:
+    """That of prebuilt.py, kept by what is told of the sources without reading them."""
+    key = key_of("runtime", stamps(runtime, ".c", ".h"))
+    if (kept := find_kept("texts", key)) is not None:
+        return kept.decode()
+    found = prebuilt.digest(runtime)
+    keep("texts", key, found.encode())
+    return found
 
 
 def _is_compiler_named() -> bool:

@@ -1,6 +1,5 @@
 """Rows of results -> Trajectory: NumPy columns by name, tables and pictures."""
 
-import html
 import os
 import warnings
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -225,6 +224,8 @@ class Trajectory:
         """In a notebook: its animation."""
         if self.show is None or not len(self.rows):
             return None
+        import html
+
         page = html.escape(self.animate(), quote=True)
         return f'<iframe srcdoc="{page}" style="width:100%;height:560px;border:0" title="{html.escape(repr(self))}"></iframe>'
 
