@@ -55,7 +55,7 @@ def test_energy_does_not_depend_on_the_reference() -> None:
     inertia = planar_inertia.Inertia("f", m, m * centre[0], m * centre[1], I + m * dot(centre, centre))
     local, turn = some_pose(), some_pose()
     own = planar_inertia.no_inertia()
-    planar_inertia.add_inertia(own, inertia, local, turn)
+    planar_inertia.add_upper(own, planar_inertia.moved_inertia(inertia, local, turn))
     ahead = turn.to_world([a + b for a, b in zip(local.origin, local.to_world(centre), strict=True)])
     vx, vy, w = planar_inertia.moved_twist(TWIST, ahead)
     assert energy(own, TWIST) == pytest.approx(m * (vx**2 + vy**2) / 2 + I * w**2 / 2, rel=1e-13)

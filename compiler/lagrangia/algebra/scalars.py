@@ -7,6 +7,7 @@ Expressions are ca.SX in every other respect.
 
 from collections.abc import Callable, Sequence
 from functools import lru_cache
+from operator import attrgetter
 from typing import Any
 
 import casadi as ca
@@ -15,6 +16,7 @@ _MOST_CONSTANTS = 10_000  # few numbers stand in many expressions
 _NUMBERS = (float, int)
 _OPERANDS = (ca.SX, float, int)
 _binary, _unary = ca.SX.binary, ca.SX.unary
+_THIS = attrgetter("this")
 
 
 def _operators(operation: int) -> tuple[Callable[[Any, Any], Any], Callable[[Any, Any], Any]]:
@@ -70,7 +72,12 @@ def as_expression(x: Any) -> Expression:
 
 def column(*values: Any) -> ca.SX:
     """Numbers and expressions, one below the other; (0, 1) of none. Of what wraps expressions, CasADi looks at each twice."""
-    return ca.vertcat(*(x.this if isinstance(x, ca.SX) else as_expression(x).this for x in values)) if values else ca.SX(0, 1)
+    if not values:
+        return ca.SX(0, 1)
+    try:
+        return ca.vertcat(*map(_THIS, values))
+    except AttributeError:  # of a number
+        return ca.vertcat(*(x.this if isinstance(x, ca.SX) else as_expression(x).this for x in values))
 
 
 def scalars_in(column: ca.SX) -> list[Any]:

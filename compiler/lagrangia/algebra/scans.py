@@ -12,7 +12,7 @@ from typing import TypeAlias
 import casadi as ca
 
 from lagrangia.algebra.duals import Scalar
-from lagrangia.algebra.scalars import Expression, column, symbol
+from lagrangia.algebra.scalars import Expression, as_expression, column, symbol
 from lagrangia.base.records import dataclass
 
 _FEWEST = 24  # elements: a Function for fewer takes longer than it saves
@@ -38,6 +38,34 @@ def scan(step: Step, state: list[Scalar], inputs: Sequence[list[Scalar]]) -> tup
             results.append(one)
             k += 1
     return state, results
+
+
+def each(work: Callable[[list[Scalar]], list[Scalar]], inputs: Sequence[list[Scalar]]) -> list[list[Scalar]]:
+    """`work` of every element by itself: of many, in which the same are numbers, by columns, which gives the same expressions. It
+    asks only whether what it is given are numbers."""
+    groups: dict[Numbers, list[int]] = {}
+    for k, values in enumerate(inputs):
+        groups.setdefault(_numbers(values), []).append(k)
+    found: list[list[Scalar]] = [[]] * len(inputs)
+    for numbers, places in groups.items():
+        if len(places) < _FEWEST:
+            for k in places:
+                found[k] = work(inputs[k])
+            continue
+        table = zip(*(inputs[k] for k in places), strict=True)
+        made = work([_together(values) if number is None else number for number, values in zip(numbers, table, strict=True)])
+        for k, row in zip(places, zip(*(_apart(x, len(places)) for x in made), strict=True), strict=True):
+            found[k] = [*row]
+    return found
+
+
+def _together(values: Sequence[Scalar]) -> Expression:
+    """A column; what all have in common stays one scalar."""
+    return as_expression(values[0] if all(x is values[0] for x in values) else column(*values))
+
+
+def _apart(x: Scalar, count: int) -> Sequence[Scalar]:
+    return _scalars(x) if isinstance(x, ca.SX) and not x.is_scalar() else [x] * count
 
 
 def _end(kinds: Sequence[Numbers], k: int) -> int:

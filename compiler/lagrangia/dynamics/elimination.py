@@ -20,7 +20,7 @@ import casadi as ca
 
 from lagrangia.algebra.duals import Dual, Scalar, dot, is_zero, minus, plus, times
 from lagrangia.algebra.scalars import column, scalars_in
-from lagrangia.algebra.scans import scan
+from lagrangia.algebra.scans import each, scan
 from lagrangia.base.records import dataclass
 from lagrangia.dynamics.bodies import Bodies
 from lagrangia.dynamics.energies import Energies
@@ -36,11 +36,13 @@ from lagrangia.frames.planar_inertia import (
     Inertia,
     Vector,
     about,
-    add_inertia,
     add_moved,
+    add_upper,
     from_upper,
     inertial_force,
     momentum,
+    motion_numbers,
+    moved_inertia,
     moved_twist,
     no_inertia,
     upper,
@@ -63,15 +65,6 @@ class Cluster:
     def is_ground(self) -> bool:
         """Whether it is fixed to the world: no parent, and no direction to move in."""
         return self.parent is None and not self.directions
-
-    def add(self, inertia: Inertia, local: Pose) -> None:
-        """That of a frame of the body, which sits here."""
-        if not self.is_ground:
-            add_inertia(self.inertia, inertia, local, self.turn)
-
-    def inertial_force(self, still: Kinematics) -> Vector:
-        """What the body's inertia asks for when dv/dt = 0."""
-        return [*NOTHING] if self.is_ground else inertial_force(self.inertia, still.pose(self.frame, 2))
 
 
 @dataclass(frozen=True)
@@ -153,13 +146,17 @@ class ArticulatedBodies:
         known."""
         still = self.kinematics.without_accelerations()
         forces = find_forces(self.kinematics, energies)
-        return self._yield_to(forces, {name: x.inertial_force(still) for name, x in self.clusters.items()}) if forces else None
+        if forces is None:
+            return None
+        moving = {name: x for name, x in self.clusters.items() if not x.is_ground}
+        rows = [[*upper(x.inertia), *motion_numbers(still.pose(name, 2))] for name, x in moving.items()]
+        return self._yield_to(forces, dict(zip(moving, each(_inertial_force, rows), strict=True)))
 
     def _yield_to(self, forces: Forces, loads: dict[str, Vector]) -> ca.SX:
-        for frame, force in forces.on_frames.items():
-            home, local = self.bodies.home[frame], self.bodies.local[frame]
-            ahead = self.clusters[home].turn.to_world(local.origin)
-            loads[home] = _sum(loads.get(home, [*NOTHING]), about(force, ahead))
+        homes = [self.bodies.home[frame] for frame in forces.on_frames]
+        rows = [[*_ahead(self.clusters[home].turn, self.bodies.local[frame]), *force]
+                for home, (frame, force) in zip(homes, forces.on_frames.items(), strict=True)]
+        _add_loads(loads, homes, each(_about_reference, rows))
         return self._solve([minus(0.0, forces.on_coordinates.get(c.name, 0.0)) for c in self.kinematics.graph.coordinates], loads)
 
     def _solve(self, r: Vector, loads: dict[str, Vector]) -> ca.SX:
@@ -218,8 +215,12 @@ def _clusters(kinematics: Kinematics, bodies: Bodies) -> dict[str, Cluster] | No
     graph = kinematics.graph
     if sum(len(cluster.directions) for cluster in clusters.values()) < len(graph.coordinates) - len(graph.model.states):
         return None
-    for inertia in bodies.inertias:
-        clusters[bodies.home[inertia.frame]].add(inertia, bodies.local[inertia.frame])
+    found = [(clusters[bodies.home[x.frame]], x, bodies.local[x.frame]) for x in bodies.inertias]
+    moving = [(cluster, x, local) for cluster, x, local in found if not cluster.is_ground]
+    rows = [[x.mass, x.moment_x, x.moment_y, x.second_moment, local.cos, local.sin, *_ahead(cluster.turn, local)]
+            for cluster, x, local in moving]
+    for (cluster, _, _), values in zip(moving, each(_moved_inertia, rows), strict=True):
+        add_upper(cluster.inertia, values)
     return clusters
 
 
@@ -231,15 +232,61 @@ def _joined(kinematics: Kinematics, bodies: Bodies) -> dict[str, Cluster]:
     for root in graph.roots:
         directions = [(number[name], units[a]) for a in root.attributes if (name := f"{root.frame}.{a}") in number]
         clusters[root.frame] = Cluster(root.frame, None, directions, kinematics.pose(root.frame, 0))
-    for edge in graph.edges:
-        if edge.is_rigid:
-            continue
-        parent, local = clusters[bodies.home[edge.parent]], bodies.local[edge.parent]
+    moving = [edge for edge in graph.edges if not edge.is_rigid]
+    rows = [_ahead(kinematics.pose(bodies.home[edge.parent], 0), bodies.local[edge.parent]) for edge in moving]
+    for edge, ahead in zip(moving, each(_turned, rows), strict=True):
         directions = [(number[name], _direction(kinematics, edge, name)) for name in edge.coordinates if name in number]
-        here = kinematics.pose(edge.parent, 0).at(parent.turn.to_world(local.origin))
-        ahead = here.origin if all(map(stays, edge.steps)) else kinematics.follow(edge, here, 0).origin
-        clusters[edge.child] = Cluster(edge.child, parent, directions, kinematics.pose(edge.child, 0), ahead)
+        place: Sequence[Scalar] = ahead
+        if not all(map(stays, edge.steps)):
+            place = kinematics.follow(edge, kinematics.pose(edge.parent, 0).at(ahead), 0).origin
+        parent = clusters[bodies.home[edge.parent]]
+        clusters[edge.child] = Cluster(edge.child, parent, directions, kinematics.pose(edge.child, 0), place)
     return clusters
+
+
+# Of one body, by numbers: see `each` of algebra/scans.py.
+
+
+def _ahead(turn: Pose, local: Pose) -> Vector:
+    """What tells, in the world's axes, where a frame sits in a body."""
+    return [turn.cos, turn.sin, *local.origin]
+
+
+def _turned(ahead: Vector) -> Vector:
+    cos, sin, *place = ahead
+    return [*HERE.with_axis(cos, sin).to_world(place)]
+
+
+def _moved_inertia(values: Vector) -> Vector:
+    m, moment_x, moment_y, second, cos, sin, turn_cos, turn_sin, *place = values
+    return moved_inertia(Inertia("", m, moment_x, moment_y, second), HERE.at(place).with_axis(cos, sin),
+                         HERE.with_axis(turn_cos, turn_sin))
+
+
+def _inertial_force(values: Vector) -> Vector:
+    return inertial_force(from_upper(values[:UPPER]), values[UPPER:])
+
+
+def _about_reference(values: Vector) -> Vector:
+    return about(values[-SIZE:], _turned(values[:-SIZE]))
+
+
+def _add_loads(loads: dict[str, Vector], homes: Sequence[str], wrenches: Sequence[Vector]) -> None:
+    """One after the other; those that are the first of their bodies together, then the second ones."""
+    turns: list[dict[str, Vector]] = []
+    count: Counter[str] = Counter()
+    for home, wrench in zip(homes, wrenches, strict=True):
+        if count[home] == len(turns):
+            turns.append({})
+        turns[count[home]][home] = wrench
+        count[home] += 1
+    for turn in turns:
+        sums = each(_halves_added, [[*loads.get(home, NOTHING), *wrench] for home, wrench in turn.items()])
+        loads.update(zip(turn, sums, strict=True))
+
+
+def _halves_added(values: Vector) -> Vector:
+    return _sum(values[:SIZE], values[SIZE:])
 
 
 class OneMoves:

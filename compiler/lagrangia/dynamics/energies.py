@@ -172,9 +172,9 @@ def _check_dependence(energies: Energies, kinematics: Kinematics, report: Report
 
 
 def _balanced_sum(values: list[ca.SX]) -> ca.SX:
-    if not values:
-        return ca.SX(0)
-    while len(values) > 1:
-        pairs = [values[i] + values[i + 1] for i in range(0, len(values) - 1, 2)]
-        values = pairs + values[len(values) // 2 * 2 :]
-    return values[0]
+    """Of neighbours, of these sums, and so on, by columns."""
+    found = column(*values) if values else ca.SX(0)
+    while (count := found.numel()) > 1:
+        even = count // 2 * 2
+        found = ca.vertcat(found[0:even:2] + found[1:even:2], found[even:])
+    return as_expression(found)

@@ -157,6 +157,10 @@ class _Building:
         left, left_steps = _unfold(equation.left)
         right, right_steps = _unfold(equation.right)
         steps = right_steps + tuple(step.inverse() for step in reversed(left_steps))
+        if not steps:
+            if left != right:
+                self.candidates.append(Edge(right, left, (), (), False, equation.span))
+            return
         found = leaves([step.amount for step in steps], self.bindings)
         for leaf in found:
             if isinstance(leaf, FrameRef):
@@ -168,8 +172,6 @@ class _Building:
         self.turning |= {v.name for v in names.values() if v is not None and v.is_attitude}
         is_moved = any(v is not None and v.kind == "input" for v in names.values())
         edge = Edge(right, left, steps, coordinates, is_moved or any(isinstance(leaf, Time) for leaf in found), equation.span)
-        if left == right and not steps:
-            return
         self.candidates.append(edge)
 
     def _require_steady_axes(self, steps: tuple[Step, ...], span: Span) -> None:

@@ -66,6 +66,10 @@ class Pose:
         x, y = origin
         return Pose(x, y, self.phi, self.cos, self.sin)
 
+    def with_axis(self, cos: Scalar, sin: Scalar) -> "Pose":
+        """Turned by an angle that is known by these alone, and does not change."""
+        return Pose(self.x, self.y, self.phi, cos, sin)
+
     def turned(self, angle: Scalar, algebra: Algebra) -> "Pose":
         """After a turn about its origin."""
         phi = self.phi + angle

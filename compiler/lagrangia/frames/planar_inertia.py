@@ -124,15 +124,20 @@ def from_upper(values: Sequence[Scalar]) -> list[Vector]:
     return I
 
 
-def add_inertia(I: list[Vector], inertia: Inertia, local: Pose, turn: Pose) -> None:
-    """Moves an inertia from where its frame sits in the body to the reference frame (parallel axes), and turns it into the
-    world's axes."""
+def moved_inertia(inertia: Inertia, local: Pose, turn: Pose) -> Vector:
+    """An inertia, (UPPER,), moved from where its frame sits in the body to the reference frame (parallel axes), and turned into
+    the world's axes."""
     m = inertia.mass
     ahead = [local.x, local.y]
     bx, by = local.to_world((inertia.moment_x, inertia.moment_y))
     J = plus(inertia.second_moment, plus(times(2.0, dot(ahead, [bx, by])), times(m, dot(ahead, ahead))))
     x, y = turn.to_world((plus(bx, times(m, ahead[0])), plus(by, times(m, ahead[1]))))
-    for (i, j), value in {(0, 0): m, (1, 1): m, (0, 2): minus(0.0, y), (1, 2): x, (2, 2): J}.items():
+    return [m, 0.0, minus(0.0, y), m, x, J]
+
+
+def add_upper(I: list[Vector], values: Sequence[Scalar]) -> None:
+    """Adds an inertia that is given by its numbers, (UPPER,)."""
+    for (i, j), value in zip(_ENTRIES, values, strict=True):
         I[i][j] = plus(I[i][j], value)
 
 
@@ -164,11 +169,17 @@ def momentum(I: list[Vector], twist: Vector) -> Vector:
     return [dot([I[min(i, j)][max(i, j)] for j in range(SIZE)], twist) for i in range(SIZE)]
 
 
-def inertial_force(I: list[Vector], pose: Pose) -> Vector:
-    """What a body's inertia asks for when dv/dt = 0: F = m a - w^2 b + alpha x b, tau = J alpha + b x a."""
-    w, twist = value_of(rate_of(pose.phi)), [rate_of(rate_of(x)) for x in pose.place]
+def motion_numbers(pose: Pose) -> Vector:
+    """The angular velocity of a body, and the rate of its twist."""
+    return [value_of(rate_of(pose.phi)), *(rate_of(rate_of(x)) for x in pose.place)]
+
+
+def inertial_force(I: list[Vector], motion: Sequence[Scalar]) -> Vector:
+    """What a body's inertia asks for when dv/dt = 0: F = m a - w^2 b + alpha x b, tau = J alpha + b x a. `motion`: as
+    `motion_numbers` tells it."""
+    w, *rate = motion
     square = times(w, w)
-    x, y, torque = momentum(I, twist)
+    x, y, torque = momentum(I, rate)
     return [minus(x, times(square, I[1][2])), plus(y, times(square, I[0][2])), torque]
 
 
