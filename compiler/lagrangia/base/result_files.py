@@ -70,10 +70,14 @@ class Target:
         self.temporary = Path(name)
         return os.fdopen(handle, mode, encoding=encoding, newline=newline)
 
-    def put(self, content: str | bytes) -> None:
+    def put(self, *parts: str | bytes) -> None:
         """Text, or bytes where it is binary. Raises OSError with the name people know: a full disk is no fault of the input."""
+        self.put_all(parts)
+
+    def put_all(self, parts: Iterable[str | bytes]) -> None:
+        """One after the other, without putting them together before. Raises OSError likewise."""
         try:
-            self.stream.write(content)
+            self.stream.writelines(parts)
         except OSError as error:
             raise OSError(error.errno, error.strerror, str(self.path)) from None
 

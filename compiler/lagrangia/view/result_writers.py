@@ -90,7 +90,7 @@ class TextRows(Target):
         """Rows, as one flat sequence of numbers."""
         lines = (json_lines(values, self.names, self.empty) if self.is_json
                  else csv_lines(values, len(self.names), self.empty))
-        self.put(b"\n".join(lines) + b"\n")
+        self.put_all(part for line in lines for part in (line, b"\n"))
         if self.streams:
             self.stream.flush()
 
