@@ -17,11 +17,13 @@ from lagrangia.command.idle_options import refuse_idle
 from lagrangia.command.parser import WRONG, build_parser
 
 DONE, FAILED = 0, 1
+_RARELY = 50_000  # objects more than were freed: then cycles are looked for
 _SLEEP_SOON = "4"  # threads of NumPy's OpenBLAS that have nothing to do: else they spin for 30 ms when it is imported
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Exit codes: 0 done, 1 the run failed, 2 the input is wrong, 130 interrupted."""
+    gc.set_threshold(_RARELY)  # modules and what a scene is made of stay: a fortieth of a first answer went into looking at them
     atexit.register(gc.freeze)  # what ends with the process need not be searched for cycles
     prepare_output()
     os.environ.setdefault("OPENBLAS_THREAD_TIMEOUT", _SLEEP_SOON)

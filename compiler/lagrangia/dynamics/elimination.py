@@ -217,7 +217,7 @@ def _clusters(kinematics: Kinematics, bodies: Bodies) -> dict[str, Cluster] | No
         return None
     found = [(clusters[bodies.home[x.frame]], x, bodies.local[x.frame]) for x in bodies.inertias]
     moving = [(cluster, x, local) for cluster, x, local in found if not cluster.is_ground]
-    rows = [[x.mass, x.moment_x, x.moment_y, x.second_moment, local.cos, local.sin, *_ahead(cluster.turn, local)]
+    rows = [[x.mass, x.moment_x, x.moment_y, x.second_moment, *local.axis, *_ahead(cluster.turn, local)]
             for cluster, x, local in moving]
     for (cluster, _, _), values in zip(moving, each(_moved_inertia, rows), strict=True):
         add_upper(cluster.inertia, values)
@@ -249,7 +249,7 @@ def _joined(kinematics: Kinematics, bodies: Bodies) -> dict[str, Cluster]:
 
 def _ahead(turn: Pose, local: Pose) -> Vector:
     """What tells, in the world's axes, where a frame sits in a body."""
-    return [turn.cos, turn.sin, *local.origin]
+    return [*turn.axis, *local.origin]
 
 
 def _turned(ahead: Vector) -> Vector:

@@ -8,7 +8,11 @@ from collections.abc import Collection, Mapping, Sequence
 
 from lagrangia.base.table_data import TableData
 from lagrangia.native.series import NoSeriesError, Series, find_series
+from lagrangia.native.series_code import sines_together, write_series
+from lagrangia.native.table_code import write_tables
 from lagrangia.native.tapes import BINARY, EXPONENTIALS, SINES, Op, Tape
+from lagrangia.native.wide_code import write_wide
+from lagrangia.native.wide_series_code import write_wide_series
 
 _DATA = ("linear", "waves")  # the functions that stay tapes: the run time evaluates them in double-doubles
 INCLUDES = ("#include <math.h>", '#include "numbers/sines.h"', '#include "model/tape.h"')  # of what write_functions writes
@@ -42,11 +46,6 @@ def write_c(
 ) -> str:
     """The C source of a scene. Equal input gives equal text. Functions `interpreted` stay tapes: data, which compile at once.
     Without its `tables` a scene with some takes them from elsewhere. `lanes`: with series of eight motions at once."""
-    from lagrangia.native.series_code import write_series
-    from lagrangia.native.table_code import write_tables
-    from lagrangia.native.wide_code import write_wide
-    from lagrangia.native.wide_series_code import write_wide_series
-
     data = {*_DATA, *interpreted}
     series = motion_series(tapes) if "rhs" not in data else ""
     if isinstance(series, Series):  # in C, not as instructions
@@ -238,8 +237,6 @@ def _body(tape: Tape, start: int, stop: int, later: set[int]) -> list[str]:
 
 def _sines(run: Sequence[tuple[int, int, int]]) -> list[str]:
     """Sines and cosines that are computed together: (op, out, a)."""
-    from lagrangia.native.series_code import sines_together
-
     angles = {a: i for i, a in enumerate(dict.fromkeys(a for _, _, a in run))}
     found = [f"w{out} = {'sine' if op == Op.SIN else 'cosine'}[{angles[a]}];" for op, out, a in run]
     return ["{", *(f"    {line}" for line in (*sines_together([f"w{a}" for a in angles]), *found)), "}"]
