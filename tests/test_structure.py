@@ -251,7 +251,6 @@ ASK_THE_KIND = """
     constraints/found_plane
     dynamics/elimination
     draw/scenery draw/values view/mechanism study/pictures study/probes paper/points paper/symbolic
-    paper/virtual_steps
 """.split()
 OF_THE_PLANE = {"phi", "xy", "vx", "vy", "reaction_torque"}  # names of components and attributes, where these are no text
 # Beside the table of attributes: symbols on paper, residuals, which are called phi as well, angles of bodies that add up,

@@ -210,16 +210,20 @@ class _Maker:
         return total + self.reactions
 
     def _points(self) -> None:
+        space = self.k.graph.model.space
         for name in self.k.graph.model.frames:
             try:
-                place = ca.vertcat(*map(as_expression, self.k.pose(name, 0).place))
+                numbers = self.k.frame(name, "r", 0) if space.is_spatial else self.k.pose(name, 0).place
+                place = ca.vertcat(*map(as_expression, numbers))
             except LagError:  # a port that nobody uses
                 continue
             rate = self._along(place)
             twice = self._along(rate)
             sub = component_sub(name.removesuffix(".center"))
             virtual = ca.jtimes(place, self.q, self.dq)
-            for k, label in enumerate(("x", "y", "phi")):
+            for k, w in enumerate(self.k.frame(name, "omega", 0) if space.is_spatial else (), 1):
+                self.found.setdefault(line(Name("omega", f"{sub} {k}")), as_expression(w))
+            for k, label in enumerate(component.name for component in space.components):
                 for marks, x in enumerate((place, rate, twice)):
                     self.found.setdefault(line(Name(label, sub, marks)), x[k])
                 self.found.setdefault(line(Name(label, sub, prefix="δ")), virtual[k])

@@ -50,15 +50,15 @@ def _figure(options: Namespace, names: dict[str, str]) -> str:
     has_room = options.format == "html" or (options.format == "latex" and not options.fragment)
     if not has_room or options.form not in ("worked", "exercise") or options.check is not None:
         return ""
-    from lagrangia.draw.drawing import page_of
     from lagrangia.draw.svg import write_svg
     from lagrangia.draw.tikz import write_tikz
+    from lagrangia.solids.showing import page_any
 
     given = assignments(options.parameter, "-p")
     model = load_model(options, given, ())
     known = {name: symbol for name, symbol in names.items() if name in model.coordinate_names}
     try:
-        page, _ = page_of(model, Drawn(parameters=open_parameters(model.scene, given)), known)
+        page = page_any(model, Drawn(parameters=open_parameters(model.scene, given)), known)
         if not page.paths:
             return ""
         return write_svg(page) if options.format == "html" else write_tikz(page)

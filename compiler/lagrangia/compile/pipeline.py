@@ -17,6 +17,7 @@ from lagrangia.base.diagnostics import Report, Source, fail, suggest
 from lagrangia.base.records import dataclass
 from lagrangia.compile.packages import Packages, enclosing
 from lagrangia.compile.sources import read_source
+from lagrangia.frames.attitude_starts import HINGES, refuse_attitudes
 from lagrangia.language.classes import build_class_table
 from lagrangia.language.component_library import drawn_library, library_classes
 from lagrangia.language.consequences import refuse_felt_reactions
@@ -26,7 +27,7 @@ from lagrangia.language.flattening import flatten
 from lagrangia.language.given_values import Given, redeclared
 from lagrangia.language.lookups import read_planes, read_tables
 from lagrangia.language.samplers import refuse_held
-from lagrangia.language.space_limits import refuse_in_space, refuse_statements_in_space
+from lagrangia.language.space_limits import refuse_statements_in_space
 from lagrangia.language.syntax import parse
 from lagrangia.language.without_effect import find_unused_imports
 from lagrangia.run.formulas import AS_DECLARED, Formulas
@@ -210,7 +211,6 @@ def compile_energies(path: Path, model: str | None = None, structural: Mapping[s
     with deep_recursion():
         _, flat = flatten_file(path, model, structural)
         flat = redeclared(check_dimensions(flat), given or {})
-        refuse_in_space(flat, "equations")
         if flat.states:
             name, state = next(iter(flat.states.items()))
             fail("L0901", f"not supported yet: written equations of scenes with first-order states ('{name}')", state.span,
@@ -220,6 +220,7 @@ def compile_energies(path: Path, model: str | None = None, structural: Mapping[s
         refuse_delays(flat, "written equations")
         refuse_felt_reactions(flat, "written equations")
         kinematics, constraints = _kinematics(flat, is_general=False)
+        refuse_attitudes(kinematics.graph.attitudes, "written equations", HINGES)
         if not any(row.balanced for row in constraints.all_rows):  # which numbers that others could set may be the reason of
             kinematics, constraints = _kinematics(flat, is_general=True)
         return kinematics, constraints

@@ -13,7 +13,6 @@ NOT_YET: Mapping[str, tuple[str, str]] = {
     "pictures": ("pages that compute and films of modes", "lag draw and lag animate show it"),
     "drives": ("reactions of joints that are driven", "the force of the drive is there: constraint_force(x)"),
     "massless": ("places without mass beside torques on attitudes", "give what moves there a mass"),
-    "equations": ("written equations", "lag simulate, lag linearize, --to python and --to casadi have them"),
     "probes": ("responses to frames that are moved", "of inputs and of prescribed coordinates they are there"),
 }
 

@@ -130,13 +130,15 @@ def split_potential(energies: Energies, model: FlatModel) -> tuple[tuple[Term, .
 
 def generalised_force(scene: SymbolicScene, ring: Ring) -> tuple[Expr, ...]:
     """f_k = sum_i F_i . dr_i/dq_k."""
-    return tuple(ring.tidy(sp.Add(*(load_force(load, q) for load in scene.energies.loads))) for q in scene.q)
+    return tuple(ring.tidy(sp.Add(*(load_force(load, q, v) for load in scene.energies.loads)))
+                 for q, v in zip(scene.q, scene.v, strict=True))
 
 
-def load_force(load: Load, q: Expr) -> Expr:
-    """The generalised force of a load on q: F . dr/dq."""
-    pairs = zip(load.force, load.position, strict=True)
-    return sp.Add(*(exact_throughout(force) * exact_throughout(r).diff(q) for force, r in pairs))
+def load_force(load: Load, q: Expr, v: Expr) -> Expr:
+    """The generalised force of a load on q: F . dr/dq; of a torque on an attitude M . dw/dv."""
+    moving, is_rate = load.moving
+    pairs = zip(load.force, moving, strict=True)
+    return sp.Add(*(exact_throughout(force) * exact_throughout(r).diff(v if is_rate else q) for force, r in pairs))
 
 
 def constants_of_motion(e: Equations) -> tuple[Constant, ...]:

@@ -108,7 +108,8 @@ def force_blocks(book: Book) -> list[Block]:
     blocks: list[Block] = [Heading(say("Generalised forces"), 2)]
     several = len(e.scene.energies.loads) > 1
     for load in e.scene.energies.loads if several else ():
-        parts = [(k, e.ring.tidy(load_force(load, q))) for k, q in enumerate(e.scene.q)]
+        rates = enumerate(zip(e.scene.q, e.scene.v, strict=True))
+        parts = [(k, e.ring.tidy(load_force(load, q, v))) for k, (q, v) in rates]
         shown = [equal(force_name(book, k), book.sum(x)) for k, x in parts if x != 0]
         blocks += [paragraph(say("Of {0}:", load.statement.component)), *display(shown)]
     return [*blocks, *([paragraph(say("In all:"))] if several else []), Display(tuple(lines))]

@@ -10,7 +10,7 @@ from lagrangia.paper.layout import LETTERS, Name
 
 _ATTRIBUTES = {"force": ("F", ""), "torque": ("M", ""), "s_rel0": ("s", "0"), "phi_rel0": ("phi", "0"), "gravity": ("g", ""),
                "omega": ("omega", "")}
-_AXES = {"1": "x", "2": "y"}
+_AXES, _OF_BODIES = {"1": "x", "2": "y"}, ("I",)  # of vectors of the plane; moments about the axes of a body
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9]*(_[A-Za-z0-9]+)*")
 GREEK = {shown: name for name, shown in LETTERS.items() if not name.startswith("script ")} | {"ϕ": "phi", "ϵ": "epsilon"}
 _VARIANTS = {"varphi": "phi", "varepsilon": "epsilon"}  # which stand on paper by themselves
@@ -153,7 +153,9 @@ def _parts(source: str) -> tuple[str, str, str]:
     """Path, attribute, and the axis of an element of a vector."""
     path, _, attribute = source.rpartition(".")
     match = re.fullmatch(r"(\w+)\[(\d)\]", attribute)
-    return (path, match[1], _AXES.get(match[2], match[2])) if match else (path, attribute, "")
+    if match is None:
+        return path, attribute, ""
+    return path, match[1], match[2] if match[1] in _OF_BODIES else _AXES.get(match[2], match[2])
 
 
 def _split(text: str) -> tuple[str, str]:

@@ -81,7 +81,7 @@ def _symbols(values: Sequence[Expr]) -> set[Expr]:
 
 
 def _is_source(e: Equations, load: Load) -> bool:
-    return not _symbols(load.force) & {*e.scene.q, *e.scene.v, *e.scene.a}
+    return not load.moving[1] and not _symbols(load.force) & {*e.scene.q, *e.scene.v, *e.scene.a}
 
 
 def _potential(e: Equations, load: Load) -> Expr:
@@ -95,4 +95,4 @@ def _potential(e: Equations, load: Load) -> Expr:
 
 
 def _forces(e: Equations, loads: Sequence[Load]) -> tuple[Expr, ...]:
-    return tuple(e.ring.tidy(sp.Add(*(load_force(x, q) for x in loads))) for q in e.scene.q)
+    return tuple(e.ring.tidy(sp.Add(*(load_force(x, q, v) for x in loads))) for q, v in zip(e.scene.q, e.scene.v, strict=True))

@@ -7,7 +7,6 @@ and the formula is told beside. Loads, prescribed coordinates and user functions
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import field, replace
-from functools import cached_property
 from itertools import count
 from typing import Any, cast
 
@@ -17,13 +16,12 @@ from lagrangia.algebra.duals import Dual, Scalar, rate_of, value_of
 from lagrangia.algebra.normal_form import Ring, TooLarge
 from lagrangia.algebra.with_casadi import CasadiAlgebra
 from lagrangia.algebra.with_sympy import TIME, Expr, SympyAlgebra, exact_throughout, slope
-from lagrangia.base.diagnostics import Span, fail
+from lagrangia.base.diagnostics import fail
 from lagrangia.base.records import dataclass
 from lagrangia.constraints.parameters import scalars
 from lagrangia.constraints.rows import Constraints, Row
 from lagrangia.dynamics.energies import Energies, Term, evaluate_energies
 from lagrangia.frames.edges import Edge
-from lagrangia.frames.elements import whole
 from lagrangia.frames.evaluation import Evaluator, Value, scalars_of
 from lagrangia.frames.kinematics import Dependent, Kinematics, Symbols
 from lagrangia.frames.planar import ANGLES, LENGTHS, Pose
@@ -34,22 +32,10 @@ from lagrangia.language.flat import Variable, When
 from lagrangia.language.frame_attributes import COMPONENTS
 from lagrangia.language.function_variables import FlatFunction
 from lagrangia.language.mentions import nodes
-from lagrangia.language.tree import Array, Flat, Number, Ref, Unary
+from lagrangia.language.tree import Ref
+from lagrangia.paper.parameter_symbols import GRAVITY, Parameter, ParameterTable, ReadableEvaluator, number_of
 
-GRAVITY = "world.gravity"
 _PRODUCTS_OF_A_SIZE = 2000
-_LONGEST = 1500  # parts of the expression of one variable or function: some 10 s
-
-
-@dataclass(frozen=True)
-class Parameter:
-    """A parameter that stayed a symbol; `formula` is its binding where that is one."""
-
-    name: str
-    symbol: Expr
-    unit: str
-    description: str
-    formula: Expr | None
 
 
 @dataclass(frozen=True)
@@ -154,7 +140,7 @@ def mapped(energies: Energies, change: Callable[[Expr], Expr]) -> Energies:
 def _starts_positive(variable: Variable, variables: Mapping[str, Variable]) -> bool:
     start = variable.start
     binding = variables[start.name].binding if isinstance(start, Ref) and start.name in variables else start
-    number = None if binding is None else _number(binding)
+    number = None if binding is None else number_of(binding)
     return number is not None and number > 0
 
 
@@ -168,85 +154,6 @@ def _event(symbolic: "SymbolicKinematics", when: When) -> Event:
     return Event(exact_throughout(evaluator.value(level_of(when.condition))), tuple(resets))
 
 
-# -------------------------------------------------------------------- parameters
-
-
-class _ParameterTable:
-    """Leaves of an evaluator of parameters alone; remembers which stayed symbols."""
-
-    def __init__(self, kinematics: Kinematics, algebra: SympyAlgebra) -> None:
-        self.model = kinematics.graph.model
-        self.evaluator = ReadableEvaluator(self.model, algebra, self)
-        self.parameters: dict[str, Parameter] = {}
-        self.known: dict[str, Value] = {}
-
-    def symbol(self, name: str, level: int) -> Value:
-        if name not in self.known:
-            variable = self.model.variables[name]
-            assert variable.binding is not None
-            self.known[name] = self._resolve(variable, variable.binding)
-        return self.known[name]
-
-    def time(self, level: int) -> Scalar:
-        raise AssertionError("a parameter does not depend on time")
-
-    def frame(self, name: str, attribute: str, level: int) -> Value:
-        raise AssertionError("a parameter does not depend on frames")
-
-    def _resolve(self, variable: Variable, binding: Flat) -> Value:
-        if variable.name == GRAVITY:
-            return self._gravity(variable, binding)
-        if isinstance(binding, Array) and len(variable.shape) == 1:
-            return whole(self.evaluator.begun, variable, binding,
-                         lambda item, index: self._element(variable, f"{variable.name}[{index[0]}]", item))
-        if variable.shape:
-            return whole(self.evaluator.begun, variable, binding, lambda item, index: self.evaluator.value(item))
-        if "." not in variable.name:
-            formula = None if _number(binding) is not None else self.evaluator.value(binding)
-            return self._keep(variable, variable.name, formula)
-        number = _number(binding)
-        if number is not None:
-            is_plain = number == 0 or (variable.unit in ("", "1") and number in (1, -1))
-            return self.evaluator.value(binding) if is_plain else self._keep(variable, variable.name, None)
-        value = self.evaluator.value(binding)
-        return value if _is_simple(value) else self._keep(variable, variable.name, value)
-
-    def _element(self, variable: Variable, name: str, item: Flat) -> Value:
-        return self.evaluator.value(item) if _number(item) in (None, 0, 1, -1) else self._keep(variable, name, None)
-
-    def _gravity(self, variable: Variable, binding: Flat) -> Value:
-        """g along an axis."""
-        items = binding.items if isinstance(binding, Array) else ()
-        numbers = [_number(item) for item in items]
-        pulling = [x for x in numbers if x]
-        if None in numbers or len(pulling) != 1:
-            return tuple(self._element(variable, f"{GRAVITY}[{k}]", item) for k, item in enumerate(items, 1)) if items \
-                else self.evaluator.value(binding)
-        g = self._keep(variable, GRAVITY, None, nonnegative=True)
-        return tuple(g if x and x > 0 else -g if x else sp.S.Zero for x in numbers)
-
-    def _keep(self, variable: Variable, name: str, formula: Expr | None, nonnegative: bool = False) -> Expr:
-        known = nonnegative or (variable.minimum is not None and variable.minimum >= 0)
-        symbol = sp.Symbol(name, real=True, **({"nonnegative": True} if known else {}))
-        self.parameters[name] = Parameter(name, symbol, variable.unit, variable.description, formula)
-        return symbol
-
-
-def _number(node: Flat) -> float | None:
-    match node:
-        case Number(value):
-            return value
-        case Unary("-", Number(value), _):
-            return -value
-    return None
-
-
-def _is_simple(value: Expr) -> bool:
-    """A number times one symbol: 2 L, -r."""
-    rest = value.as_coeff_Mul()[1] if isinstance(value, sp.Expr) else value
-    return isinstance(rest, sp.Symbol | sp.Number | int | float)
-
-
 # -------------------------------------------------------------------- kinematics
 
 
@@ -257,11 +164,11 @@ class SymbolicKinematics(Kinematics):
     given: dict[str, Given] = field(default_factory=dict)
     is_small: bool = False
 
-    def __init__(self, base: Kinematics, positions: Iterable[str] | None = None, table: "_ParameterTable | None" = None,
+    def __init__(self, base: Kinematics, positions: Iterable[str] | None = None, table: ParameterTable | None = None,
                  dependents: Mapping[str, Dependent] | None = None, given: dict[str, Given] | None = None,
                  is_small: bool = False) -> None:
         algebra = SympyAlgebra()
-        self.table = table or _ParameterTable(base, algebra)
+        self.table = table or ParameterTable(base, algebra)
         names = list(base.symbols.positions) if positions is None else list(positions)
         symbols = _symbols(base, names, self.table)
         self.given = given if given is not None else {}
@@ -412,35 +319,6 @@ class SymbolicKinematics(Kinematics):
         return self._lift(given, level)
 
 
-class ReadableEvaluator(Evaluator):
-    """Refuses what SymPy, which shares no sub-expressions when it differentiates or prints, would work on without end."""
-
-    @cached_property
-    def _lengths(self) -> dict[int, tuple[Expr, int]]:
-        return {}  # by the id of an expression, which is kept: to compare long ones may take as long
-
-    def _bound(self, name: str, level: int) -> Value:
-        return self._measured(super()._bound(name, level), self.model.variables[name].span)
-
-    def _measured(self, value: Value, span: Span | None) -> Value:
-        parts = scalars_of(value)
-        while parts:
-            x = parts.pop()
-            if isinstance(x, Dual):
-                parts += [x.value, x.rate]
-            elif isinstance(x, sp.Basic) and self._length(x) > _LONGEST:
-                fail("L0712", f"not supported yet: equations with an expression of more than {_LONGEST} parts, each counted as "
-                     "often as it stands in it", span,
-                     "lag simulate, FMUs, --to python and --to casadi compute once what stands in several places")
-        return value
-
-    def _length(self, x: Expr) -> int:
-        known = self._lengths.get(id(x))
-        if known is None:
-            known = self._lengths[id(x)] = x, 1 + sum(self._length(part) for part in x.args)
-        return known[1]
-
-
 class _TimeEvaluator(ReadableEvaluator):
     """Keeps what a user function makes of time under the function's name."""
 
@@ -450,7 +328,7 @@ class _TimeEvaluator(ReadableEvaluator):
         return self.kinematics.time_function(function.name, super()._user_function(function, arguments, level), level)
 
 
-def _symbols(base: Kinematics, names: list[str], table: _ParameterTable) -> Symbols:
+def _symbols(base: Kinematics, names: list[str], table: ParameterTable) -> Symbols:
     def real(name: str) -> Expr:
         return sp.Symbol(name, real=True)
 
@@ -495,4 +373,4 @@ def _solve_linear(rows: list[Expr], unknowns: list[Expr]) -> list[Expr]:
     return [sp.expand(solved[0][x]) for x in unknowns]
 
 
-__all__ = ["Given", "Parameter", "SymbolicKinematics", "SymbolicScene", "build_symbolic"]
+__all__ = ["GRAVITY", "Given", "Parameter", "SymbolicKinematics", "SymbolicScene", "build_symbolic"]

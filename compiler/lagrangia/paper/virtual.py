@@ -9,6 +9,7 @@ from lagrangia.algebra.with_sympy import Expr, exact_throughout, slope
 from lagrangia.base.records import dataclass
 from lagrangia.dynamics.energies import Load, Term
 from lagrangia.paper.book import Book
+from lagrangia.paper.equations import load_force
 from lagrangia.paper.layout import Apply, Bracket, Name, Node, Product, Total, negative, product, total
 from lagrangia.paper.stated import opened
 from lagrangia.paper.terms import Signed
@@ -87,8 +88,11 @@ def dissipative_pull(book: Book, term: Term) -> tuple[Pull | None, Expr | None]:
 
 
 def load_pulls(book: Book, load: Load) -> list[Pull]:
-    """Each component of a load and what it moves along."""
-    tidy = book.equations.ring.tidy
+    """Each component of a load and what it moves along; a torque on an attitude, which is along nothing, by coordinates."""
+    scene, tidy = book.equations.scene, book.equations.ring.tidy
+    if load.moving[1]:
+        shares = [(tidy(load_force(load, q, v)), q) for q, v in zip(scene.q, scene.v, strict=True)]
+        return [Pull(force, q) for force, q in shares if force != 0]
     found = []
     for force, place in zip(load.force, load.position, strict=True):
         r = tidy(exact_throughout(place))

@@ -3,13 +3,11 @@
 import sympy as sp
 
 from lagrangia.algebra.with_sympy import Expr, exact_throughout
-from lagrangia.frames.planar import ANGLES, LENGTHS
-from lagrangia.language.frame_attributes import COMPONENTS
 from lagrangia.paper.book import Book, equal, multiplier_term, time_derivative
 from lagrangia.paper.document import Block, Display, Heading, display, paragraph, say
 from lagrangia.paper.layout import Bracket, Listing, Name, Node, Product, added, negative, product, total
 from lagrangia.paper.numbered import force_of
-from lagrangia.paper.points import Point, Speed, in_speeds, points_of
+from lagrangia.paper.points import Point, Speed, in_speeds, points_of, spin_name
 from lagrangia.paper.terms import Signed
 from lagrangia.paper.typeset import line
 from lagrangia.paper.virtual import (
@@ -23,8 +21,6 @@ from lagrangia.paper.virtual import (
     work_of,
 )
 
-_LABELS = [component.name for component in COMPONENTS]
-
 
 def positions(book: Book) -> list[Block]:
     """r, r' and delta r of each point; what stays 0, and an angle that is a coordinate, are left out."""
@@ -37,12 +33,13 @@ def positions(book: Book) -> list[Block]:
 
 
 def _place(book: Book, point: Point) -> list[Node]:
-    place, twist = point.place[LENGTHS], point.twist[LENGTHS]
+    place, twist = point.place, point.velocity
+    labels = [component.name for component in book.equations.scene.kinematics.graph.model.space.components]
     moving = [k for k, x in enumerate(place) if book.presentation.symbols.moves(x)]
     lines: list[Node] = []
     if len(moving) == 1:
         (k,) = moving
-        name = Name(_LABELS[k], point.sub)
+        name = Name(labels[k], point.sub)
         lines += _three(book, name, place[k], twist[k])
     elif moving:
         name = Name("r", point.sub)
@@ -50,10 +47,12 @@ def _place(book: Book, point: Point) -> list[Node]:
                              equal(_dotted(name), Listing(tuple(book.presentation.motion(x) for x in twist))),
                              equal(_virtual(name), Listing(tuple(displacement(book, x) for x in place)))]
         is_long = any(len(line(x)) > _LONGEST_VECTOR for x in whole)
-        lines += [x for k in moving for x in _three(book, Name(_LABELS[k], point.sub), place[k], twist[k])] if is_long else whole
-    phi, w = point.place[ANGLES][0], point.twist[ANGLES][0]
-    if book.presentation.symbols.moves(phi) and w not in book.equations.scene.v:
-        lines += _three(book, Name(_LABELS[ANGLES][0], point.sub), phi, w)
+        lines += [x for k in moving for x in _three(book, Name(labels[k], point.sub), place[k], twist[k])] if is_long else whole
+    if point.angle is None:
+        told = [(spin_name(point.sub, k), w) for k, w in enumerate(point.spin, 1) if w != 0 and w not in book.equations.scene.v]
+        return [*lines, *(equal(name, book.presentation.motion(w)) for name, w in told)]
+    if book.presentation.symbols.moves(point.angle) and point.spin[0] not in book.equations.scene.v:
+        lines += _three(book, Name(labels[-1], point.sub), point.angle, point.spin[0])
     return lines
 
 
@@ -134,7 +133,8 @@ def _inertial(book: Book) -> Node:
     items: Signed = []
     known = {s.symbol: s for s in speeds}
     for value in values:
-        terms = _squares(value, {*known, *e.scene.v})
+        turns = any(known[x].is_spin for x in value.free_symbols & known.keys())
+        terms = None if turns else _squares(value, {*known, *e.scene.v})
         if terms is None:
             whole = [negative(book.presentation.kept(e.ring.tidy(e.momentum_rates[k] - e.dT_dq[k]), sp.S.Zero, k).left)
                      for k in range(e.n)]

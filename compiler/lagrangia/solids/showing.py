@@ -11,7 +11,16 @@ import numpy as np
 from lagrangia.base.diagnostics import fail
 from lagrangia.base.result_files import Target, write_text
 from lagrangia.compile.pipeline import Compilation, flatten_file
-from lagrangia.draw.drawing import Drawable, Located, draw_scene, finished, moment_of, require_picture, states_of
+from lagrangia.draw.drawing import (
+    Drawable,
+    Located,
+    draw_scene,
+    finished,
+    moment_of,
+    page_of,
+    require_picture,
+    states_of,
+)
 from lagrangia.draw.film import (
     FORMATS,
     animate_run,
@@ -63,6 +72,15 @@ def draw_any(model: Drawable, path: str | os.PathLike[str] | None, request: Requ
     if tell is not None and not stage.bodies and not stage.lines:
         tell("nothing in this scene has a drawing: `lag help drawing` says how to give it one")
     return finished(page_at(stage, 0, camera_of(stage, view), model.scene.description or model.scene.name), path, failure)
+
+
+def page_any(model: Drawable, request: Request, names: Mapping[str, str]) -> Page:
+    """The page of any scene at the request's last time, as draw_any writes it. Raises LagError, RunError."""
+    if not is_in_space(model):
+        return page_of(model, request, names)[0]
+    model, states, _ = moment_of(model, request)
+    stage = build_stage(model.compilation, all_figures_of(model), states, names, ())
+    return page_at(stage, 0, usual(stage.up))
 
 
 def all_figures_of(model: Located) -> tuple[Figure, ...]:
