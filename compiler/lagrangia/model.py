@@ -410,13 +410,13 @@ class Model(Analysed, Swept):
     def functions(self, *, given: str | Iterable[str] = ()) -> "dict[str, casadi.Function]":
         """CasADi Functions of t, q, v, u, p: M, h, rhs, energies, outputs, jacobian.
 
-        q, u, p and the outputs are in the order of `coordinate_names`, `input_names`, `parameter_names` and `output_names`.
+        q, u, p and the outputs are in the order of `position_names`, `input_names`, `parameter_names` and `output_names`.
         What is bound to other parameters follows them: its entry of p is not read, and derivatives with respect to the others go
         through its binding. `given` are names of such that p gives all the same (a mapping will do: functions(given=changes) with
         parameter_values(changes)). Constrained scenes have Phi, J, bias and lambda too; see functions.people_functions.
         Raises LagError L0701, L0702 for names that are none.
         """
-        from lagrangia.compile.functions import people_functions
+        from lagrangia.compile.people_functions import people_functions
 
         c, known = self.general.compilation, self._known_parameters(given)
         return people_functions(c.kinematics, c.motion, c.constraints, self.output_names, known)
@@ -424,7 +424,7 @@ class Model(Analysed, Swept):
     def derivatives(self, *, given: str | Iterable[str] = ()) -> "dict[str, casadi.Function]":
         """CasADi Functions that go with those of `functions`: jacobian_u and jacobian_p of t, q, v, u, p are d(dv/dt)/du and
         d(dv/dt)/dp, with what follows from p; parameters of p are the values of all parameters. Raises LagError L0701, L0702."""
-        from lagrangia.compile.functions import people_derivatives
+        from lagrangia.compile.people_functions import people_derivatives
 
         c, known = self.general.compilation, self._known_parameters(given)
         return people_derivatives(c.kinematics, c.motion, known)
@@ -438,6 +438,11 @@ class Model(Analysed, Swept):
     def coordinate_names(self) -> tuple[str, ...]:
         """In the order of q."""
         return tuple(column.name for column in self.scene.coordinates)
+
+    @cached_property
+    def position_names(self) -> tuple[str, ...]:
+        """In the order of q of `functions`: unit quaternions of attitudes, which are three coordinates each."""
+        return tuple(column.name for column in self.scene.told_positions)
 
     @cached_property
     def input_names(self) -> tuple[str, ...]:

@@ -129,3 +129,17 @@ def test_commands_tell_it_and_what_is_not_there_is_said(tmp_path: Path, capsys: 
     assert abs(float(rows[1][place]) - float(rows[-1][place])) < 1e-12
     assert main(["simulate", str(file), "--from", "steady tip.w[3]=2", "-o", "-"]) == 2
     assert "not supported yet" in capsys.readouterr().err
+
+
+def test_the_tip_bears_what_the_motion_asks_for_and_the_account_closes(tmp_path: Path) -> None:
+    """The reaction is m (a - g), a by differences of the places of the centre."""
+    path = tmp_path / "top.lag"
+    path.write_text(SLEEPING.replace("tip(a = world,", 'tip(a = world, S(start = axis_angle({1, 0, 0}, 0.5)),'))
+    times, h = np.linspace(0, 0.02, 41), 0.0005
+    run = lag.Model(path, outputs=("tip.reaction", "top.center.r")).simulate(at=times, tolerance=1e-13)
+    r = np.array([run[f"top.center.r[{k}]"] for k in (1, 2, 3)])
+    weights = np.array([-1 / 560, 8 / 315, -1 / 5, 8 / 5, -205 / 72, 8 / 5, -1 / 5, 8 / 315, -1 / 560]) / h**2
+    a = np.array([np.convolve(x, weights, "valid") for x in r])
+    wanted = 0.5 * (a + np.array([[0], [0], [9.81]]))
+    np.testing.assert_allclose([run[f"tip.reaction[{k}]"][4:-4] for k in (1, 2, 3)], wanted, atol=1e-7)
+    assert np.abs(run.energy.residual).max() < 1e-12 * run["energy.kinetic"][0]

@@ -27,8 +27,10 @@ Solvers      erk, erk5, erk9, pirk, implicit. adams, taylor, conservative, linea
 FMUs         have the unit quaternion tip.S[1] to [4] and der(tip.S) (tip.w) as states. In Model Exchange dQ/dt = P (0, w)/2 +
              k (P - Q) with P = Q/|Q|: no other length says anything, and none lasts; k = 100/(stop - start). Co-Simulation steps
              as lag simulate does. A start is set as a whole: its length says nothing, parts that are not set are as declared.
+Functions    of model.functions(), --to casadi and --to python have the unit quaternion among q (model.position_names), of any
+             length; turning is dq/dt. --to modelica is refused.
 Small motion is in small turns tip.S.s[1] to [3] about the turned axes (rad), three of each attitude; the point is told by its
              quaternion. About a start that turns (--about start), as a sleeping top, frequencies are those seen from the turned
              axes, and it is told whether the motion is steady. --from equilibrium begins at rest.
-Not supported yet: --from steady, exports, pictures, small motion beside a run, kinetic energies of der(S) that are no rigid
+Not supported yet: --from steady, pictures, small motion beside a run, kinetic energies of der(S) that are no rigid
 body's. Hinges (a Universal and a Revolute) have all but the pictures."""

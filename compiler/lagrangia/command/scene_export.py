@@ -31,6 +31,7 @@ _WORDS = {
     "jacobian": "d(dv/dt)/d(q, v), (n, 2 n).", "jacobian_u": "d(dv/dt)/du, (n, len(INPUTS)).",
     "jacobian_p": "d(dv/dt)/dp, (n, len(PARAMETERS)): through what follows, and 0 for its own entries.",
     "Phi": "Holonomic constraints, zero on the motion.", "J": "dPhi/dq, (m, n).",
+    "turning": "dq/dt, where q has unit quaternions of attitudes, real parts first.",
     "bias": "(m,): J dv/dt + bias = 0.", "lambda": "Multipliers, (m,).",
 }
 
@@ -75,7 +76,8 @@ def _require_smooth(model: "Model", target: str) -> None:
     compilation = model.compilation
     refuse_held(compilation.flat, f"the export to {target}")
     refuse_delays(compilation.flat, f"the export to {target}")
-    refuse_attitudes(compilation.graph.attitudes, f"the export to {target}", HINGES)
+    if target == "modelica":
+        refuse_attitudes(compilation.graph.attitudes, f"the export to {target}", HINGES)
     if target == "python" and (long := [table for table in model.scene.tables if table.n > MOST_WRITTEN]):
         fail("L0901", f"not supported yet: the table '{long[0].name}' of {long[0].n} points in the export to python", None,
              f"it writes tables of at most {MOST_WRITTEN} points out; --to casadi and --to fmu look up what is longer")
@@ -122,9 +124,9 @@ def _page(model: "Model", target: str, names: Mapping[str, str], force: bool) ->
 
 
 def starts(model: "Model") -> dict[str, float]:
-    """The assembled start, by coordinate and der(coordinate)."""
+    """The assembled start, by coordinate and der(coordinate); by the parts of quaternions of attitudes."""
     run = model.run(replace(USUAL, at=[model.scene.start]))
-    names = [c.name for c in (*model.scene.coordinates, *model.scene.rates)]
+    names = [c.name for c in (*model.scene.told_positions, *model.scene.rates)]
     return {name: float(run[name][0]) for name in names}
 
 
@@ -156,7 +158,7 @@ def _write_casadi(model: "Model", path: Path) -> int:
     import casadi as ca
 
     first = starts(model)
-    q, v = (ca.DM([first[c.name] for c in columns]) for columns in (model.scene.coordinates, model.scene.rates))
+    q, v = (ca.DM([first[c.name] for c in columns]) for columns in (model.scene.told_positions, model.scene.rates))
     table = model.functions() | model.derivatives()
     mapping = table.pop("parameters")
     p = ca.SX.sym("p", len(model.parameter_names))
@@ -168,7 +170,7 @@ def _write_casadi(model: "Model", path: Path) -> int:
         file = Path(folder) / "functions"
         serializer = ca.FileSerializer(str(file))
         serializer.pack(functions)
-        serializer.pack({"q": list(model.coordinate_names), "u": list(model.input_names), "p": list(model.parameter_names),
+        serializer.pack({"q": list(model.position_names), "u": list(model.input_names), "p": list(model.parameter_names),
                          "y": list(model.output_names), "follow": _following(model, mapping)})
         del serializer  # closes the file
         target.stream.write(file.read_bytes())
@@ -204,19 +206,21 @@ def _python(model: "Model", target: str, names: Mapping[str, str], force: bool) 
     scene, first, functions = model.scene, starts(model), model.functions() | model.derivatives()
     mapping = functions.pop("parameters")
     values = dict(zip(model.parameter_names, model.parameter_values().tolist(), strict=True))
+    n = len(model.position_names)
+    turning = "turning(t, q, v, u, p)" if "turning" in functions else "v"
     title = f"{scene.name}: {scene.description}" if scene.description else scene.name
     head = [f'"""{python_text(title)}.', "",
             "Functions of t, q, v, u, p in SI units, the entries in the order of COORDINATES, INPUTS and PARAMETERS;",
             "scipy.integrate.solve_ivp(slope, (0, 1), START) integrates it.",
             *_remarks(model, target), '"""', "", "import numpy as np", "",
-            f"COORDINATES = {list(model.coordinate_names)!r}", f"INPUTS = {inputs(model)!r}", f"PARAMETERS = {values!r}",
+            f"COORDINATES = {list(model.position_names)!r}", f"INPUTS = {inputs(model)!r}", f"PARAMETERS = {values!r}",
             f"FOLLOWING = {_following(model, mapping)!r}  # from other parameters: their entries of p are not read",
             f"OUTPUTS = {list(model.output_names)!r}",
-            f"START = np.array({[first[c.name] for c in (*scene.coordinates, *scene.rates)]!r})  # q, v", "", "",
-            "def slope(t, y, u=None, p=None):", '    """dy/dt of y = (q, v)."""', f"    q, v = y[:{scene.n}], y[{scene.n}:]",
+            f"START = np.array({[first[c.name] for c in (*scene.told_positions, *scene.rates)]!r})  # q, v", "", "",
+            "def slope(t, y, u=None, p=None):", '    """dy/dt of y = (q, v)."""', f"    q, v = y[:{n}], y[{n}:]",
             "    u = np.array(list(INPUTS.values())) if u is None else u",
             "    p = np.array(list(PARAMETERS.values())) if p is None else p",
-            "    return np.concatenate([v, rhs(t, q, v, u, p)])", ""]
+            f"    return np.concatenate([{turning}, rhs(t, q, v, u, p)])", ""]
     parts = ["\n".join(head), _parameters_text(mapping)]
     for name, function in functions.items():
         matrix = function.size_out(0) if name in _MATRICES else None

@@ -4,7 +4,7 @@ For the run time, in the order that runtime/model/model.h states, with everythin
 (`hoist`: p -> c); for people the same equations as functions of t, q, v, u, p.
 """
 
-from collections.abc import Collection, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 from itertools import islice
 
@@ -24,7 +24,7 @@ from lagrangia.compile.mode_places import (
     mode_functions,
 )
 from lagrangia.constraints.initial import InitialConditions, initial_function, start_function
-from lagrangia.constraints.parameters import all_parameters, at_start, parameters_of, scalars
+from lagrangia.constraints.parameters import all_parameters, at_start, scalars
 from lagrangia.constraints.rows import Constraints
 from lagrangia.dynamics.constrained_motion import ConstrainedMotion, RegularMotion
 from lagrangia.dynamics.delaying import Delaying, find_delaying
@@ -33,17 +33,14 @@ from lagrangia.dynamics.hamilton import Hamilton
 from lagrangia.dynamics.impulses import find_kick
 from lagrangia.dynamics.jacobians import Jacobian, build_jacobian
 from lagrangia.dynamics.joint_loads import settled
-from lagrangia.dynamics.motion import Motion, mass_matrix
+from lagrangia.dynamics.motion import Motion
 from lagrangia.dynamics.negative_inertia import without_negative_inertia
 from lagrangia.dynamics.reactions import build_reactions
 from lagrangia.dynamics.sampling import Sampling, find_sampling
 from lagrangia.dynamics.switches import Switches, find_roots, find_switches, find_thresholds
-from lagrangia.frames.attitude_starts import HINGES, refuse_attitudes
 from lagrangia.frames.kinematics import Kinematics
 from lagrangia.language.consequences import speaks_of_contact_forces
-from lagrangia.language.delays import refuse_delays
 from lagrangia.language.observables import observe
-from lagrangia.language.samplers import refuse_held
 from lagrangia.needs.linear_cost import weigh_linear
 from lagrangia.needs.linear_form import LinearForm, find_linear_form
 from lagrangia.run.rules import Moment, Taken, decide
@@ -269,61 +266,6 @@ def _add_linear(table: dict[str, ca.Function], kinematics: Kinematics,
         return {}, {"linear": form}, None
     table |= {"linear": form.values, "waves": form.waves}
     return {"linear_pattern": form.pattern}, {}, decide(Moment.LINEAR, weigh_linear(kinematics, motion))
-
-
-def people_functions(
-    kinematics: Kinematics, motion: Motion, constraints: Constraints, outputs: tuple[str, ...], given: Collection[str] = ()
-) -> dict[str, ca.Function]:
-    """M, h, rhs, energies, outputs and jacobian as functions of t, q, v, u, p, in SI units.
-
-    M(q, p) (n, n): M dv/dt + h = 0;  rhs: dv/dt (n,);  energies: T, V, D;  jacobian: d(dv/dt)/d(q, v) (n, 2 n).
-    p has an entry for every parameter. One that is bound to others (m of Bar bar(m = m)) follows them: its entry is not read, and
-    derivatives go through its binding; in `given` are names of such that are read from p instead.
-    A constrained scene has four more, for its m constraints: M dv/dt + h + J^T lambda = 0, J dv/dt + bias = 0.
-    Phi(t, q) = 0, the holonomic ones (m or fewer rows);  J (m, n);  bias (m,): the rates of the constraints at dv/dt = 0,
-    differentiated once more;  lambda (m,): the multipliers. At states off the constraints rhs and lambda keep d2 Phi/dt2 = 0.
-    """
-    refuse_held(kinematics.graph.model, "M, h and accelerations as functions")
-    refuse_delays(kinematics.graph.model, "M, h and accelerations as functions")
-    refuse_attitudes(kinematics.graph.attitudes, "M, h and accelerations as functions", HINGES)
-    _names, y = _outputs(kinematics, outputs)
-    y = _solved(with_reactions(y, kinematics, motion, constraints), motion)
-    expressions = {
-        "M": [mass_matrix(motion)], "h": [motion.h], "rhs": [motion.acceleration], "energies": [motion.T, motion.V, motion.D],
-        "outputs": [y], "jacobian": [ca.jacobian(motion.acceleration, ca.vertcat(motion.q, motion.v))],
-    }
-    held = motion.constrained
-    if held:
-        expressions |= {"Phi": [held.rows.phi], "J": [held.J], "bias": [held.rows.bias], "lambda": [held.multipliers]}
-    return _following(kinematics, motion, expressions, parameters_of(kinematics, motion.p, given))
-
-
-def people_derivatives(kinematics: Kinematics, motion: Motion, given: Collection[str] = ()) -> dict[str, ca.Function]:
-    """jacobian_u: d(dv/dt)/du (n, n_u) and jacobian_p: d(dv/dt)/dp (n, n_p), as functions of t, q, v, u, p;
-    parameters: p -> all values with which these and `people_functions` reckon, (n_p,)."""
-    refuse_held(kinematics.graph.model, "derivatives of accelerations")
-    refuse_delays(kinematics.graph.model, "derivatives of accelerations")
-    refuse_attitudes(kinematics.graph.attitudes, "derivatives of accelerations", HINGES)
-    (a,), p = kinematics.algebra.by_inputs([motion.acceleration]), motion.p
-    parameters = parameters_of(kinematics, p, given)
-    slopes = {"jacobian_u": [ca.jacobian(a, motion.u)], "jacobian_p": [ca.jacobian(a, p) @ ca.jacobian(parameters, p)]}
-    return {**_following(kinematics, motion, slopes, parameters),
-            "parameters": ca.Function("parameters", [p], [parameters], ["p"], ["parameters"])}
-
-
-def _following(kinematics: Kinematics, motion: Motion, expressions: Mapping[str, list[ca.SX]],
-               parameters: ca.SX) -> dict[str, ca.Function]:
-    """Functions of t, q, v, u, p, with the modes as they are at t and `parameters`, which are functions of p, in place of p."""
-    labels = {"energies": ["T", "V", "D"], "outputs": ["y"], "rhs": ["a"]}
-    arguments = [motion.t, motion.q, motion.v, motion.u, motion.p]
-    modes = kinematics.algebra.modes
-    symbols, values = [mode.symbol for mode in modes], [mode.value for mode in modes]
-    table = {}
-    for name, results in expressions.items():
-        found = ca.substitute(results, symbols, values) if modes else results
-        found = ca.substitute(found, [motion.p], [parameters])
-        table[name] = ca.Function(name, arguments, found, ["t", "q", "v", "u", "p"], labels.get(name, [name]))
-    return table
 
 
 def observer(

@@ -209,7 +209,7 @@ def build_extras(model: Exportable, described: FmuModel) -> Extras:
 
     files, equations = model_files(model), ""
     flat = model.compilation.flat
-    if not (flat.samplers or flat.delays or model.compilation.graph.attitudes):  # accelerations that q, v do not tell
+    if not (flat.samplers or flat.delays):  # whose accelerations the state alone does not tell
         functions = ca.StringSerializer()
         functions.pack(list(model.functions().values()))
         files = {"functions.casadi": functions.encode().encode()} | files
