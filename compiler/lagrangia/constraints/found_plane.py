@@ -16,10 +16,10 @@ from lagrangia.base.diagnostics import Span
 from lagrangia.constraints.parameters import default_parameters
 from lagrangia.frames import spatial
 from lagrangia.frames.graph import build_graph
-from lagrangia.frames.in_plane import along_normal, plain_matrix
+from lagrangia.frames.in_plane import along_normal
 from lagrangia.frames.kinematics import Kinematics, build_kinematics
 from lagrangia.frames.planes import NoPlane, Plane
-from lagrangia.frames.spatial import Matrix, Vector
+from lagrangia.frames.spatial import Matrix, Vector, plain_matrix
 from lagrangia.frames.steps import Step
 from lagrangia.language.flat import FlatModel
 from lagrangia.language.frame_attributes import REACTIONS

@@ -209,7 +209,7 @@ class _Starts:
         loops = [""] * len(self.residuals)
         for row in constraints.rows:
             around = row.loop.around if row.loop else ""
-            positions = [row.value(self.kinematics, 0)] if row.is_holonomic else []
+            positions = [row.value_at_start(self.kinematics)] if row.is_holonomic else []
             values = [*positions, row.rate(self.kinematics)]
             self.residuals += [(self._at_start(ca.SX(value)), row.span) for value in values]
             loops += [around] * len(values)

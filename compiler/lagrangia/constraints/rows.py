@@ -14,12 +14,12 @@ from random import Random
 import casadi as ca
 import numpy as np
 
-from lagrangia.algebra.duals import Dual, Scalar, is_zero, plus, rate_of, times
+from lagrangia.algebra.duals import Dual, Scalar, plus, rate_of, times
 from lagrangia.algebra.scalars import symbols_in
 from lagrangia.base.diagnostics import Report, Span, fail
 from lagrangia.base.records import dataclass
 from lagrangia.constraints.parameters import default_parameters
-from lagrangia.frames.closures import gaps
+from lagrangia.frames.closures import gaps, gaps_of_start
 from lagrangia.frames.edges import Closure
 from lagrangia.frames.kinematics import Dependent, Kinematics
 from lagrangia.language.flat import Equation
@@ -39,6 +39,7 @@ class Row:
     component: str = ""  # that states the equation
     is_timed: bool = False  # the equation itself depends on time
     equation: Equation | None = None
+    start: Callable[[Kinematics], Scalar] | None = None  # vanishes with it, and nowhere else: asked for at the start
     balanced: str = ""  # the coordinate that moves no mass, whose forces are in balance
 
     @property
@@ -47,6 +48,10 @@ class Row:
         if self.balanced:
             return f"the balance of forces at '{self.balanced}', which moves no mass,"
         return f"the loop {self.loop.around}" if self.loop else f"the equation '{self.span.text}' at {self.span}"
+
+    def value_at_start(self, kinematics: Kinematics) -> Scalar:
+        """What vanishes at the start, from places far from there as well."""
+        return self.value(kinematics, 0) if self.start is None else self.start(kinematics)
 
     def rate(self, kinematics: Kinematics) -> Scalar:
         """d/dt of a holonomic row along the motion; a nonholonomic row itself."""
@@ -146,9 +151,9 @@ def _rows(kinematics: Kinematics) -> list[Row]:
     rows = []
     for closure in kinematics.graph.closures:
         for k, gap in enumerate(gaps(kinematics, closure, 0)):
-            if kinematics.geometry.by_rates and is_zero(gap):
-                continue  # what no motion opens
-            rows.append(Row(partial(_gap, closure, k), True, closure, closure.span, k, is_timed=_is_timed(kinematics, gap)))
+            start = partial(_gap_of_start, closure, k) if kinematics.geometry.by_rates else None
+            is_timed = _is_timed(kinematics, gap)
+            rows.append(Row(partial(_gap, closure, k), True, closure, closure.span, k, is_timed=is_timed, start=start))
     for equation in kinematics.graph.model.constraints:
         rows += _equation_rows(equation, kinematics)
     return rows
@@ -156,6 +161,10 @@ def _rows(kinematics: Kinematics) -> list[Row]:
 
 def _gap(closure: Closure, k: int, kinematics: Kinematics, level: int) -> Scalar:
     return gaps(kinematics, closure, level)[k]
+
+
+def _gap_of_start(closure: Closure, k: int, kinematics: Kinematics) -> Scalar:
+    return gaps_of_start(kinematics, closure)[k]
 
 
 def _equation_rows(equation: Equation, kinematics: Kinematics) -> list[Row]:

@@ -8,13 +8,14 @@ import casadi as ca
 from lagrangia.base.records import dataclass
 from lagrangia.constraints.partition import Partition
 from lagrangia.constraints.rows import Constraints
-from lagrangia.dynamics.kkt import KKT, diagonal_of, factor
+from lagrangia.dynamics.kkt import KKT, SMALL, SMALL_IN_SPACE, diagonal_of, factor
 from lagrangia.dynamics.null_space import NullSpace
+from lagrangia.dynamics.own_rows import OwnRows, WithOwnRows, factor_others, find_own_rows, form_others
 from lagrangia.dynamics.regularity import find_evenness, is_even, relative_pivots
 from lagrangia.dynamics.schur import FreeTree, SchurComplement, form
 from lagrangia.frames.kinematics import Kinematics
 
-System = KKT | SchurComplement
+System = KKT | SchurComplement | WithOwnRows
 
 
 @dataclass(frozen=True)
@@ -99,20 +100,35 @@ def constrain(
     `for_any_mass`: formulas that hold where parameters make M singular or uneven, too.
     """
     J = ca.jacobian(rows.rate, free.v)
-    mass, pivots = (free.tree.mass, free.tree.pivots) if free.tree else (diagonal_of(free.M), relative_pivots(free.M))
-    evenness = ca.vertcat(find_evenness(kinematics, mass, pivots, J), free.tree.balance if free.tree else ca.SX(0, 1))
+    own, small = find_own_rows(kinematics, J), SMALL_IN_SPACE if kinematics.geometry.by_rates else SMALL
+    evenness = _evenness(kinematics, free, J, own)
     is_robust = for_any_mass or not is_even(kinematics, evenness)
     if free.tree is not None and not is_robust:
-        system: System = form(free.tree, J)
+        system: System = form(free.tree, J, small) if own is None else form_others(free.tree, J, own, small)
     else:
-        system = factor(free.M, J, is_robust)
+        system = factor(free.M, J, is_robust, small=small) if own is None else factor_others(free.M, J, own, is_robust, small)
     acceleration, multipliers = _accelerate(system, rows, free, refine=True)
     lambdas = ca.vertcat(*[ca.SX.sym(f"lambda_{i}") for i in range(J.size1())])
     regular = None if is_robust else _regular(rows, free, system.without_small())
     place, steer = free.moved(_place(system, rows, is_robust)), system.least(-rows.rate)
     held = ConstrainedMotion(rows, J, free.load_power, multipliers, lambdas, place, steer, ca.SX(0, 1) if is_robust else evenness,
-                             regular, system.tree if isinstance(system, SchurComplement) else None)
+                             regular, _tree_of(system))
     return acceleration, free.load_power + _power(rows.rate, free.v, multipliers), held
+
+
+def _evenness(kinematics: Kinematics, free: FreeMotion, J: ca.SX, own: OwnRows | None) -> ca.SX:
+    """Of the coordinates that no cut joint keeps."""
+    if free.tree is not None:
+        tree = free.tree if own is None else free.tree.part(own.others, own.rows)
+        mass, pivots, balance = tree.mass, tree.pivots, tree.balance
+    else:
+        M = free.M if own is None else own.of_matrix(free.M)
+        mass, pivots, balance = diagonal_of(M), relative_pivots(M), ca.SX(0, 1)
+    return ca.vertcat(find_evenness(kinematics, mass, pivots, J if own is None else own.of_slopes(J)), balance)
+
+
+def _tree_of(system: System) -> FreeTree | None:
+    return None if isinstance(system, KKT) else system.tree
 
 
 def bring_down(held: ConstrainedMotion, free: FreeMotion, partition: Partition) -> ConstrainedMotion | None:
@@ -123,8 +139,9 @@ def bring_down(held: ConstrainedMotion, free: FreeMotion, partition: Partition) 
 
 
 def _accelerate(system: System, rows: ConstraintRows, free: FreeMotion, refine: bool) -> tuple[ca.SX, ca.SX]:
-    if isinstance(system, SchurComplement):
-        return system.solve(system.tree.acceleration, -rows.bias, refine)
+    if _tree_of(system) is not None:
+        assert free.tree is not None
+        return system.solve(free.tree.acceleration, -rows.bias, refine)
     return system.solve(-free.h, -rows.bias, refine)
 
 

@@ -115,7 +115,8 @@ def _at_the_start(found: Freedom, kinematics: Kinematics, held: ConstrainedMotio
 def _tell(row: Row, kinematics: Kinematics) -> str:
     if row.loop is not None and is_across(kinematics, row.loop, row.part):
         return f"{row.told} repeats across its plane what others already impose: what its joints carry there is not unique"
-    return f"{row.told} repeats in part what others already impose"
+    shared = ": how its joints share what they carry is not unique" if row.loop and kinematics.geometry.by_poses else ""
+    return f"{row.told} repeats in part what others already impose{shared}"
 
 
 def _problem(initial: InitialConditions, worst: int, residuals: Vector) -> Diagnostic:

@@ -21,6 +21,9 @@ import casadi as ca
 from lagrangia.base.records import dataclass
 
 SMALL = 1e-10  # of E, relative to the diagonal of J M^-1 J^T
+# The same where rows repeat each other at all closed positions and at no others, as those of loops in space do: beside these,
+# where the stages of steps are, squares of the gaps must not be more. Measured on Bricard's six-bar: 523 steps to 62.
+SMALL_IN_SPACE = 1e-7
 DOUBTFUL = 1e-6  # pivots without E below this, relative to the same: with E and a refinement they keep more digits
 
 
@@ -34,6 +37,7 @@ class KKT:
     order: tuple[int, ...]
     diagonal: ca.SX
     upper: ca.SX
+    small: float = SMALL
 
     @property
     def doubt(self) -> ca.SX:
@@ -65,7 +69,7 @@ class KKT:
 
     def first(self, k: int) -> "KKT":
         """The system of the first k constraints alone; M must be regular."""
-        return factor(self.M, self.J[:k, :], False)
+        return factor(self.M, self.J[:k, :], False, small=self.small)
 
     def without_small(self) -> "KKT":
         """The system without E; M must be regular."""
@@ -77,7 +81,7 @@ class KKT:
         return permuted[inverse]
 
 
-def factor(M: ca.SX, J: ca.SX, is_singular: bool, is_regular: bool = False) -> KKT:
+def factor(M: ca.SX, J: ca.SX, is_singular: bool, is_regular: bool = False, small: float = SMALL) -> KKT:
     """M may be singular where `is_singular`; it must be positive definite on the kernel of J. Without E where `is_regular`."""
     n = M.size1()
     weight = None
@@ -85,11 +89,11 @@ def factor(M: ca.SX, J: ca.SX, is_singular: bool, is_regular: bool = False) -> K
         squares = ca.densify((J * J) @ ca.SX.ones(n))
         weight = _masses(M, J) / squares
         M = M + J.T @ (ca.diag(weight) @ J)
-    small = ca.SX.zeros(J.size1()) if is_regular else SMALL * ((J * J) @ (1 / diagonal_of(M)))
-    K = ca.blockcat([[M, J.T], [J, -ca.diag(small)]])
+    E = ca.SX.zeros(J.size1()) if is_regular else small * ((J * J) @ (1 / diagonal_of(M)))
+    K = ca.blockcat([[M, J.T], [J, -ca.diag(E)]])
     order = (_front if is_singular else _levels)(M.sparsity(), J.sparsity())
     D, upper, _ = ca.ldl(K[list(order), list(order)], False)
-    return KKT(M, J, weight, order, D, upper)
+    return KKT(M, J, weight, order, D, upper, small)
 
 
 def diagonal_of(M: ca.SX) -> ca.SX:

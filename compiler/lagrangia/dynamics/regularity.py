@@ -13,6 +13,7 @@ from lagrangia.frames.kinematics import Kinematics
 # ties together that J M^-1 J^T bears.
 _SINGULAR, _UNEVEN = 1e-11, 1e6
 _HUGE = 1e300
+_ROUNDING = 1e-26  # of squares: of axes in space that turn and come back
 # Of two positions. Their numbers are the fractions of steps times squares, of which no three pairs lie on a line as those of
 # multiples do: a straight rope does not feel its pulleys.
 _STEPS = 5**0.5 / 2, 2**0.5
@@ -37,8 +38,10 @@ def find_evenness(kinematics: Kinematics, mass: ca.SX, pivots: ca.SX, J: ca.SX) 
     for entry, row in enumerate(J.sparsity().row()):
         rows[row].append(shares[entry])
     tied = [row for row in rows if row]
-    least = [reduce(ca.fmin, [ca.if_else(x > 0, x, _HUGE) for x in row]) for row in tied]
-    spreads = [_UNEVEN * smallest / reduce(ca.fmax, row) for smallest, row in zip(least, tied, strict=True)]
+    largest = [reduce(ca.fmax, row) for row in tied]
+    nothing = [_ROUNDING * most if kinematics.geometry.by_rates else ca.SX(0) for most in largest]
+    least = [reduce(ca.fmin, [ca.if_else(x > none, x, _HUGE) for x in row]) for row, none in zip(tied, nothing, strict=True)]
+    spreads = [_UNEVEN * smallest / most for smallest, most in zip(least, largest, strict=True)]
     return ca.vertcat(relative / _SINGULAR, *spreads)
 
 

@@ -82,10 +82,11 @@ class SchurComplement:
     reach: ca.SX  # M^-1 J^T, (n, m)
     S: ca.SX  # J M^-1 J^T, (m, m)
     is_regular: bool  # without E
+    small: float = SMALL
 
     @cached_property
     def _factors(self) -> tuple[ca.SX, ca.SX]:
-        small = 0.0 if self.is_regular else SMALL
+        small = 0.0 if self.is_regular else self.small
         diagonal, upper, _ = ca.ldl(self.S + ca.diag(small * ca.diag(self.S)), False)
         return diagonal, upper
 
@@ -122,12 +123,12 @@ class SchurComplement:
         return ca.ldl_solve(ca.densify(right), diagonal, upper, list(range(self.J.size1())))
 
 
-def form(tree: FreeTree, J: ca.SX) -> SchurComplement:
+def form(tree: FreeTree, J: ca.SX, small: float = SMALL) -> SchurComplement:
     """J M^-1 J^T by way of the tree of bodies, (m, m)."""
     reach = tree.reach(J)
     product = J @ reach
     above = ca.triu(product, False)
-    return SchurComplement(tree, J, reach, above + above.T + ca.diag(ca.diag(product)), False)
+    return SchurComplement(tree, J, reach, above + above.T + ca.diag(ca.diag(product)), False, small)
 
 
 def prefers(M: ca.Sparsity, J: ca.Sparsity) -> bool | None:

@@ -174,7 +174,8 @@ def articulate_in_space(kinematics: Kinematics, bodies: Bodies) -> SpatialBodies
         return None
     found = _Finding(kinematics, bodies)
     moved = Counter(index for joint in found.joints for index in joint.coordinates)
-    is_whole = len(moved) >= len(kinematics.graph.coordinates) - len(kinematics.graph.model.states)
+    graph = kinematics.graph
+    is_whole = len(moved) >= len(graph.coordinates) - len(graph.model.states) - len(graph.kept_coordinates)
     if not (found.is_known and is_whole) or any(count > 1 for count in moved.values()):  # a screw turns and shifts by one
         return None
     try:

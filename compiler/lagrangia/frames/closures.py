@@ -1,54 +1,23 @@
 """A cut joint, seen from the frames on its two sides: what must vanish, and the coordinate it had (planar_joints.py)."""
 
 from collections.abc import Sequence
-from typing import Protocol
 
 from lagrangia.algebra.duals import Scalar, minus
-from lagrangia.algebra.with_casadi import CasadiAlgebra
 from lagrangia.base.diagnostics import LagError
-from lagrangia.frames import in_plane, planar_joints, spatial_joints
+from lagrangia.frames import in_plane, planar_joints, spatial_closures
+from lagrangia.frames.closure_frames import Frames, way_of_shift
 from lagrangia.frames.edges import Closure
-from lagrangia.frames.evaluation import Evaluator, Leaves, Value
-from lagrangia.frames.geometry import Geometry, Pose
-from lagrangia.frames.graph import ComponentGraph
+from lagrangia.frames.geometry import Pose
 from lagrangia.frames.planar_joints import Slide
-from lagrangia.frames.quaternions import Quaternion, conjugate, quaternion_along, quaternion_product
 from lagrangia.frames.spatial import unit_axis
 from lagrangia.frames.steps import Step
-
-
-class Frames(Leaves, Protocol):
-    """What is asked about frames: kinematics.Kinematics."""
-
-    graph: ComponentGraph
-    algebra: CasadiAlgebra
-    evaluator: Evaluator
-
-    @property
-    def is_displaced(self) -> bool:
-        """Whether there are virtual displacements."""
-    @property
-    def geometry(self) -> Geometry:
-        """What frames are."""
-
-    def pose(self, name: str, level: int) -> Pose:
-        """That of a frame, at a level."""
-
-    def attitude(self, name: str, level: int) -> Value:
-        """The quaternion of a frame, without what displaces it."""
-
-    def step(self, step: Step, pose: Pose, level: int) -> Pose:
-        """The pose behind a step that begins at another one."""
-
-    def turn_by(self, step: Step, level: int) -> Quaternion | None:
-        """The quaternion of a turn by an attitude; None of other steps."""
 
 
 def gaps(frames: Frames, closure: Closure, level: int) -> list[Scalar]:
     """What must vanish, at a level of the kinematics; lengths in m, angles in rad."""
     try:
         if frames.geometry.by_rates:
-            return spatial_joints.gaps(*_ends(frames, closure, level), _turn(frames, closure), frames.is_displaced)
+            return spatial_closures.gaps(frames, closure, level)
         a, b = _ends(frames, closure, level)
         slide = _slide(frames, closure, a)
         found = planar_joints.gaps(closure.kind, a, _alike(frames, a, b), slide)
@@ -60,6 +29,11 @@ def gaps(frames: Frames, closure: Closure, level: int) -> list[Scalar]:
 def gap_of(closure: Closure, part: int) -> str:
     """What its so-manieth gap is: x, y, angle, or across a slide."""
     return planar_joints.gap_of(closure.kind, part)
+
+
+def gaps_of_start(frames: Frames, closure: Closure) -> list[Scalar]:
+    """What must vanish at the start, from places that may be far from closed."""
+    return spatial_closures.gaps_of_start(frames, closure) if frames.geometry.by_rates else gaps(frames, closure, 0)
 
 
 def is_across(frames: Frames, closure: Closure, part: int) -> bool:
@@ -78,8 +52,7 @@ def cut_coordinate(frames: Frames, closure: Closure, level: int) -> Scalar:
 def wrench_on_b(frames: Frames, closure: Closure, forces: Sequence[Scalar], drive: Scalar) -> list[Scalar]:
     """What holds the frame b: `forces` push the gaps shut, `drive` takes from what acts on the joint's coordinate."""
     if frames.geometry.by_rates:
-        side = _turn(frames, closure)[0]  # 1 or -1 where the loop is closed
-        return [*forces[:3], *(side * x for x in forces[3:])]
+        return spatial_closures.wrench_on_b(frames, closure, forces)
     is_inverse = closure.freedom is not None and closure.freedom.is_inverse
     a = _ends(frames, closure, 0)[0]
     return planar_joints.wrench_on_b(closure.kind, a, _slide(frames, closure, a), is_inverse, forces, drive)
@@ -99,13 +72,6 @@ def _ends(frames: Frames, closure: Closure, level: int) -> tuple[Pose, Pose]:
     for step in closure.steps_b:
         b = frames.step(step, b, at)
     return (a.lowered, b.lowered) if level == 0 else (a, b)
-
-
-def _turn(frames: Frames, closure: Closure) -> Sequence[Scalar]:
-    """The quaternion of b against a, in the world's axes."""
-    a, b = ((frames.attitude(name, 0), quaternion_along(steps, frames.evaluator.value, 0, frames.algebra, frames.turn_by))
-            for name, steps in ((closure.a, closure.steps_a), (closure.b, closure.steps_b)))
-    return quaternion_product(quaternion_product(*b), conjugate(quaternion_product(*a)))
 
 
 def _alike(frames: Frames, a: Pose, b: Pose) -> Pose:
@@ -134,28 +100,9 @@ def _slide(frames: Frames, closure: Closure, a: Pose) -> Slide | None:
     if closure.kind != "slider":
         return None
     assert closure.freedom is not None
-    model, algebra = frames.graph.model, frames.algebra
-    places = (algebra.number(0.0), algebra.number(1.0))
-    held = (_Held(frames, closure.coordinate, at) for at in places)
-    origin, ahead = (Evaluator(model, algebra, leaves).value(closure.freedom.amount) for leaves in held)
+    origin, ahead = way_of_shift(frames, closure.freedom, closure.coordinate)
     sign, rise = -1 if closure.freedom.is_inverse else 1, 0.0
     if frames.geometry.by_poses:
         (*origin, rise), (*ahead, _) = (a.in_plane(vector) for vector in (origin, ahead))
     direction = tuple(sign * (y - x) for x, y in zip(origin, ahead, strict=True))
     return Slide(tuple(sign * x for x in origin), direction, frames.evaluator.norm(direction, 0), sign * rise)
-
-
-class _Held:
-    """Leaves of an evaluator in which one coordinate has a given number for its value."""
-
-    def __init__(self, frames: Frames, coordinate: str, at: Scalar) -> None:
-        self.frames, self.coordinate, self.at = frames, coordinate, at
-
-    def symbol(self, name: str, level: int) -> Value | None:
-        return self.at if name == self.coordinate else self.frames.symbol(name, level)
-
-    def time(self, level: int) -> Scalar:
-        return self.frames.time(level)
-
-    def frame(self, name: str, attribute: str, level: int) -> Value:
-        raise AssertionError("a joint depends on no frame")

@@ -3,7 +3,8 @@
 Edges enter the tree in the order rigid, sliders, hinges, of each those with start values first, then those nearer to the ground,
 as long as they close no loop (Kruskal, 1956). So a loop is cut at a hinge where it has one, far from the ground. A cut hinge
 leaves two equations, a cut slider its angle and its lateral offset, and the coordinate is read off the frames; anything else is
-cut as a weld: its coordinates stay, and three equations close it.
+cut as a weld: its coordinates stay, and three equations close it. In space cut joints keep their coordinates, for an angle that
+is read off would not tell full turns; ball joints, of which most is saved, are cut first.
 """
 
 from collections import deque
@@ -13,6 +14,7 @@ from lagrangia.base.diagnostics import Span
 from lagrangia.base.records import dataclass
 from lagrangia.frames.planar_joints import WORTH_CUTTING, cut_as
 from lagrangia.frames.steps import Step
+from lagrangia.language.attitudes import parts_of
 from lagrangia.language.mentions import nodes
 from lagrangia.language.tree import Flat, Ref
 
@@ -43,7 +45,8 @@ class Edge:
 class Closure:
     """The frame `a` followed by steps_a and the frame `b` followed by steps_b coincide, but for the freedom of a cut joint.
 
-    Its kinds stand in planar_joints.py: up to a turn by `coordinate`; up to the shift `freedom`; wholly.
+    Its kinds stand in planar_joints.py: up to a turn by `coordinate`; up to the shift `freedom`; wholly. Those in space, in
+    spatial_joints.py, keep their coordinates: `base` is where both sides of the loop part.
     """
 
     kind: str
@@ -55,6 +58,8 @@ class Closure:
     freedom: Step | None
     around: str  # the components along the loop
     span: Span
+    kept: str = ""  # in space: the coordinate of a hinge or slider, the attitude of a ball joint
+    base: str = ""
 
 
 def choose_tree(
@@ -85,28 +90,52 @@ def choose_tree(
     return frozenset(chosen)
 
 
-def close(edge: Edge, uses: Mapping[str, int], around: str = "", is_spatial: bool = False) -> Closure:
-    """The closure that an edge outside the tree is; in space it is closed as a whole, and keeps its coordinates."""
-    weld = Closure("weld", edge.parent, edge.child, edge.steps, (), "", None, around, edge.span)
-    if is_spatial or len(edge.coordinates) != 1 or edge.moves_with_time or uses[edge.coordinates[0]] != 1:
-        return weld
-    (name,) = edge.coordinates
-    moving = [k for k, step in enumerate(edge.steps) if _mentions(step.amount, name)]
-    if len(moving) != 1:
-        return weld
-    step = edge.steps[moving[0]]
-    before = edge.steps[: moving[0]]
-    after = tuple(s.inverse() for s in reversed(edge.steps[moving[0] + 1 :]))
-    kind = cut_as(step, name)
-    return weld if kind == "weld" else Closure(kind, edge.parent, edge.child, before, after, name, step, around, edge.span)
+def close(edge: Edge, uses: Mapping[str, int], around: str = "") -> Closure:
+    """The closure that an edge outside the tree is."""
+    step = _moving(edge, uses)
+    kind = cut_as(step, edge.coordinates[0]) if step is not None and len(edge.coordinates) == 1 else "weld"
+    if step is None or kind == "weld":
+        return Closure("weld", edge.parent, edge.child, edge.steps, (), "", None, around, edge.span)
+    return Closure(kind, edge.parent, edge.child, *_beside(edge, step), edge.coordinates[0], step, around, edge.span)
+
+
+def close_in_space(edge: Edge, uses: Mapping[str, int], around: str, base: str) -> Closure:
+    """The same of a scene in space, where a cut joint keeps its coordinates: each says what it is in an equation of its own."""
+    step = _moving(edge, uses)
+    kind = "weld" if step is None or step.is_inverse else "ball" if _is_ball(edge, uses) else (
+        cut_as(step, edge.coordinates[0]) if len(edge.coordinates) == 1 else "weld")
+    if step is None or kind == "weld":
+        return Closure("weld", edge.parent, edge.child, edge.steps, (), "", None, around, edge.span, "", base)
+    kept = edge.coordinates[0].rpartition(".s[")[0] or edge.coordinates[0]
+    return Closure(kind, edge.parent, edge.child, *_beside(edge, step), "", step, around, edge.span, kept, base)
+
+
+def _moving(edge: Edge, uses: Mapping[str, int]) -> Step | None:
+    """The only step that moves, by coordinates that move nothing else."""
+    if not edge.coordinates or edge.moves_with_time or any(uses[name] != 1 for name in edge.coordinates):
+        return None
+    names = {name.rpartition(".s[")[0] or name for name in edge.coordinates}
+    moving = [step for step in edge.steps if any(_mentions(step.amount, name) for name in names)]
+    return moving[0] if len(moving) == 1 and len(names) == 1 else None
+
+
+def _is_ball(edge: Edge, uses: Mapping[str, int]) -> bool:
+    step = _moving(edge, uses)
+    return step is not None and isinstance(step.amount, Ref) and edge.coordinates == parts_of(step.amount.name)
+
+
+def _beside(edge: Edge, step: Step) -> tuple[tuple[Step, ...], tuple[Step, ...]]:
+    """The steps before the one that moves, and the way back over those behind it."""
+    at = next(k for k, own in enumerate(edge.steps) if own is step)
+    return edge.steps[:at], tuple(own.inverse() for own in reversed(edge.steps[at + 1 :]))
 
 
 def _rank(edge: Edge, uses: Mapping[str, int], tied: Set[str], started: Set[str | None]) -> int:
     """Small for what is dear to cut."""
     if edge.is_rigid or not tied.isdisjoint(edge.coordinates):
         return 0
-    worth = WORTH_CUTTING[close(edge, uses).kind]
-    return worth + (worth > 0 and started.isdisjoint(edge.coordinates))
+    worth = WORTH_CUTTING["ball" if _is_ball(edge, uses) else close(edge, uses).kind]
+    return worth + (worth > 0 and started.isdisjoint(name.rpartition(".s[")[0] or name for name in edge.coordinates))
 
 
 def _mentions(amount: Flat, name: str) -> bool:

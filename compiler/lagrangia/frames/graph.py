@@ -12,7 +12,7 @@ from functools import cached_property
 from lagrangia.base.diagnostics import Report, Span, fail
 from lagrangia.base.records import dataclass
 from lagrangia.frames.attitude_starts import FLOATING, Attitude, element, of_frame, of_variable
-from lagrangia.frames.edges import Closure, Edge, choose_tree, close
+from lagrangia.frames.edges import Closure, Edge, choose_tree, close, close_in_space
 from lagrangia.frames.planes import NoPlane, Plane
 from lagrangia.frames.steps import Step
 from lagrangia.language.attitudes import parts_of
@@ -81,6 +81,17 @@ class ComponentGraph:
     dependent_coordinates: tuple[Coordinate, ...] = ()  # given by linear constraints
     attitudes: Mapping[str, Attitude] = field(default_factory=dict)  # of which coordinates are parts
     plane: Plane | NoPlane | None = None  # of a scene in space: that in which all of it moves, once it was looked for
+
+    @cached_property
+    def kept_coordinates(self) -> frozenset[str]:
+        """Those of cut joints in space, which move no body: each has a constraint of its own."""
+        return frozenset(part for cut in self.closures if cut.kept
+                         for part in (parts_of(cut.kept) if cut.kind == "ball" else (cut.kept,)))
+
+    @cached_property
+    def edge_to(self) -> Mapping[str, Edge]:
+        """By the frames that they lead to."""
+        return {edge.child: edge for edge in self.edges}
 
     @property
     def lies_in_plane(self) -> bool:
@@ -224,11 +235,16 @@ class _Building:
             if not edge.steps:
                 same.join(edge.parent, edge.child)
         news = [e for e in outside if e.parent not in unused and (e.steps or same.find(e.parent) != same.find(e.child))]
-        is_spatial = self.model.space.is_spatial and self.plane is None
-        return tuple(close(edge, self.uses, " - ".join(_shortened(self._loop(edge))), is_spatial) for edge in news)
+        found = []
+        for edge in news:
+            around, base = self._loop(edge)
+            told = " - ".join(_shortened(around))
+            is_spatial = self.model.space.is_spatial and self.plane is None
+            found.append(close_in_space(edge, self.uses, told, base) if is_spatial else close(edge, self.uses, told))
+        return tuple(found)
 
-    def _loop(self, edge: Edge) -> list[str]:
-        """Components along the loop that an edge closes."""
+    def _loop(self, edge: Edge) -> tuple[list[str], str]:
+        """Components along the loop that an edge closes, and the frame where its sides part."""
         ways = []
         for end in (edge.parent, edge.child):
             way = [end]
@@ -238,7 +254,7 @@ class _Building:
         while len(ways[0]) > 1 and ways[0][-2:] == ways[1][-2:]:
             ways = [way[:-1] for way in ways]
         around = [name.rpartition(".")[0] or name for name in (*reversed(ways[0]), *ways[1])]
-        return [name for name, before in zip(around, ["", *around], strict=False) if name != before]
+        return [name for name, before in zip(around, ["", *around], strict=False) if name != before], ways[0][-1]
 
     # ------------------------------------------------------------ islands
 

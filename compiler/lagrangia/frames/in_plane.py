@@ -23,7 +23,7 @@ from lagrangia.frames.spatial import Matrix, Value, Vector
 from lagrangia.frames.steps import Step
 from lagrangia.language.frame_attributes import ABOUT_Z, SPACE
 
-_TINY, _PARALLEL = 1e-14, 1e-12  # of components of vectors of length 1: rounding
+_PARALLEL = 1e-12  # of components of vectors of length 1: rounding
 _NORMAL = 2  # of the axes of the plane
 
 
@@ -109,7 +109,7 @@ def step(pose: Pose, step: Step, amount: Value, axis: Value | None, algebra: Alg
         if side:
             return pose.turned(amount if (side > 0) != step.is_inverse else -amount, algebra)
         turn = spatial.rotation(spatial.unit_axis(step, axis, algebra), -amount if step.is_inverse else amount, algebra)
-        return replace(pose, own=plain_matrix(spatial.product(pose.own, turn)))
+        return replace(pose, own=spatial.plain_matrix(spatial.product(pose.own, turn)))
     if not isinstance(amount, tuple) or len(amount) != 3:
         fail("L0303", "a shift needs a vector of three components", step.amount.span, "write {x, y, z}")
     ahead = pose.in_plane(tuple(-a for a in amount) if step.is_inverse else amount)
@@ -124,24 +124,15 @@ def along_normal(axis: Sequence[Scalar]) -> int:
     return 1 if axis[_NORMAL] > 0 else -1
 
 
-def plain_matrix(matrix: Matrix) -> Matrix:
-    """Without the rounding of entries that are 0, 1 or -1."""
-    return tuple(tuple(map(_plain, row)) for row in matrix)
-
-
-def _plain(x: Scalar) -> Scalar:
-    return float(round(x)) if isinstance(x, float | int) and abs(x - round(x)) < _TINY else x
-
-
 def beside(a: Pose, b: Pose) -> tuple[Scalar, Scalar, Scalar]:
     """How far b is above a's plane, m, and how it is tilted against it, rad: nothing moves these."""
-    turn = plain_matrix(spatial.product(b.own, spatial.transposed(a.own)))
+    turn = spatial.plain_matrix(spatial.product(b.own, spatial.transposed(a.own)))
     return minus(b.height, a.height), turn[1][_NORMAL], minus(0.0, turn[0][_NORMAL])
 
 
 def seen_alike(a: Pose, b: Pose, algebra: Algebra) -> Pose:
     """b with its own axes as a's are, and with the angle that this takes."""
-    turn = plain_matrix(spatial.product(b.own, spatial.transposed(a.own)))
+    turn = spatial.plain_matrix(spatial.product(b.own, spatial.transposed(a.own)))
     ahead = atan2(turn[1][0], turn[0][0])
     if ahead == 0:
         return b

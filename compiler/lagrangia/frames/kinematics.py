@@ -98,6 +98,7 @@ class Kinematics(Attitudes):
     _still: "Kinematics | None" = None
     quaternions: dict[str, Quaternion] = field(default_factory=dict)  # plain ones of attitudes, and their matrices
     axes: dict[str, Matrix] = field(default_factory=dict)
+    seen: dict[tuple[str, int], dict[str, Any]] = field(default_factory=dict)  # poses from bases of loops, by levels
     _amounts: dict[int, Value] = field(default_factory=dict)  # of steps that never change, by the ids of their expressions
 
     def __post_init__(self) -> None:

@@ -222,3 +222,12 @@ def product(a: Matrix, b: Matrix) -> Matrix:
     """A B."""
     columns = transposed(b)
     return tuple(tuple(dot(row, column) for column in columns) for row in a)
+
+
+def plain_matrix(matrix: Matrix) -> Matrix:
+    """Without the rounding of entries that are 0, 1 or -1."""
+    return tuple(tuple(map(_without_rounding, row)) for row in matrix)
+
+
+def _without_rounding(x: Scalar) -> Scalar:
+    return float(round(x)) if isinstance(x, float | int) and abs(x - round(x)) < _TINY else x

@@ -208,6 +208,10 @@ class Study(Beginning):
         if asked and (straight := self.c.constraints.touching):
             notes.append(f"reactions are not told: {straight[0].told} only just holds, so that nothing bounds them")
             asked = []
+        if asked and self.c.kinematics.geometry.by_poses:
+            loops = dict.fromkeys(row.loop.around for row in self.c.constraints.repeated if row.loop)
+            notes += [f"the reactions along the loop {around} are not unique: its equations repeat each other, and those that "
+                      "are left out carry nothing" for around in loops]
         full = self.equations((), (*outputs, *asked)) if asked else e
         most = starts if starts is not None else (_FROM if self.scene.n <= _LARGE else 3)
         found, is_reached = self.all_rests(e, pace, most)

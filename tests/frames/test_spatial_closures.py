@@ -1,0 +1,115 @@
+"""Joints in space that close loops: what is said of their coordinates, rates and forces."""
+
+from pathlib import Path
+
+import casadi as ca
+import numpy as np
+import pytest
+import yaml
+
+import lagrangia as lag
+from lagrangia.constraints.parameters import default_parameters
+from lagrangia.model import Model
+
+SPATIAL = Path(__file__).parents[1] / "whole" / "spatial"
+LEGS = """
+  World world(gravity = {0, 0, -9.81});
+  Revolute h1(a = world, axis = {1, 2, 3}, phi(start = 0.2));
+  Body b1(m = 1, I = {0.1, 0.2, 0.15}, center = shift(h1.b, {0.3, 0.1, 0}));
+  Universal h2(a = shift(h1.b, {0.5, 0.2, 0.1}), phi_a(start = 0.3), phi_b(start = -0.2));
+  Body b2(m = 1, I = {0.1, 0.2, 0.15}, center = shift(h2.b, {0.2, -0.1, 0.3}));
+  Universal h3(a = shift(h2.b, {0.4, 0.1, -0.2}), axis_b = {0, 0, 1}, phi_a(start = -0.1), phi_b(start = 0.4));
+  Body b3(m = 1, I = {0.1, 0.2, 0.15}, center = shift(h3.b, {0.1, 0.2, 0}));
+  Revolute h4(a = shift(world, {1, -0.3, 0.2}), axis = {0, 1, 1}, phi(start = 0.1));
+  Body b4(m = 1, I = {0.1, 0.2, 0.15}, center = shift(h4.b, {0.2, 0.2, 0.1}));
+  Revolute h5(a = shift(h4.b, {0.1, 0.5, 0}), axis = {1, 0, -1}, phi(start = 0.2));
+  Body b5(m = 1, I = {0.1, 0.2, 0.15}, center = shift(h5.b, {0.1, -0.1, 0.2}));
+"""
+CUTS = {
+    "hinge": "Revolute cut(a = shift(h3.b, {0.2, 0, 0.1}), axis = {1, 1, 0.5}, b = shift(h5.b, {0.1, 0.3, 0.1}));",
+    "slider": "Prismatic cut(a = shift(h3.b, {0.2, 0, 0.1}), along = {1, 1, 0.5}, b = shift(h5.b, {0.1, 0.3, 0.1}));",
+    "ball": "Spherical cut(a = shift(h3.b, {0.2, 0, 0.1}), b = shift(h5.b, {0.1, 0.3, 0.1}));",
+    "weld": "Universal cut(a = shift(h3.b, {0.2, 0, 0.1}), b = shift(h5.b, {0.1, 0.3, 0.1}));",
+}
+
+
+@pytest.mark.parametrize("kind", CUTS)
+def test_gaps_and_their_rates_agree(kind: str) -> None:
+    """Where the loop is closed, the slopes of the rates are those of the gaps; of a motion, gaps stay shut and energy is kept."""
+    legs = LEGS if kind in ("hinge", "ball") else LEGS.replace("Revolute", "Cylindrical")  # hinges are cut before sliders
+    model = lag.loads(f"model M {legs} {CUTS[kind]} end M;")
+    c = model.compilation
+    (cut,) = c.graph.closures
+    assert cut.kind == kind
+    run = model.simulate(stop=0.4, interval=0.2, tolerance=1e-10)
+    assert run.statistics.constraint_residual < 1e-12
+    assert run.energy.total == pytest.approx([run.energy.total[0]] * run.time.size, abs=1e-8)
+    if kind == "ball":
+        return
+    p, values = default_parameters(c.kinematics)
+    rows = c.motion.constrained.rows
+    look = ca.Function("look", [c.motion.q, p], [rows.phi, ca.jacobian(rows.phi, c.motion.q), c.motion.constrained.J])
+    q = [run[name][-1] for name in c.kinematics.symbols.positions]
+    phi, slopes, J = (x.full() for x in look(q, values))
+    assert np.abs(phi).max() < 1e-12 and slopes == pytest.approx(J, abs=1e-11)
+
+
+RSSR = """
+model Rssr
+  World world(gravity = {0, 0, -9.81});
+  Revolute crank(a = world, axis = {0, 0, 1}, phi(start = 0, fixed = true), w(start = 8));
+  Body crank_body(m = 1, I = {0.001, 0.02, 0.02}, center = shift(crank.b, {0.15, 0, 0}));
+  Revolute rocker(a = shift(world, {0.9, 0.5, 0.2}), axis = {0, 1, 0}, phi(start = -1.6));
+  Body rocker_body(m = 1.5, I = {0.001, 0.05, 0.05}, center = shift(rocker.b, {0.3, 0, 0}));
+  Spherical ball_a(a = shift(crank.b, {0.3, 0, 0}));
+  Body coupler(m = 2, I = {0.002, 0.2, 0.2}, center = shift(ball_a.b, {0.55, 0, 0}));
+  Spherical ball_b(a = shift(ball_a.b, {1.1, 0, 0}), b = shift(rocker.b, {0.6, 0, 0}));
+  output Acceleration a[3] = der(coupler.center.v);
+  output Real spin[3] = ball_b.w - to_frame(ball_b.b, ball_b.b.w - ball_b.a.w);
+  output Real turned[3] = to_world(ball_b.b, {1, 2, 3}) - to_world(ball_b.a, {1, 2, 3});
+end Rssr;
+"""
+
+
+def test_two_ball_joints_between_crank_and_rocker() -> None:
+    """To the digits of the reference; what both ball joints exert accelerates the coupler."""
+    known = yaml.safe_load((SPATIAL / "references.yaml").read_text(encoding="utf-8"))["rssr"]
+    model = Model(lag.loads(RSSR).path, outputs=("ball_a.reaction", "ball_b.reaction", "ball_b.reaction_torque"))
+    assert len(model.compilation.constraints.rows) == 6 and model.compilation.motion.way == "constrained along the tree"
+    run = model.simulate(at=[0, *known["t"]], tolerance=1e-13)
+    assert run["crank.phi"][1:] == pytest.approx(known["theta"], abs=1e-12)
+    assert run["rocker.phi"][1:] == pytest.approx(known["phi"], abs=1e-12)
+    for k, gravity in enumerate((0, 0, -9.81), 1):
+        held = run[f"ball_a.reaction[{k}]"] - run[f"ball_b.reaction[{k}]"]
+        assert 2 * run[f"a[{k}]"] == pytest.approx(held + 2 * gravity, abs=1e-9)
+        assert run[f"spin[{k}]"] == pytest.approx(np.zeros(run.time.size), abs=1e-11)
+        assert run[f"ball_b.reaction_torque[{k}]"] == pytest.approx(np.zeros(run.time.size), abs=1e-9)
+
+
+LOOP = """
+  Revolute j1(a = world, axis = {0, 0, 1}, phi(start = 0.5, fixed = true), w(start = 3, fixed = true));
+  Body crank(m = 1, I = {0.01, 0.02, 0.02}, center = shift(j1.b, {0.2, 0, 0}));
+  Revolute j2(a = shift(j1.b, {0.4, 0, 0}) J2);
+  Body coupler(m = 1, I = {0.01, 0.1, 0.1}, center = shift(j2.b, {0.5, 0, 0}));
+  Revolute j3(a = shift(j2.b, {1, 0, 0}) J3);
+  Body rocker(m = 1, I = {0.01, 0.05, 0.05}, center = shift(j3.b, {-0.35, 0, 0}));
+  Revolute j4(a = shift(world, {0.9, 0, 0}), phi(start = 1.3) J4, b = shift(j3.b, {-0.7, 0, 0}));
+  Revolute off(a = world, axis = {1, 0, 0});
+  Body other(m = 1, I = {1, 1, 1}, center = shift(off.b, {0, 0, 1}));
+"""
+
+
+def test_what_acts_in_a_cut_hinge_acts() -> None:
+    """A spring and a motor in the hinge that is cut; the same motion where another one is cut. Full turns are told."""
+    springs = "TorsionSpring s(k = 5, twist = j3.phi); TorsionDamper d(c = 0.2, rate = j3.w); energy work 0.3[N.m] on j3.phi;"
+    texts = [LOOP.replace("J2", two).replace("J3", three).replace("J4", "")
+             for two, three in (("", ", phi(start = 1.2)"), (", phi(start = -0.2)", ""))]
+    one, other = (lag.loads(f"model M {text} {springs} end M;") for text in texts)
+    cuts = [{cut.kept for cut in model.compilation.graph.closures} for model in (one, other)]
+    assert cuts[0] != cuts[1] and {"j3.phi"} in cuts
+    a = one.simulate(stop=2, interval=0.5, tolerance=1e-11)
+    initial = {name: a[name][0] for name in ("j2.phi", "j3.phi", "j4.phi")}
+    b = other.simulate(stop=2, interval=0.5, tolerance=1e-11, initial=initial)
+    for name in ("j1.phi", "j2.phi", "j3.phi", "der(j3.phi)"):
+        assert b[name] == pytest.approx(a[name], abs=1e-8), name
+    assert a.energy.residual == pytest.approx(np.zeros(a.time.size), abs=1e-8)
