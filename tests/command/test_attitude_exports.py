@@ -79,6 +79,16 @@ def test_functions_know_quaternions_of_any_length(file: Path, tmp_path: Path) ->
     assert table["turning"](0, q, v, [], p).full().ravel()[0] == v[0]
 
 
+def test_integrators_of_casadi_have_quaternions(file: Path) -> None:
+    model = lag.load(file)
+    start = {"tip.S": [1, 0.2, 0, 0.1]}
+    native, other = (model.simulate(at=[0.0, 0.25, 0.5], initial=start, tolerance=1e-11, solver=solver)
+                     for solver in ("auto", "casadi:cvodes"))
+    for column in (*model.scene.told_positions, *model.scene.rates, *model.scene.own_outputs):
+        assert other[column.name] == pytest.approx(native[column.name], abs=2e-8), column.name
+    assert np.abs(other.energy.residual).max() < 1e-8
+
+
 def test_modelica_is_refused_by_name(file: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["export", str(file), "--to", "modelica", "-o", "-"]) == 2
     assert "not supported yet: the export to modelica where an attitude is a coordinate" in capsys.readouterr().err

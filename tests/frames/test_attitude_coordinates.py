@@ -189,5 +189,3 @@ def test_what_knows_no_attitudes_is_refused(tmp_path: Path) -> None:
     model = scene(tmp_path, HEAVY)
     with pytest.raises(LagError, match="a start in steady motion where an attitude is a coordinate"):
         model.simulate(stop=1, from_="steady")
-    with pytest.raises(LagError, match="integrators of CasADi where an attitude is a coordinate"):
-        model.simulate(stop=1, solver="casadi:cvodes")

@@ -19,12 +19,12 @@ from lagrangia.base.interruptions import noticed
 from lagrangia.base.records import dataclass
 from lagrangia.compile.pipeline import Compilation
 from lagrangia.dynamics.switches import has_dry_friction, live
-from lagrangia.frames.attitude_starts import refuse_attitudes
 from lagrangia.run.input_pieces import InputTable
 from lagrangia.run.request import Experiment, Values, check_parameters
 from lagrangia.run.runtime import Statistics
 from lagrangia.run.simulate import Progress
 from lagrangia.run.solvers import AUTO
+from lagrangia.study.turned_state import TurnedState
 
 _INTEGRATORS = ("cvodes", "idas", "rk", "collocation")
 _MOST_STEPS = 10_000_000
@@ -91,19 +91,26 @@ class _Run:
     def __post_init__(self) -> None:
         table = self.compilation.functions.table
         self.n = self.compilation.scene.n
+        self.state = TurnedState(self.compilation.scene)
         self.p = np.array(table["parameters"](self.values.parameters, self.values.mask))
         self.c = table["hoist"](self.p)
         self.inputs = InputTable(self.compilation.scene, self.values, self.experiment.start)
         self.y = self._start(table)
 
     def _start(self, table: Any) -> np.ndarray:
-        refuse_attitudes(self.compilation.graph.attitudes, "integrators of CasADi", "the other solvers know them")
         if refusal := casadi_refusal(self.compilation):
             fail("L0909", refusal[0], None, refusal[1])
         q, v = (np.array(x).ravel() for x in table["start"](self.p))
         given = np.array([*self.values.q, *self.values.v])
         start = np.where(np.isnan(given), np.concatenate([q, v]), given)
-        return np.concatenate([start, np.zeros(2 * bool(self.compilation.functions.n_power))])
+        references = self._declared_modes()
+        told = self.state.begun(start[: self.n], np.array(self.values.q), references)
+        return np.concatenate([told, start[self.n :], np.zeros(2 * bool(self.compilation.functions.n_power))])
+
+    def _declared_modes(self) -> np.ndarray:
+        """Modes at the start, where references of attitudes are as parameters say."""
+        table = self.compilation.functions.table
+        return np.array(table["modes"](self.experiment.start, self.p)).ravel() if "modes" in table else np.zeros(0)
 
     def rows(self, progress: Progress, watch: Callable[[Progress], None] | None) -> Iterator[Sequence[float]]:
         begin = time.perf_counter()
@@ -187,8 +194,8 @@ class _Run:
         self._enter(now, target)
         rhs = live("rhs", self.compilation.functions.table, self.compilation.functions.patterns.get("rests", ()))
         t, y = ca.SX.sym("t"), ca.SX.sym("y", self.y.size)
-        q, v = y[: self.n], y[self.n : 2 * self.n]
-        a, power, _ = rhs(t, q, v, self._inputs(t, now, target), self._modes(now, target), self.c)
+        q, v, d, pace = self.state.split(y, self._modes(now, target))
+        a, power, _ = rhs(t, q, v, self._inputs(t, now, target), d, self.c)
         grid = sorted({*[w for w in wanted if w > now], target})
         options: dict[str, Any] = {}
         if self.integrator in ("cvodes", "idas"):
@@ -197,7 +204,7 @@ class _Run:
             options = {"reltol": tolerance, "abstol": tolerance * 1e-2, "max_num_steps": _MOST_STEPS}
         elif self.integrator == "collocation":
             options = {"number_of_finite_elements": 20}
-        equations = {"t": t, "x": y, "ode": ca.vertcat(v, a, ca.vec(power))}
+        equations = {"t": t, "x": y, "ode": ca.vertcat(pace, a, ca.vec(power))}
         solver = ca.integrator("run", self.integrator, equations, now, grid, options)
         states = np.array(solver(x0=self.y)["xf"])
         before, self.y = self.y, states[:, -1]
@@ -210,24 +217,27 @@ class _Run:
         before, self.modes = self.modes, d
         if before is None or bool(ca.logic_all(before == d)):
             return
-        u, q, v = self._inputs(now, now, target), self.y[:n], self.y[n : 2 * n]
+        u, first, n_y = self._inputs(now, now, target), self.state.positions, self.state.size
+        (q, v, before, _), (_, _, d, _) = self.state.split(self.y, before), self.state.split(self.y, d)
         jump = -float(table["energies"](now, q, v, u, before, self.c)[2])
         if "kick" in table:
-            v += np.array(table["kick"](now, q, v, u, d, self.c, before)).ravel()
+            self.y[first : first + n] += np.array(table["kick"](now, q, v, u, d, self.c, before)).ravel()
+            v = self.y[first : first + n]
         jump += float(table["energies"](now, q, v, u, d, self.c)[2])
-        if self.y.size > 2 * n:
-            self.y[2 * n + 1] += jump
+        if self.y.size > n_y:
+            self.y[n_y + 1] += jump
         else:
             self.given += jump
 
     def _full_rows(self, times: list[float], states: np.ndarray) -> np.ndarray:
-        table, n = self.compilation.functions.table, self.n
+        table = self.compilation.functions.table
         now, target = getattr(self, "segment", (times[0], times[0]))
-        d = self._modes(now, target)
+        modes = self._modes(now, target)
         resting = self.compilation.functions.patterns.get("rests", ())
         rhs, outputs_of, rows = live("rhs", table, resting), live("outputs", table, resting), []
         for t, y in zip(times, states.T, strict=True):
-            q, v, e = y[:n], y[n : 2 * n], y[2 * n :]
+            q, v, d, _ = self.state.split(y, modes)
+            e, q, v = y[self.state.size :], np.array(q).ravel(), np.array(v).ravel()
             u = self._inputs(t, now, target)
             a, _, multipliers = rhs(t, q, v, u, d, self.c)
             outputs = outputs_of(t, q, v, a, multipliers, u, d, self.c)
