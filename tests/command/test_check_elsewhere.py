@@ -46,3 +46,40 @@ def test_values_out_of_their_limits_are_told_by_every_command(tmp_path: Path, ca
     file.write_text("model M parameter Real x(max = 5) = 3; Block b(m = 1, base = world); output Real y = x*b.s; end M;")
     assert main(["explain", str(file), "-p", "x=6"]) == 2
     assert main(["explain", str(file), "-p", "x=4"]) == 0
+
+
+EARLIER = {  # before the scene; what of the motion is told of it
+    "model A Block b(m = -1, base = world); end A;": "'b.m' is -1 kg",
+    "model A Revolute h(a = world); end A;": "'h.phi' moves no mass",
+    "model A PointMass p(m = 1); initial equation p.center.x = 1; p.center.x = 2; end A;": "is given two initial values",
+    "model A Frame a; PointMass p(m = -2, center = a); end A;": "'p.m' is -2 kg",
+    "package P model A Block b(m = -1, base = world); end A; end P;": "'b.m' is -1 kg",
+}
+PARTS = ("model A Frame a; Revolute h(a = world, b = a); end A;", "model A parameter Mass m = 1; end A; model B extends A; end B;",
+         "model A input Real u = 1; output Real y = 2*u; end A;")
+
+
+@pytest.mark.parametrize("text", EARLIER)
+def test_earlier_scenes_are_compiled_whole(text: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = tmp_path / "scene.lag"
+    file.write_text(f"{text} {SCENE}")
+    assert main(["check", str(file)]) == 2
+    assert capsys.readouterr().err.count(EARLIER[text]) == 1
+
+
+@pytest.mark.parametrize("text", PARTS)
+def test_parts_need_not_move_by_themselves(text: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = tmp_path / "scene.lag"
+    file.write_text(f"{text} {SCENE}")
+    assert main(["check", str(file)]) == 0, capsys.readouterr().err
+    assert capsys.readouterr().out.count(": 1 degree") == 1
+
+
+def test_packages_and_several_scenes_are_described(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = tmp_path / "scene.lag"
+    file.write_text(f"{SCENE.replace('M', 'First')} {SCENE}")
+    assert main(["check", str(file)]) == 0
+    assert [line.split(": ")[1] for line in capsys.readouterr().out.splitlines() if ": " in line] == ["First", "M"]
+    file.write_text("package P model A Frame a; PointMass p(m = 1, center = a); end A; end P;")
+    assert main(["check", str(file)]) == 0
+    assert "1 model for others to use: P.A" in capsys.readouterr().out

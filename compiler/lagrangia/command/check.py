@@ -4,7 +4,7 @@ import sys
 from argparse import Namespace
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from lagrangia.base.diagnostics import Diagnostic, LagError, Report, render_all
 from lagrangia.command.arguments import tell_warnings
@@ -12,40 +12,75 @@ from lagrangia.model import Model
 from lagrangia.run.interpret import evaluate
 from lagrangia.run.request import check_parameters, check_values
 
+if TYPE_CHECKING:
+    from lagrangia.compile.elsewhere import Beside
+
+_NOTHING_RUNS = "L0003"
+_MOST_NAMED = 12
+
 
 def check_command(options: Namespace) -> int:
     """Compiles every file; the exit code is 2 when one is wrong."""
     wrong = 0
     for file in options.files:
-        model, freedom, found = _compiled(file)
-        if model is None or found:
+        models, parts, found = _compiled(file)
+        problems = [model.freedom["problem"] for model in models if model.freedom["problem"]]
+        if found or problems:
             wrong += 1
-            print(render_all(found, sys.stderr.isatty()), file=sys.stderr)
+            print("\n".join([*([render_all(found, sys.stderr.isatty())] if found else []), *problems]), file=sys.stderr)
             continue
-        if freedom["problem"]:
-            wrong += 1
-            print(freedom["problem"], file=sys.stderr)
-            continue
-        print(f"{file}: {_describe(model.scene, freedom)}")
-        tell_warnings(options, model)
+        if not models:
+            print(f"{file}: {len(parts)} model{'s' if len(parts) != 1 else ''} for others to use: {', '.join(parts[:_MOST_NAMED])}"
+                  + (", ..." if len(parts) > _MOST_NAMED else ""))
+        for model in models:
+            print(f"{file}: {_describe(model.scene, model.freedom)}")
+            tell_warnings(options, model)
     return 2 if wrong else 0
 
 
-def _compiled(file: Path) -> tuple[Model | None, Mapping[str, Any], list[Diagnostic]]:
-    """The last model of a file, its freedom, and what is wrong with it and with the others."""
+def _compiled(file: Path) -> tuple[list[Model], list[str], list[Diagnostic]]:
+    """The models of a file that can be run, the one that is run last; those for others to use; and what is wrong with any."""
     report = Report()
-    model: Model | None = None
-    freedom: Mapping[str, Any] = {}
+    last = _checked(file, None, report)
+    codes = [diagnostic.code for diagnostic in report.diagnostics]
+    beside = _beside(file) if codes == [_NOTHING_RUNS] or not any(c.startswith(("L00", "L01", "L0202")) for c in codes) else []
+    if codes == [_NOTHING_RUNS] and beside:
+        report = Report()  # its packages are for others, whose models are run by name
+    elif not beside and codes:
+        return last, [], report.diagnostics
+    known = {diagnostic.render() for diagnostic in report.diagnostics}  # what is wrong with the whole file is told already
+    report.add(diagnostic for diagnostic in _of_others(file) if diagnostic.render() not in known)
+    scenes, parts = [], [other.name for other in beside if not other.is_whole]
+    for other in (x for x in beside if x.is_whole):
+        own = Report()
+        made = _checked(file, other.name, own)
+        report.add(d for d in own.diagnostics if other.is_fault(d) and d.render() not in known)
+        if made and other.is_scene:
+            scenes += made
+        else:
+            parts.append(other.name)
+    return [*scenes, *last], parts, report.diagnostics
+
+
+def _checked(file: Path, name: str | None, report: Report) -> list[Model]:
+    """A model through all phases, with its freedom; none where that reports what is wrong."""
     try:
-        model = Model(file)
-        freedom = model.freedom
+        model = Model(file, name)
         _check_limits(model)
+        return [model] if model.freedom else []
     except LagError as error:
         report.add(error.diagnostics)
-    if not any(diagnostic.code.startswith(("L00", "L01", "L0202")) for diagnostic in report.diagnostics):
-        known = {diagnostic.render() for diagnostic in report.diagnostics}  # what is wrong with the whole file is told already
-        report.add(diagnostic for diagnostic in _of_others(file) if diagnostic.render() not in known)
-    return model, freedom, report.diagnostics
+    return []
+
+
+def _beside(file: Path) -> "list[Beside]":
+    """The other models of the file."""
+    from lagrangia.compile.elsewhere import models_beside
+
+    try:
+        return models_beside(file)
+    except LagError:
+        return []  # told already
 
 
 def _of_others(file: Path) -> list[Diagnostic]:

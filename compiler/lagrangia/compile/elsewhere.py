@@ -5,6 +5,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from lagrangia.base.diagnostics import Diagnostic, LagError, Source
+from lagrangia.base.records import dataclass
 from lagrangia.compile.packages import Packages
 from lagrangia.compile.pipeline import deep_recursion, read_files
 from lagrangia.language.classes import ClassTable, build_class_table
@@ -15,6 +16,22 @@ from lagrangia.language.syntax import parse
 from lagrangia.language.tree import ClassDefinition, Declaration, Number, Syntax
 
 _LACKS_A_VALUE = "L0211"
+_NOTHING_MOVES = "L0505"
+_OUT_OF_LIMITS = "L0605"
+
+
+@dataclass(frozen=True)
+class Beside:
+    """A model beside the one that is run, by its full name; `is_whole`: all that needs a value has one. A scene can be run as it
+    is; a part leaves places to who uses it, or only computes something, and of it only the values are what they are."""
+
+    name: str
+    is_whole: bool
+    is_scene: bool
+
+    def is_fault(self, diagnostic: Diagnostic) -> bool:
+        """Whether it is one of this model, whatever it is used for."""
+        return diagnostic.code != _NOTHING_MOVES if self.is_scene else diagnostic.code == _OUT_OF_LIMITS
 
 
 def faults_elsewhere(path: Path) -> list[Diagnostic]:
@@ -29,10 +46,8 @@ def faults_beside(table: ClassTable, syntax: Syntax) -> list[Diagnostic]:
     with deep_recursion():
         own = [c for c in table.user.values() if c.name_span.source is syntax.source]
         used = {element.type_name.rpartition(".")[2] for c in own for element in c.elements if element.type_name != c.name}
-        run = next((c for c in reversed(syntax.classes) if c.kind == "model" and not c.is_partial), None)
         own = [c for c in own if not _waits(table, c)]
-        others = [c for c in own if c.kind in ("model", "block") and not (run and c.name_span == run.name_span)
-                  and c.name_span.text not in used]
+        others = [c for c in _models_beside(own, syntax) if c.name_span.text not in used]
         found: dict[Diagnostic, None] = {}
         for definition in others:
             found |= dict.fromkeys(_faults(table, definition))
@@ -54,6 +69,48 @@ def _waits(table: ClassTable, definition: ClassDefinition) -> bool:
         return any("replaceable" in inner.prefixes for c in table.lineage(definition) for inner in c.classes)
     except LagError:  # which is told of what is looked at
         return False
+
+
+def models_beside(path: Path) -> list[Beside]:
+    """All but partial ones, and those that stand in another model of the file, with which they are checked. Raises LagError where
+    the file cannot be read."""
+    with deep_recursion():
+        syntax, imported = read_files(path)
+        table = build_class_table(library(), [syntax, *imported], Packages(syntax).find)
+        own = [c for c in table.user.values() if c.name_span.source is syntax.source]
+        placed = {e.type_name.rpartition(".")[2] for c in own for e in c.elements if isinstance(e, Declaration)}
+        found = []
+        for c in _models_beside(own, syntax):
+            if not c.is_partial and c.name_span.text not in placed and not _waits(table, c):
+                is_whole = _is_whole(table, c)
+                found.append(Beside(c.name, is_whole, is_whole and _stands_alone(table, c)))
+        return found
+
+
+def _models_beside(own: Sequence[ClassDefinition], syntax: Syntax) -> list[ClassDefinition]:
+    run = next((c for c in reversed(syntax.classes) if c.kind in ("model", "block") and not c.is_partial), None)
+    return [c for c in own if c.kind in ("model", "block") and not (run and c.name_span == run.name_span)]
+
+
+def _is_whole(table: ClassTable, definition: ClassDefinition) -> bool:
+    """Whether it flattens, with a value for all that needs one."""
+    try:
+        check_dimensions(flatten(table, definition))
+    except LagError:
+        return False
+    return True
+
+
+def _stands_alone(table: ClassTable, definition: ClassDefinition) -> bool:
+    """Whether it has no port that who uses it would join to something."""
+    return not any(_is_port(table, declaration) for declaration in table.declared(definition).values())
+
+
+def _is_port(table: ClassTable, declaration: Declaration) -> bool:
+    if declaration.binding is not None or "protected" in declaration.prefixes:
+        return False
+    found = table.found(declaration.type_name, declaration.type_span)
+    return declaration.type_name == "Frame" or (found is not None and found.kind == "connector")
 
 
 def _faults(table: ClassTable, definition: ClassDefinition) -> Iterator[Diagnostic]:
