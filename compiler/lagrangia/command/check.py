@@ -43,11 +43,14 @@ def _compiled(file: Path) -> tuple[list[Model], list[str], list[Diagnostic]]:
     report = Report()
     last = _checked(file, None, report)
     codes = [diagnostic.code for diagnostic in report.diagnostics]
-    beside = _beside(file) if codes == [_NOTHING_RUNS] or not any(c.startswith(("L00", "L01", "L0202")) for c in codes) else []
-    if codes == [_NOTHING_RUNS] and beside:
-        report = Report()  # its packages are for others, whose models are run by name
-    elif not beside and codes:
+    is_package = codes == [_NOTHING_RUNS]
+    if any(code.startswith(("L00", "L01", "L0202")) for code in codes) and not is_package:
         return last, [], report.diagnostics
+    beside = _beside(file)
+    if is_package and not beside:
+        return last, [], report.diagnostics
+    if is_package:
+        report = Report()  # it is for others, and its models are run by name
     known = {diagnostic.render() for diagnostic in report.diagnostics}  # what is wrong with the whole file is told already
     report.add(diagnostic for diagnostic in _of_others(file) if diagnostic.render() not in known)
     scenes, parts = [], [other.name for other in beside if not other.is_whole]

@@ -48,7 +48,8 @@ from lagrangia.language.tree import (
 )
 from lagrangia.language.units_written import read_unit
 
-_MOST_PASSES = 100_000  # of one while loop
+_MOST_PASSES = 10_000  # of one while loop
+_STATEMENT = 2  # what an assignment costs beside its expression, in operations of Work
 _KINDS = ("Real", "Integer", "Boolean")
 _ASSIGN = "write: name := expression;"
 
@@ -322,6 +323,7 @@ class _Builder:
         if leaf in self.whole and (known := fold(value)) is not None:
             self.constants[leaf] = Boolean(known, value.span) if isinstance(known, bool) else (
                 Number(float(known), None, value.span, float(known).is_integer()))
+        self.names.work.spend(_STATEMENT + sum(1 for _ in nodes(value)), value.span)
         steps.append((place, value))
         self.given.add(place)
         self.current[leaf] = place

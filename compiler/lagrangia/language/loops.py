@@ -10,20 +10,20 @@ from lagrangia.language.tree import Array, Expression, Iterator, Range, Referenc
 
 _OF_NUMBERS = "numbers in equal distances: linspace(0, 2, 5), or {0.5*i for i in 0:4}"
 _MOST_ITERATIONS = 100_000  # of one loop
-_MOST_PASSES = 300_000  # of all loops of a model, each times the clauses in it: some 10 us each
+_MOST_OPERATIONS = 300_000  # of all loops of a model, each times the clauses in it: some 10 us each
 
 
 @dataclass
 class Work:
-    """How many clauses and elements the loops of a model were unrolled to."""
+    """How many clauses, elements, and operations of functions the loops of a model were unrolled to."""
 
-    passes: int = 0
+    operations: int = 0
 
     def spend(self, count: int, span: Span) -> None:
         """Raises TooMuchError L0209 before more is unrolled than can be looked at in good time."""
-        self.passes += count
-        if self.passes > _MOST_PASSES:
-            what = f"the loops and sums of this model have more than {_MOST_PASSES} passes in all"
+        self.operations += count
+        if self.operations > _MOST_OPERATIONS:
+            what = f"the loops and sums of this model unroll to more than {_MOST_OPERATIONS} operations"
             raise TooMuchError([Diagnostic("error", "L0209", what, span, "", ("those inside each other multiply",))])
 
 
