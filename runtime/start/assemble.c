@@ -359,8 +359,26 @@ static int search(LagAssembly *s, const double *p, const int *fixed, double *x, 
     return nearest < INFINITY;
 }
 
-/* Rates where the positions are are a linear matter; all together only when that does not do: rates that are given, and an equation
- * that ties them to positions. */
+/* Rates that nobody guessed are tried elsewhere, from the positions and rates in `best`, where there are equations for all of
+ * them: which direction is meant by fewer, nobody could say. Returns 1 when that is enough. */
+static int search_rates(LagAssembly *s, const double *p, const int *fixed, double *x, double *work)
+{
+    const int n = lag_start_size(s->model), equations = s->model->n_initial - s->model->n_initial_positions;
+    int open = 0;
+    for (int j = n; j < 2 * n; ++j)
+        open += fixed[j] >= LAG_START_FREE;
+    for (int turn = 1; turn <= FREE_SEARCHES && n < MANY && open > 0 && open <= equations; ++turn) {
+        copy(s, s->best, x);
+        for (int j = n; j < 2 * n; ++j)
+            x[j] += fixed[j] >= LAG_START_FREE ? WIDE_SPREAD * s->reach[j] * all_ways(j, turn) : 0;
+        if (solve(s, p, fixed, s->model->n_initial, n, 2 * n, LAG_METRIC_EVEN, x, work) < 0)
+            return 1;
+    }
+    return 0;
+}
+
+/* Rates where the positions are are mostly a linear matter; all together only when that does not do: rates that are given, and an
+ * equation that ties them to positions. */
 int lag_assemble(LagAssembly *s, const double *p, const int *fixed, double *x, double *work)
 {
     const int n = lag_start_size(s->model), all = s->model->n_initial, positions = s->model->n_initial_positions;
@@ -382,6 +400,8 @@ int lag_assemble(LagAssembly *s, const double *p, const int *fixed, double *x, d
         return -1;
     copy(s, s->best, x);
     if (solve(s, p, fixed, all, 0, 2 * n, 0, x, work) < 0)
+        return -1;
+    if (search_rates(s, p, fixed, x, work))
         return -1;
     copy(s, s->best, x); /* positions close: what fails are rates */
     return solve(s, p, fixed, all, n, 2 * n, 0, x, work);

@@ -8,6 +8,9 @@
  *
  * Where that leads nowhere, steepest descent does, unless the gradient vanishes: then a small push, always the same one,
  * leaves the critical point. The iteration ends when nothing falls any more.
+ *
+ * Where both sides of a quotient vanish, its gradient grows without bound, and any residual is near to the solution set by that
+ * measure: such an equation has no value there, and does not hold.
  */
 #include "start/newton.h"
 
@@ -17,7 +20,8 @@
 #include "model/function.h"
 #include "numbers/qr.h"
 
-static const double SATISFIED = 1e-10, DEPENDENT = 1e-10, SHORTEST_STEP = 1e-4, LONGEST_STEP = 0.5, FAITHFUL = 0.9;
+static const double SATISFIED = 1e-10, DEPENDENT = 1e-10, SHORTEST_STEP = 1e-4, LONGEST_STEP = 0.5, FAITHFUL = 0.9,
+                    STEEPEST = 1e9;
 static const double CRITICAL = 1e-6, PUSH = 1e-2, GOLDEN_RATIO = 0.6180339887498949;
 
 void lag_newton_layout(LagNewton *s, const LagModel *model, LagArena *arena)
@@ -30,6 +34,7 @@ void lag_newton_layout(LagNewton *s, const LagModel *model, LagArena *arena)
     s->length = lag_take(arena, equations);
     s->general = lag_take(arena, equations * unknowns);
     s->general_length = lag_take(arena, equations);
+    s->longest = lag_take(arena, equations);
     s->weight = lag_take(arena, equations);
     s->share = lag_take(arena, equations);
     s->right = lag_take(arena, equations);
@@ -65,6 +70,8 @@ void lag_newton_survey(LagNewton *s, const double *reach)
         for (int j = 0; j < unknowns; ++j)
             length2 += s->general[i + j * equations] * reach[j] * s->general[i + j * equations] * reach[j];
         s->general_length[i] = isfinite(length2) ? sqrt(length2) : 0;
+        const double longest = STEEPEST * (s->general_length[i] + fabs(s->g[i]));
+        s->longest[i] = longest > 0 ? longest : INFINITY;
     }
 }
 
@@ -128,6 +135,31 @@ static double residual(const LagNewton *s, int *worst)
     return largest;
 }
 
+/* Whether an equation has no value at the place evaluated last. */
+static int is_void(const LagNewton *s, int i)
+{
+    const int equations = s->model->n_initial, unknowns = 2 * lag_start_size(s->model);
+    double length2 = 0;
+    for (int j = 0; j < unknowns; ++j)
+        length2 += s->jacobian[i + j * equations] * s->scale[j] * s->jacobian[i + j * equations] * s->scale[j];
+    return !(length2 <= s->longest[i] * s->longest[i]);
+}
+
+/* -1, or an equation that does not hold at the place evaluated last, where the largest scaled residual, of `worst`, is
+ * `size`; g is NAN of one that has no value there. */
+static int unsatisfied(LagNewton *s, double size, int worst)
+{
+    if (!(size <= SATISFIED))
+        return worst;
+    for (int i = 0; i < s->active; ++i) {
+        if (is_void(s, i)) {
+            s->g[i] = NAN;
+            return i;
+        }
+    }
+    return -1;
+}
+
 /* Sum of the squares of the scaled residuals. */
 static double sum_of_squares(const LagNewton *s)
 {
@@ -138,7 +170,7 @@ static double sum_of_squares(const LagNewton *s)
 }
 
 /* Fills `transposed` with the gradients of the linearised equations in the metrics, of unit size at most, `right`, and what a
- * unit is worth in the sum of squares. Returns their number: equations that do not change with what may move are left out. */
+ * unit is worth in the sum of squares. Returns their number: equations that do not change with what may move, or beyond all measure, are left out. */
 static int measure_equations(LagNewton *s)
 {
     const int rows = moving(s);
@@ -146,7 +178,7 @@ static int measure_equations(LagNewton *s)
     for (int i = 0; i < s->active; ++i) {
         double *column = s->transposed + count * rows;
         const double length = measure_gradient(s, s->jacobian, i, column), unit = fmax(length, s->weight[i]);
-        if (!(length > 0))
+        if (!(length > 0 && isfinite(unit)))
             continue;
         s->right[count] = -s->g[i] / unit;
         s->share[count++] = unit / s->length[i];
@@ -292,5 +324,5 @@ int lag_newton_solve(LagNewton *s, const double *p, int most_iterations, int mos
             break;
         push(s, p, x, work);
     }
-    return size <= SATISFIED ? -1 : worst;
+    return unsatisfied(s, size, worst);
 }

@@ -15,6 +15,7 @@ typedef struct {
     double *length;       /* n_initial: size of an equation's scaled gradient */
     double *general;      /* the Jacobian at a general position near the guess */
     double *general_length, *weight; /* n_initial: sizes of its rows, scaled and in the metrics */
+    double *longest;      /* n_initial: a scaled gradient that is longer is that of an equation without a value */
     double *right, *diagonal, *share; /* n_initial */
     double *scale;        /* 2 n: natural size of a value, 0: it may not move */
     double *step, *trial, *z, *gradient; /* 2 n */
@@ -30,7 +31,7 @@ void lag_newton_layout(LagNewton *newton, const LagModel *model, LagArena *arena
 
 int lag_newton_evaluate(LagNewton *newton, const double *p, const double *x, double *work);
 
-/* Takes the Jacobian evaluated last for a general one: where a gradient vanishes it is measured by that. */
+/* Takes what was evaluated last for general: where a gradient vanishes it is measured by that. */
 void lag_newton_survey(LagNewton *newton, const double *reach);
 
 /* The metrics of the values with scale > 0, LAG_METRIC_..., for corrections from x on. */

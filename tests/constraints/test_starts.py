@@ -82,6 +82,30 @@ def test_an_equation_that_is_the_same_in_all_directions_asks_for_one(scene: Writ
     assert (start["der(p.center.x)"], start["der(p.center.y)"]) == pytest.approx((1.2, 1.6))
 
 
+QUOTIENTS = {  # both sides of each vanish where the others hold
+    "rates of a rod": ("Link l(a = world, b = p.center, L = 1);",
+                       "p.center.y/p.center.x = 1; der(p.center.y)/der(p.center.x) = 1;"),
+    "a rate that is 0": ("", "der(p.center.x)/der(p.center.y) = 2; der(p.center.x) = 0;"),
+    "rates": ("", "der(p.center.x)/der(p.center.y) = 2; der(p.center.x) + der(p.center.y) = 0;"),
+    "a direction": ("", "atan2(p.center.y, p.center.x) = 0.5; p.center.x + p.center.y = 0;"),
+    "places": ("", "p.center.x/p.center.y = 2; p.center.x + p.center.y = 0;"),
+}
+
+
+@pytest.mark.parametrize("case", QUOTIENTS)
+def test_nothing_over_nothing_holds_for_no_value(case: str, scene: Write) -> None:
+    parts, stated = QUOTIENTS[case]
+    with pytest.raises(lag.LagError, match=r"L0606.*this cannot hold at the start"):
+        begin(scene(f"model M PointMass p(m = 1); {parts} initial equation {stated} end M;"))
+
+
+def test_rates_that_nobody_guessed_are_looked_for_elsewhere(scene: Write) -> None:
+    start = begin(scene("model M PointMass p(m = 1); initial equation der(p.center.x)/der(p.center.y) = 2; "
+                        "der(p.center.x)^2 + der(p.center.y)^2 = 5[m2/s2]; end M;"))
+    assert abs(start["der(p.center.x)"]) == pytest.approx(2)
+    assert start["der(p.center.y)"] == pytest.approx(start["der(p.center.x)"] / 2)
+
+
 # ---------------------------------------------------------------- equations between rates
 
 LAG = "coordinate Real F(unit = \"N\"{start}); Block m(m = 1, base = world{v}); "\

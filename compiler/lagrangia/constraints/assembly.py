@@ -61,7 +61,7 @@ class Assembly:
         self.near = equations(self.guess + np.concatenate([angles, np.zeros(self.n)]))
         self.reach = self._reach()
         length = np.linalg.norm(self.near[1] * self.reach, axis=1)
-        self.general = General(self.near[1], np.where(np.isfinite(length), length, 0.0))
+        self.general = General(self.near[1], np.where(np.isfinite(length), length, 0.0), self.near[0])
 
     @np.errstate(all="ignore")
     def assemble(self) -> tuple[Vector, int]:
@@ -84,7 +84,10 @@ class Assembly:
         if rates[1] < 0:
             return rates
         together = self._solve(all_of_them, 0, 2 * n, x)
-        return together if together[1] < 0 else rates  # positions close: what fails are rates
+        if together[1] < 0:
+            return together
+        found = self._search_rates(x)
+        return rates if found is None else (found, -1)  # positions close: what fails are rates
 
     def _step_aside(self, guess: Vector) -> Vector:
         """The guess, or a place beside it where all equations are finite: y/x = 2 says nothing where both are 0."""
@@ -264,6 +267,18 @@ class Assembly:
             if worst < 0 and self._missed(x) < nearest:
                 nearest, best = self._missed(x), x
         return best
+
+    def _search_rates(self, x: Vector) -> Vector | None:
+        """What nobody guessed of the rates is tried elsewhere, where there are equations for all of it."""
+        n, all_of_them = self.n, self.equations.initial.numel_out(0)
+        is_free = np.concatenate([np.zeros(n, bool), self.fixed[n:] >= FREE])
+        is_determined = 0 < is_free.sum() <= all_of_them - self.equations.n_positions
+        for turn in range(1, _FREE_SEARCHES + 1 if n < _MANY and is_determined else 0):
+            trial = x + np.where(is_free, _WIDE_SPREAD * self.reach * _all_ways(2 * n, turn), 0.0)
+            found, worst = self._solve(all_of_them, n, 2 * n, trial, (Way.EVEN,))
+            if worst < 0:
+                return found
+        return None
 
 
 def _all_ways(n: int, turn: int) -> Vector:

@@ -13,7 +13,7 @@ from lagrangia.constraints.metric import Metric, Momenta, Way
 from lagrangia.constraints.parameters import default_parameters, input_symbols, with_declared_inputs
 from lagrangia.frames.kinematics import Kinematics
 
-_SATISFIED, _DEPENDENT, _SHORTEST_STEP, _LONGEST_STEP, _FAITHFUL = 1e-10, 1e-10, 1e-4, 0.5, 0.9
+_SATISFIED, _DEPENDENT, _SHORTEST_STEP, _LONGEST_STEP, _FAITHFUL, _STEEPEST = 1e-10, 1e-10, 1e-4, 0.5, 0.9, 1e9
 _CRITICAL, _PUSH, GOLDEN_RATIO = 1e-6, 1e-2, 0.6180339887498949
 
 
@@ -67,10 +67,11 @@ def pattern(n: int, turn: int) -> Vector:
 
 @dataclass(frozen=True)
 class General:
-    """The Jacobian at a general position near the guess, and the lengths of its scaled rows."""
+    """The Jacobian at a general position near the guess, the lengths of its scaled rows, and the residuals there."""
 
     jacobian: Vector
     length: Vector
+    g: Vector
 
 
 class Newton:
@@ -83,6 +84,8 @@ class Newton:
         n = equations.n
         self.equations, self.active, self.scale, self.n = equations, active, scale, n
         self.general_length = general.length[:active]
+        longest = _STEEPEST * (general.length + np.abs(general.g))[:active]
+        self.longest = np.where(longest > 0, longest, np.inf)
         halves = (slice(0, n), slice(n, 2 * n))
         self.metrics = [Metric(equations.momenta, x[:n], fixed[half], scale[half], way) for half in halves]
         self.middle = self.metrics[0].order.size
@@ -110,7 +113,14 @@ class Newton:
             pushes += 1
             x = x + np.concatenate([_PUSH * self.scale[: self.n] * pattern(self.n, 0), np.zeros(self.n)])
             self.evaluate(x)
-        return x, -1 if size <= _SATISFIED else worst
+        return x, self._unsatisfied(size, worst)
+
+    def _unsatisfied(self, size: float, worst: int) -> int:
+        """-1, or an equation that does not hold at the place evaluated last, as 0/0 holds for nothing."""
+        if not size <= _SATISFIED:
+            return worst
+        void = ~(np.linalg.norm(self.jacobian * self.scale, axis=1) <= self.longest)
+        return int(void.argmax()) if void.any() else -1
 
     def lean(self, guess: Vector, x: Vector) -> float:
         """Prepares the step from x towards the guess along the equations; its largest part, in natural sizes."""
@@ -149,8 +159,11 @@ class Newton:
     def _correct(self, wish: Vector) -> float:
         rows = self._measured(np.where(np.isfinite(self.jacobian), self.jacobian, 0.0))
         length = np.maximum(np.linalg.norm(rows, axis=1), self.weight)
-        unit = np.where(length > 0, length, np.inf)
-        z, _ = nearest(rows / unit[:, None], -self.g / unit, wish, _DEPENDENT, length / self.length)
+        is_measured = (length > 0) & np.isfinite(length) & np.isfinite(self.jacobian).all(axis=1)
+        unit = np.where(is_measured, length, np.inf)  # others are left out
+        share = np.where(is_measured, length / self.length, 0.0)
+        z, _ = nearest(np.where(is_measured[:, None], rows / unit[:, None], 0.0), np.where(is_measured, -self.g / unit, 0.0), wish,
+                       _DEPENDENT, share)
         self.step = np.concatenate([self.metrics[0].to_step(z[: self.middle]), self.metrics[1].to_step(z[self.middle :])])
         size = np.abs(self.step) / np.where(self.scale > 0, self.scale, np.inf)
         excess = size[: self.n] / np.where(self.equations.is_angle, _LONGEST_STEP, self.trusted)
