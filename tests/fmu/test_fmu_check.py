@@ -349,6 +349,18 @@ def test_foreign_code_has_limits(act: str, tmp_path: Path) -> None:
     assert not marker.exists()
 
 
+@pytest.mark.skipif(shutil.which("gcc") is None, reason="needs gcc")
+def test_what_does_not_begin_is_given_up(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "a.c").write_text(EVIL % "for (;;) sleep(1);")
+    subprocess.run(["gcc", "-shared", "-fPIC", "-o", "a.so", "a.c"], check=True, cwd=tmp_path)
+    good = fmu_of(PATH, "2")
+    (name,) = (name for name in zipfile.ZipFile(good).namelist() if name.startswith("binaries/"))
+    target = broken(good, tmp_path / "x.fmu", {name: (tmp_path / "a.so").read_bytes()})
+    assert main(["fmu", "check", str(target), "--seconds", "0.5"]) == WRONG  # it has no functions, either
+    assert capsys.readouterr().err.count("it was given up after 0.5 s") == len(open_fmu(target).offers)
+    assert main(["fmu", "check", str(target), "--seconds", "-1"]) == WRONG
+
+
 @pytest.mark.parametrize("identifier", ["../" * 9 + "tmp/outside", "/tmp/outside", "a\\\\b", "sub/a", ".."])
 def test_no_library_outside_is_loaded(identifier: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     target = described(fmu_of(PATH, "2"), tmp_path / "x.fmu", 'modelIdentifier="[^"]*"', f'modelIdentifier="{identifier}"', 2)

@@ -1,10 +1,11 @@
 """`lag fmu check`: files -> a report."""
 
+import math
 import sys
 from argparse import Namespace
 from pathlib import Path
 
-from lagrangia.base.diagnostics import LagError, render_all
+from lagrangia.base.diagnostics import LagError, fail, render_all
 from lagrangia.fmu.check import Checked, check_fmu
 from lagrangia.fmu.process import SPOKEN
 from lagrangia.fmu.run import Opened
@@ -13,14 +14,16 @@ from lagrangia.model import Model
 
 def check_fmu_command(options: Namespace) -> int:
     """The exit code is 2 when something written in an FMU is wrong, 1 when only its runs are."""
-    codes = [_check(file, options.run) for file in options.files]
+    if not 0 < options.seconds < math.inf:
+        fail("L0706", f"--seconds: {options.seconds:g} is no time for a run", None, "it is a positive number")
+    codes = [_check(file, options.run, options.seconds) for file in options.files]
     return 2 if 2 in codes else max(codes)
 
 
-def _check(file: Path, run: bool) -> int:
+def _check(file: Path, run: bool, seconds: float) -> int:
     color = sys.stderr.isatty()
     try:
-        checked = check_fmu(file, Model if run else None)
+        checked = check_fmu(file, Model if run else None, seconds)
     except LagError as error:
         print(render_all(error.diagnostics, color), file=sys.stderr)
         return 2

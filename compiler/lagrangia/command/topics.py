@@ -119,8 +119,8 @@ if c then a else b  in a formula; a condition on time alone, linear in it or in 
                     coordinate, max, min, abs, sign), a step is found to have gone too far, and the run goes back. A force
                     that jumps with a velocity (dry friction: sign(v), or if v > 0) may hold the motion there: it sticks, by
                     that share of the jump which keeps the velocity, until that is not enough.
-                    Friction that turns with a velocity in the plane, F*v/norm(v), jumps with no one number, and comes to
-                    rest only where it is made smooth: F*v/sqrt(dot(v, v) + vs^2)
+                    Friction that turns with a velocity in the plane, F*v/norm(v), is met as well: both components are held
+                    while what else acts is less than F. SlidingFriction is that, with a force that presses or a static one
 time, pi
 contact_force(x)    what holds x at a contact: lag help events
 constraint_force(x) the force along x, or torque, of the equation that has x on one side: motor.reaction of a Motion is such a
@@ -428,7 +428,7 @@ with parameters=, initial=, inputs=, time=, about=. A linearisation has .M, .C, 
 
 _FMU = """\
 lag export FILE --to fmu       writes an FMU: the scene with the same C run time and the same functions as `lag simulate`
-lag fmu check X.fmu ...        looks for faults in any FMU, whoever made it
+lag fmu check X.fmu ...        looks for faults in any FMU, whoever made it; --seconds 20: each run is given up after that time
 lag simulate X.fmu             runs any FMU, to compare; pip install "lagrangia[fmu]" brings FMPy, needed but for FMUs on tapes
 
 Export. --fmi 2, 3 or both; --kind me,cs (Model Exchange, Co-Simulation; both in one archive); --platforms host, all, or names

@@ -83,12 +83,13 @@ def corners_remain(motion: Motion) -> bool:
     if not motion.lengths or not bends(motion):
         return bends(motion)
     numbering = Numbering()
-    signs = {_sign_of(x, numbering): symbol("s") for x in motion.lengths}
+    signs = {sign_of(x, numbering): symbol("s") for x in motion.lengths}
     (h,) = rebuilt([motion.h], numbering, Holding(signs, frozenset(), {}, numbering).made)
     return not _BENT.isdisjoint(operations_in(h))
 
 
-def _sign_of(x: ca.SX, numbering: Numbering) -> Pair:
+def sign_of(x: ca.SX, numbering: Numbering) -> Pair:
+    """The condition whether x is positive."""
     first, second = sorted((numbering.number(x), numbering.of_number(0.0)))
     return first, second
 
@@ -102,7 +103,7 @@ def find_switches(motion: Motion, late: ca.SX | None = None) -> Switches:
     may_have = not motion.operations.union(*map(operations_in, others)).isdisjoint(_BENT | {ca.OP_SQRT})
     if not may_have and not events.numel():
         return Switches()
-    signs = {_sign_of(x, numbering) for x in motion.lengths}
+    signs = {sign_of(x, numbering) for x in motion.lengths}
     known = motion.unsolved or motion
     laws, reactions = ([known.felt.laws], known.felt.reactions) if known.felt else ([], ca.SX(0, 1))
     movers = ca.vertcat(motion.t, motion.q, motion.v, motion.u, reactions)

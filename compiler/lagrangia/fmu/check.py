@@ -9,14 +9,14 @@ from lagrangia.base.records import dataclass
 from lagrangia.fmu.archive import DESCRIPTION, archive_rules
 from lagrangia.fmu.compare import Load, compare, experiment_of
 from lagrangia.fmu.parts import part_rules
-from lagrangia.fmu.process import SPOKEN, Job, require_fmpy, run_job
+from lagrangia.fmu.process import SPOKEN, Job, Outcome, require_fmpy, run_job
 from lagrangia.fmu.rules import unit_rules, variable_rules
 from lagrangia.fmu.run import Opened, has_binary, open_fmu, unpacked
 from lagrangia.fmu.schemas import schema_rules
 from lagrangia.fmu.structure import structure_rules
 
 FMPY = "L0739"
-_LONGEST = 30  # seconds for a look at a running instance
+PATIENCE = 20.0  # seconds for each run, as long as nothing else is asked for
 
 
 @dataclass
@@ -38,8 +38,9 @@ class Checked:
         return any(is_fault for _, is_fault in self.told)
 
 
-def check_fmu(path: Path, load: Load | None = None) -> Checked:
-    """With `load`, which opens a source inside, its binary for this machine is loaded and simulated: that is to trust it.
+def check_fmu(path: Path, load: Load | None = None, seconds: float = PATIENCE) -> Checked:
+    """With `load`, which opens a source inside, its binary for this machine is loaded and simulated: that is to trust it. Each run
+    of it is given up after `seconds`; one that does not even begin in that time has failed.
 
     Raises LagError for what is no FMU.
     """
@@ -48,7 +49,7 @@ def check_fmu(path: Path, load: Load | None = None) -> Checked:
     found = list(read_faults(opened))
     checked = Checked(opened, found + list(_fmpy_rules(path, found)))
     if load is not None:
-        _run(opened, checked, load)
+        _run(opened, checked, load, seconds)
     return checked
 
 
@@ -79,7 +80,7 @@ def _fmpy_rules(path: Path, found: list[Diagnostic]) -> Iterator[Diagnostic]:
             yield Diagnostic("error", FMPY, f"FMPy: {message}")
 
 
-def _run(opened: Opened, checked: Checked, load: Load) -> None:
+def _run(opened: Opened, checked: Checked, load: Load, seconds: float) -> None:
     if opened.description.bad_identifier is not None:
         checked.told.append(("it was not run: its model identifier is none, and names no library in it", False))
         return
@@ -88,18 +89,19 @@ def _run(opened: Opened, checked: Checked, load: Load) -> None:
         return
     try:
         with unpacked(opened) as folder:
+            begun = []
             for kind in opened.offers:
-                checked.told += [(text, True) for text in _probed(opened, folder, kind)]
-            checked.told += [(found.message, found.is_wrong) for found in compare(opened, folder, opened.offers, load)]
+                outcome = _probe(opened, folder, kind, seconds)
+                checked.told += [(f"{SPOKEN[kind]}: {text}", True) for text in filter(None, (outcome.explanation, *outcome.faults))]
+                begun += [] if outcome.is_given_up else [kind]
+            checked.told += [(found.message, found.is_wrong) for found in compare(opened, folder, begun, load, seconds)]
     except LagError as error:
         checked.told += [(d.message, True) for d in error.diagnostics]
 
 
-def _probed(opened: Opened, folder: str, kind: str) -> Iterator[str]:
+def _probe(opened: Opened, folder: str, kind: str, seconds: float) -> Outcome:
+    """A look at a running instance."""
     start, stop, tolerance = experiment_of(opened)
     flags = opened.description.interfaces[kind]
     derivatives = any(flags.get(f"providesDirectionalDerivative{end}") in ("true", "1") for end in ("", "s"))
-    outcome = run_job(Job(folder, kind, [start], stop, tolerance, probe=True, derivatives=derivatives), _LONGEST)
-    if outcome.message and not outcome.is_given_up:
-        yield f"{SPOKEN[kind]}: {outcome.explanation}"
-    yield from (f"{SPOKEN[kind]}: {fault}" for fault in outcome.faults)
+    return run_job(Job(folder, kind, [start], stop, tolerance, probe=True, derivatives=derivatives), seconds)

@@ -24,7 +24,6 @@ _LOOSER = 10  # how much the second native run is looser than the first: shows h
 _TIGHTER = 100  # tolerance of CVode below that of the run: its errors add up from step to step
 _TIGHTEST = 1e-12
 _GROWN = 1e5  # tolerances: a motion that tells nothing any more
-_LONGEST = 60  # seconds for one run of an FMU
 
 
 class Native(Protocol):
@@ -67,21 +66,23 @@ def source_of(opened: Opened, folder: Path, load: Load) -> Native | None:
         return load(path, name, structural, tuple(outputs))
 
 
-def compare(opened: Opened, folder: str, kinds: list[str], load: Load) -> list[Comparison]:
-    """Every kind over the default experiment, against the native run where the source is inside."""
+def compare(opened: Opened, folder: str, kinds: list[str], load: Load, seconds: float) -> list[Comparison]:
+    """Every kind over the default experiment, given up after `seconds`, against the native run where the source is inside."""
+    if not kinds:
+        return []
     try:
         model = source_of(opened, Path(folder), load)
     except LagError as error:
         return [Comparison(f"the source inside does not compile: {error.diagnostics[0].message}", True)]
     span = experiment_of(opened)
     if model is None:
-        return [_alone(opened, folder, kind, *span) for kind in kinds]
+        return [_alone(folder, kind, *span, seconds) for kind in kinds]
     parameters = _parameters(opened, model)
     try:
         native = _NativeRun(model, span[0], span[1], span[2], parameters)
     except (LagError, RunError) as error:
         return [Comparison(f"the native run of the source inside fails: {error}", True)]
-    return [native.compared(opened, folder, kind) for kind in kinds]
+    return [native.compared(opened, folder, kind, seconds) for kind in kinds]
 
 
 def experiment_of(opened: Opened) -> tuple[float, float, float]:
@@ -91,9 +92,9 @@ def experiment_of(opened: Opened) -> tuple[float, float, float]:
     return start, stop if stop is not None and stop > start else start + 1.0, tolerance or 1e-6
 
 
-def _alone(opened: Opened, folder: str, kind: str, start: float, stop: float, tolerance: float) -> Comparison:
+def _alone(folder: str, kind: str, start: float, stop: float, tolerance: float, seconds: float) -> Comparison:
     times = [start + (stop - start) * k / _ROWS for k in range(_ROWS)] + [stop]
-    outcome = run_job(Job(folder, kind, times, stop, tolerance), _LONGEST)
+    outcome = run_job(Job(folder, kind, times, stop, tolerance), seconds)
     if outcome.message:
         return _stopped(kind, outcome)
     return Comparison(f"{SPOKEN[kind]} runs from {start:g} to {stop:g} s", False)
@@ -129,18 +130,19 @@ class _NativeRun:
         grown = np.abs(np.array([looser[name] for name in self.names]) - self.values) / self.scale
         self.allowed = _ALLOWED * tolerance + _LOOSER * np.maximum.accumulate(grown.max(axis=0, initial=0.0))
 
-    def compared(self, opened: Opened, folder: str, kind: str) -> Comparison:
+    def compared(self, opened: Opened, folder: str, kind: str, seconds: float) -> Comparison:
+        """The motion of the FMU beside its own."""
         import numpy as np
 
         tolerance = self.tolerance if kind == "cs" else max(self.tolerance / _TIGHTER, _TIGHTEST)
         missing = [name for name in self.names if name not in opened.description.by_name]
         if missing:
             return Comparison(f"the source inside has '{missing[0]}', and the FMU does not", True)
-        outcomes = [run_job(Job(folder, kind, self.times, self.stop, used, self.names), _LONGEST)
-                    for used in (tolerance, *((_LOOSER * tolerance,) if kind == "me" else ()))]
-        failed = [outcome for outcome in outcomes if outcome.message]
-        if failed:
-            return _stopped(kind, failed[0])
+        outcomes = []
+        for used in (tolerance, *((_LOOSER * tolerance,) if kind == "me" else ())):
+            outcomes.append(run_job(Job(folder, kind, self.times, self.stop, used, self.names), seconds))
+            if outcomes[-1].message:
+                return _stopped(kind, outcomes[-1])
         found = [np.frombuffer(outcome.rows).reshape(-1, 1 + len(self.names))[:, 1:].T for outcome in outcomes]
         if any(rows.shape != self.values.shape for rows in found):
             return Comparison(f"{SPOKEN[kind]}: the FMU ended the process that ran it", True)

@@ -22,6 +22,7 @@ from lagrangia.frames.kinematics import Kinematics
 from lagrangia.frames.planes import Plane
 from lagrangia.language.moving_inputs import rate_inputs
 from lagrangia.language.observables import observe
+from lagrangia.needs.conditions import find_corners
 from lagrangia.needs.dependence import changes
 from lagrangia.needs.islands import MOST_COORDINATES, find_islands
 from lagrangia.needs.origins import is_linear, place_of_nonlinear_term, place_of_time, place_of_world
@@ -275,9 +276,14 @@ def _state_events(parts: _Parts) -> Need:
     sizes, whens = parts.scene.sizes, parts.kinematics.graph.model.whens
     conditions = sizes["n_switches"] - 3 * sizes["n_whens"]
     found = [f"{_counted(conditions, 'condition')} on the state in the forces"] if conditions else []
+    corners = find_corners(parts.energies, parts.motion) if conditions and parts.scene.n <= _MOST_COUNTED else ()
+    if corners:
+        told = dict.fromkeys(f"{corner.component or 'a force of its own'}: {corner.decided_by}" for corner in corners)
+        found[0] += f" ({_few(list(told))}), held in each step: where one changes, the run goes back to the place"
     found += [f"{_counted(len(whens), 'event')} at which rates are reset"] if whens else []
+    place = whens[0].span if whens else corners[0].span if corners else None
     return Need("state events", bool(found), ", ".join(found) or "forces bend and jump nowhere",
-                _line(whens[0].span) if whens else "", saving="a look at conditions after each step, and restarts")
+                _line(place) if place else "", saving="a look at conditions after each step, and restarts")
 
 
 def _islands(parts: _Parts) -> Need:
