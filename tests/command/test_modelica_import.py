@@ -71,6 +71,14 @@ def test_texts_that_cannot_be_imported(tmp_path: Path, capsys: pytest.CaptureFix
     assert not list(tmp_path.glob("*.lag"))
 
 
+@pytest.mark.parametrize("text", ["", "within;\n", "// nothing\n"])
+def test_a_file_without_classes_is_refused(text: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = tmp_path / "empty.mo"
+    file.write_text(text)
+    assert main(["import", str(file)]) == 2
+    assert "it has no class" in capsys.readouterr().err and not (tmp_path / "empty.lag").exists()
+
+
 def test_names_that_the_library_itself_uses() -> None:
     """Its own examples name packages from where they stand."""
     found = imported("within Modelica.Mechanics.Translational.Examples;\nmodel A\n  SI.Length x;\n  Components.Mass m(m=1);\n"

@@ -333,3 +333,20 @@ def test_stops_are_explained(loop: str, tmp_path: Path, capsys: pytest.CaptureFi
     end Stops;""")
     assert main(["explain", str(file)]) == 0
     assert "2 events at which rates are reset" in capsys.readouterr().out
+
+
+CORNERS = {
+    "Spring p(a = world, b = b.center, k = 1, s_rel0 = 0.5);": "p: a length passes through 0",
+    "DryFriction p(F = 1, rate = b.v);": "p: a rate turns",
+    "AppliedForce p(at = b.center, force = {if b.s > 0.3 then 1[N] else 2[N], 0});": "p: a place decides",
+    "energy potential 1[N]*abs(b.s);": "a force of its own: a place decides",
+}
+
+
+@pytest.mark.parametrize("text", CORNERS)
+def test_where_forces_bend_is_said(text: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = tmp_path / "bends.lag"
+    file.write_text(f"model M Block b(m = 1, base = world, s(start = 1)); {text} end M;")
+    assert main(["explain", str(file)]) == 0
+    (row,) = [row for row in " ".join(capsys.readouterr().out.split()).split("state events")[1:]]
+    assert f"({CORNERS[text]}), held in each step" in row

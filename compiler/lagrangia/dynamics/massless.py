@@ -29,7 +29,7 @@ from lagrangia.constraints.initial import build_initial
 from lagrangia.constraints.parameters import at_declared_values
 from lagrangia.constraints.rows import Constraints, Row, derived, reduce_further
 from lagrangia.dynamics.energies import Energies, Term, build_energies, evaluate_energies
-from lagrangia.dynamics.massless_directions import Direction, numbers_at, shared_directions
+from lagrangia.dynamics.massless_directions import Direction, numbers_at, refuse_attitudes, shared_directions
 from lagrangia.frames.evaluation import scalars_of
 from lagrangia.frames.kinematics import Kinematics
 from lagrangia.language.consequences import speaks_of_contact_forces
@@ -73,7 +73,9 @@ def _massless(kinematics: Kinematics, constraints: Constraints, energies: Energi
     found = [name for name in symbols.positions if name not in kept and _symbols_of(kinematics, name).isdisjoint(kinetic)]
     if not found:
         return [], [], []
-    _refuse_idle_attitudes(kinematics, found)
+    for coordinate in kinematics.graph.coordinates:
+        if coordinate.name in found:
+            refuse_attitudes([(coordinate, 1.0)])
     rows = symbols_in(ca.vertcat(ca.SX(0, 1), *[row.value(kinematics, 0) for row in constraints.rows]))
     pushed = symbols_in(ca.vertcat(energies.total(energies.potential), energies.total(energies.dissipation),
                                    *[x for load in energies.loads for x in load.position]))
@@ -81,14 +83,6 @@ def _massless(kinematics: Kinematics, constraints: Constraints, energies: Energi
     free = [name for name in found if name not in held]
     idle = [name for name in free if _symbols_of(kinematics, name).isdisjoint(pushed)]
     return [name for name in free if name not in idle], held, idle
-
-
-def _refuse_idle_attitudes(kinematics: Kinematics, names: Sequence[str]) -> None:
-    for coordinate in kinematics.graph.coordinates:
-        if coordinate.attitude and coordinate.name in names:
-            axis = "xyz"[coordinate.part - 1]
-            fail("L0504", f"the attitude '{coordinate.attitude}' moves no mass about its {axis} axis", coordinate.span,
-                 "give what it turns a moment of inertia about that axis: I = {Ixx, Iyy, Izz}")
 
 
 def _require_held(kinematics: Kinematics, constraints: Constraints, names: Sequence[str]) -> None:

@@ -77,11 +77,27 @@ def shared_directions(kinematics: Kinematics, constraints: Constraints, energies
         fail("L0504", f"the coordinates {', '.join(names[k] for k in loose)} move no mass together, along a way that depends on "
              "where they are (not supported yet)", coordinates[names[loose[0]]].span, "give what lies between them a small mass")
     for z, other in zip(here, elsewhere, strict=True):
+        refuse_attitudes([(coordinates[names[k]], float(z[k])) for k in np.flatnonzero(np.abs(z) > _SAME)])
         places = [k for k in range(len(names)) if abs(z[k]) > _SAME]
         is_fixed = np.abs(other - z).max() <= _SAME
         factors = [ca.SX(1), *([ca.SX(round(z[k], 9)) for k in places[1:]] if is_fixed else looks.by_parameters(places))]
         directions.append(Direction(coordinates[names[places[0]]], tuple(zip((names[k] for k in places), factors, strict=True))))
     return directions
+
+
+def refuse_attitudes(moving: Sequence[tuple[Coordinate, float]]) -> None:
+    """Raises LagError L0504 for what moves no mass and turns an attitude; `moving`: coordinates, and how much each does."""
+    turned = next((c for c, _ in moving if c.attitude), None)
+    if turned is None:
+        return
+    axis = [sum(x for c, x in moving if c.attitude == turned.attitude and c.part == k) for k in (1, 2, 3)]
+    length = float(np.linalg.norm(axis))
+    named = [f"its {letter} axis" for letter, x in zip("xyz", axis, strict=True) if abs(x) > (1 - _SAME) * length]
+    about = named[0] if named else f"the axis {{{', '.join(f'{x / length:.4g}' for x in axis)}}} of its own"
+    others = dict.fromkeys(c.attitude or c.name for c, _ in moving if c.attitude != turned.attitude)
+    together = f", where it takes {', '.join(others)} with it" if others else ""
+    fail("L0504", f"the attitude '{turned.attitude}' moves no mass about {about}{together}", turned.span,
+         "give what it turns a moment of inertia about that axis: I = {Ixx, Iyy, Izz}")
 
 
 class _Looks:

@@ -27,7 +27,7 @@ class LagrangiaLexer(RegexLexer):  # type: ignore[misc]  # Pygments has no types
         "root": [
             (r"\s+", Whitespace),
             (r"//[^\n]*", Comment.Single),
-            (r"/\*(?:[^*]|\*(?!/))*\*/", Comment.Multiline),
+            (r"/\*[^*]*(?:\*(?!/)[^*]*)*\*/", Comment.Multiline),
             (r'"(?:[^"\\]|\\.)*"', String.Double),
             (r"'(?:[^'\\\n]|\\.)+'", Name),
             (r"(end)(\s+)(for|if|when|while)\b", bygroups(Keyword, Whitespace, Keyword)),
