@@ -55,7 +55,8 @@ EARLIER = {  # before the scene; what of the motion is told of it
     "model A Frame a; PointMass p(m = -2, center = a); end A;": "'p.m' is -2 kg",
     "package P model A Block b(m = -1, base = world); end A; end P;": "'b.m' is -1 kg",
 }
-PARTS = ("model A Frame a; Revolute h(a = world, b = a); end A;", "model A parameter Mass m = 1; end A; model B extends A; end B;",
+PARTS = ("model A Frame a; Revolute h(a = world, b = a); end A;",
+         "model A parameter Mass m = 1; end A; model B extends A; end B;",
          "model A input Real u = 1; output Real y = 2*u; end A;")
 
 

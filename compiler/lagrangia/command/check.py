@@ -30,8 +30,8 @@ def check_command(options: Namespace) -> int:
             print("\n".join([*([render_all(found, sys.stderr.isatty())] if found else []), *problems]), file=sys.stderr)
             continue
         if not models:
-            print(f"{file}: {len(parts)} model{'s' if len(parts) != 1 else ''} for others to use: {', '.join(parts[:_MOST_NAMED])}"
-                  + (", ..." if len(parts) > _MOST_NAMED else ""))
+            names = ", ".join(parts[:_MOST_NAMED]) + (", ..." if len(parts) > _MOST_NAMED else "")
+            print(f"{file}: {len(parts)} model{'s' if len(parts) != 1 else ''} for others to use: {names}")
         for model in models:
             print(f"{file}: {_describe(model.scene, model.freedom)}")
             tell_warnings(options, model)

@@ -33,7 +33,8 @@ def import_command(options: Namespace) -> int:
 def _modelica(file: Path) -> Imported:
     source = read_source(file)
     if not parse(source).classes:  # which tells what is wrong, or not of this language, where it stands
-        fail("L0703", f"there is nothing to import in '{file}': it has no class", None, "a Modelica file has one: model Name ... end Name;")
+        fail("L0703", f"there is nothing to import in '{file}': it has no class", None,
+             "a Modelica file has one: model Name ... end Name;")
     return imported(source.text)
 
 

@@ -28,7 +28,8 @@ def add_fmu_check(parser: ArgumentParser) -> None:
     parser.add_argument("files", nargs="+", type=Path, metavar="FILE")
     parser.add_argument("--run", action=BooleanOptionalAction, default=True,
                         help="load and run its binary, which is to trust it")
-    parser.add_argument("--seconds", type=float, default=20.0, metavar="S", help="a run of it is given up after so much time (20)")
+    parser.add_argument("--seconds", type=float, default=20.0, metavar="S",
+                        help="a run of it is given up after so much time (20)")
 
 
 def add_equations(parser: ArgumentParser) -> None:

@@ -162,8 +162,8 @@ class Newton:
         is_measured = (length > 0) & np.isfinite(length) & np.isfinite(self.jacobian).all(axis=1)
         unit = np.where(is_measured, length, np.inf)  # others are left out
         share = np.where(is_measured, length / self.length, 0.0)
-        z, _ = nearest(np.where(is_measured[:, None], rows / unit[:, None], 0.0), np.where(is_measured, -self.g / unit, 0.0), wish,
-                       _DEPENDENT, share)
+        right = np.where(is_measured, -self.g / unit, 0.0)
+        z, _ = nearest(np.where(is_measured[:, None], rows / unit[:, None], 0.0), right, wish, _DEPENDENT, share)
         self.step = np.concatenate([self.metrics[0].to_step(z[: self.middle]), self.metrics[1].to_step(z[self.middle :])])
         size = np.abs(self.step) / np.where(self.scale > 0, self.scale, np.inf)
         excess = size[: self.n] / np.where(self.equations.is_angle, _LONGEST_STEP, self.trusted)

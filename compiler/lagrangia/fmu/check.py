@@ -39,8 +39,8 @@ class Checked:
 
 
 def check_fmu(path: Path, load: Load | None = None, seconds: float = PATIENCE) -> Checked:
-    """With `load`, which opens a source inside, its binary for this machine is loaded and simulated: that is to trust it. Each run
-    of it is given up after `seconds`; one that does not even begin in that time has failed.
+    """With `load`, which opens a source inside, its binary for this machine is loaded and simulated: that is to trust it. Each
+    run of it is given up after `seconds`; one that does not even begin in that time has failed.
 
     Raises LagError for what is no FMU.
     """
@@ -92,7 +92,8 @@ def _run(opened: Opened, checked: Checked, load: Load, seconds: float) -> None:
             begun = []
             for kind in opened.offers:
                 outcome = _probe(opened, folder, kind, seconds)
-                checked.told += [(f"{SPOKEN[kind]}: {text}", True) for text in filter(None, (outcome.explanation, *outcome.faults))]
+                told = filter(None, (outcome.explanation, *outcome.faults))
+                checked.told += [(f"{SPOKEN[kind]}: {text}", True) for text in told]
                 begun += [] if outcome.is_given_up else [kind]
             checked.told += [(found.message, found.is_wrong) for found in compare(opened, folder, begun, load, seconds)]
     except LagError as error:
