@@ -76,7 +76,7 @@ def models_beside(path: Path) -> list[Beside]:
     the file cannot be read."""
     with deep_recursion():
         syntax, imported = read_files(path)
-        table = build_class_table(library(), [syntax, *imported], Packages(syntax).find)
+        table = build_class_table(library_classes(), [syntax, *imported], Packages(syntax).find)
         own = [c for c in table.user.values() if c.name_span.source is syntax.source]
         placed = {e.type_name.rpartition(".")[2] for c in own for e in c.elements if isinstance(e, Declaration)}
         found = []
