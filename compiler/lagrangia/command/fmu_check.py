@@ -13,8 +13,8 @@ from lagrangia.model import Model
 
 
 def check_fmu_command(options: Namespace) -> int:
-    """The exit code is 2 when something written in an FMU is wrong, 1 when only its runs are. Raises LagError L0706 for a time that
-    is none."""
+    """The exit code is 2 when something written in an FMU is wrong, 1 when only its runs are. Raises LagError L0706 for a
+    time that is none."""
     if not 0 < options.seconds < math.inf:
         fail("L0706", f"--seconds: {options.seconds:g} is no time for a run", None, "it is a positive number")
     codes = [_check(file, options.run, options.seconds) for file in options.files]
