@@ -30,6 +30,17 @@ VAIN = {
     "energy potential virtual(b.s)*1[N];": "virtual(x) is 0 here",
     "output Length y = b.s + virtual(b.s);": "virtual(x) is 0 here",
     "equation when virtual(b.s) + b.s < 0 then reinit(b.v, 1); end when;": "virtual(x) is 0 here",
+    "Bar bar(m = 1, L = 1); Revolute r(a = world, b = bar.a); TorsionSpring t(a = bar.a, b = bar.a, k = 1);":
+        "'t' does nothing: its two ends are one",
+    "Rotational.Inertia i(J = 1); Rotational.SpringDamper t(c = 1, d = 1, flange_a = i.flange_a, flange_b = i.flange_b);":
+        "'t' does nothing: its two ends are one",
+    "energy work 0 on b.s;": "a force of 0", "energy for i in 3:1 loop potential i*b.s*1[N]; end for;": "this loop has no pass",
+    "energy if false then potential b.s*1[N]; end if;": "this condition is false",
+    "coordinate Length x; equation x = b.s; 2*x = 2*b.s; energy kinetic 1[kg]*der(x)^2/2;": "this equation removes nothing",
+    "model T end T; T t;": "nothing uses 't'",
+    "model T parameter Real k = 2; coordinate Length x; energy kinetic 1[kg]*der(x)^2; end T; T t;": "the parameter 'k'",
+    "function f input Real x; output Real y; algorithm y := x; annotation(derivative = g); end f; output Real q = f(b.s/1[m]);":
+        "the annotation 'derivative'",
     "annotation(solver = 3);": "the annotation 'solver'", "annotation(Evaluate = true);": "the annotation 'Evaluate'",
     "Length q = b.s annotation(Varying = true);": "the annotation 'Varying'",
 }
@@ -60,7 +71,11 @@ def test_what_cannot_be_meant_is_refused(scene: Write, text: str) -> None:
 @pytest.mark.parametrize("text", [
     'annotation(Documentation(info = "x"), version = "1", __mine = 3);', "annotation(experiment(StopTime = 100[ms]));",
     "Disc d[2](each m = 1, each r = 1, each center = b.center);", "constant Integer n = 2; Disc d[n](each m = 1, each r = 1, "
-    "each center = b.center);", "PointMass p(m = 1, center = world); Spring r(a = p.center, b = b.center, k = 1);",
+    "each center = b.center);",
+    "Bar p(m = 1, L = 1); Revolute r(a = world, b = p.a); TorsionSpring t(a = world, b = p.a, k = 1);",
+    "Rotational.Inertia i(J = 1), j(J = 1); Rotational.Spring t(c = 1, flange_a = i.flange_b, flange_b = j.flange_a);",
+    "parameter Integer n = 0; energy for i in 1:n loop potential i*b.s*1[N]; end for;",
+    "PointMass p(m = 1, center = world); Spring r(a = p.center, b = b.center, k = 1);",
     "Weld w(a = world); PointMass p(m = 1, center = w.b);", "Block c(m = 1, base = world, s(start = 1), s(fixed = true));",
     "Bar wall(m = 1, L = 1, a = world); Spring r(a = wall.b, b = b.center, k = 1);", "input Force u(min = 0) = 1; "
     "AppliedForce f(at = b.center, force = {u, 0});"])

@@ -21,7 +21,7 @@ from lagrangia.dynamics.double_roots import touching_notes
 from lagrangia.dynamics.guarding import OF_PARAMETERS, tell_guards
 from lagrangia.dynamics.hamilton import is_separable
 from lagrangia.dynamics.idle_lines import find_idle_lines
-from lagrangia.dynamics.idle_statements import find_idle_statements
+from lagrangia.dynamics.idle_statements import find_idle_equations, find_idle_statements
 from lagrangia.dynamics.jumping_energies import find_jumping_energies
 from lagrangia.dynamics.motion import Motion
 from lagrangia.dynamics.negative_inertia import tell_unlooked, written_inertias
@@ -79,7 +79,7 @@ def build_scene(
         event_kind=functions.event_kinds, initial_places=_initial_places(initial), lost=_lost_starts(model, initial),
         notes=_notes(motion, tapes)
         | {"form": functions.form.why if functions.form else "", "thresholds": [*functions.thresholds]}
-        | _freedom(kinematics, motion, constraints, is_still) | _told(kinematics, initial)
+        | _freedom(kinematics, motion, constraints, is_still) | _told(kinematics, constraints, initial)
         | ({"guards": tell_guards(model, functions.guarding)} if model.guards else {}),
         refused={**functions.refused, **({"conservative": no_momenta} if no_momenta else {}), **_refusals(kinematics)},
     ))
@@ -261,15 +261,15 @@ def _freedom(kinematics: Kinematics, motion: Motion, constraints: Constraints, i
             "balanced": sorted(row.balanced for row in constraints.all_rows if row.balanced)}
 
 
-def _told(kinematics: Kinematics, initial: InitialConditions) -> dict[str, object]:
+def _told(kinematics: Kinematics, constraints: Constraints, initial: InitialConditions) -> dict[str, object]:
     """As text: the scene outlives the source it points at."""
     model = kinematics.graph.model
     contacts = [_called(model, when) for when in model.whens]
     lines, odd = find_idle_lines(kinematics, initial).diagnostics, find_odd_inertias(kinematics)
     odd.raise_errors()
     idle, jumping = find_idle_statements(kinematics.graph, lines), find_jumping_energies(kinematics)
-    found = (*model.warnings, *lines, *idle.diagnostics, *jumping.diagnostics, *tell_unlooked(kinematics).diagnostics,
-             *odd.diagnostics, *find_idle_starts(kinematics).diagnostics)
+    found = (*model.warnings, *lines, *idle.diagnostics, *find_idle_equations(constraints).diagnostics, *jumping.diagnostics,
+             *tell_unlooked(kinematics).diagnostics, *odd.diagnostics, *find_idle_starts(kinematics).diagnostics)
     told = [warning.render() for warning in found if warning.code not in model.allowed]
     files = sorted({lookup.path for lookup in model.lookups})
     inertias = [v.name for v in model.variables.values() if v.is_inertia and v.kind == "parameter"]

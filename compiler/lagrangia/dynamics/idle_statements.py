@@ -1,14 +1,17 @@
-"""Energies and loads -> warnings of those that speak of nothing that moves: a force on the ground, a mass that is fixed to it."""
+"""Energies, loads and equations -> warnings of those that do nothing: a force on the ground or of 0, a mass that is fixed, a
+torsion spring whose two ends are one, an equation that repeats others."""
 
 from collections.abc import Iterable, Iterator, Mapping
 
-from lagrangia.base.diagnostics import Diagnostic, Report
+from lagrangia.base.diagnostics import LIBRARY, Diagnostic, Report
+from lagrangia.constraints.rows import Constraints
 from lagrangia.frames.graph import ComponentGraph
 from lagrangia.frames.joints import component_of, joints_of
 from lagrangia.language.flat import Energy, FlatModel, Work
+from lagrangia.language.folding import fold
 from lagrangia.language.frame_attributes import is_velocity
 from lagrangia.language.mentions import nodes, reached
-from lagrangia.language.tree import Call, Flat, FrameRef, Ref
+from lagrangia.language.tree import Binary, Call, Flat, FrameRef, Ref
 
 Statement = Energy | Work
 
@@ -23,6 +26,7 @@ def find_idle_statements(graph: ComponentGraph, told: Iterable[Diagnostic] = ())
     known, grounded = {warning.span for warning in told}, _grounded(graph)
     bindings = {name: v.binding for name, v in model.variables.items() if v.kind == "variable"}
     stated: dict[object, list[Statement]] = {}
+    ends = _Ends(model, bindings)
     for k, statement in enumerate(_all(model)):
         stated.setdefault(statement.component or k, []).append(statement)
     for key, statements in stated.items():
@@ -31,12 +35,63 @@ def find_idle_statements(graph: ComponentGraph, told: Iterable[Diagnostic] = ())
             why.add(_idle(statement, model, bindings, grounded))
             if "" in why:
                 break
+        if isinstance(key, str) and span not in known and all(map(ends.are_one, statements)):
+            report.warning("L0224", f"'{key}' does nothing: its two ends are one", span, "give it other ends, or leave it out")
         if "" in why or span in known or (isinstance(key, str) and _is_body(statements) and _carries(key, model)):
             continue
         name = f"'{key}'" if isinstance(key, str) else "this"
         report.warning("L0224", f"{name} does nothing: it speaks of {' and of '.join(sorted(why))}", span,
                        "give it another place, or leave it out")
     return report
+
+
+def find_idle_equations(constraints: Constraints) -> Report:
+    """L0224 for equations of people's own that remove no freedom, as others say the same."""
+    report = Report()
+    for row in constraints.repeated:
+        if row.loop is None and not row.balanced and not row.span.source.name.startswith(LIBRARY):
+            report.warning("L0224", "this equation removes nothing: others say the same", row.span, "leave it out")
+    return report
+
+
+class _Ends:
+    """What of the places and positions that statements read is one and the same."""
+
+    def __init__(self, model: FlatModel, bindings: Mapping[str, Flat | None]) -> None:
+        self.model, self.bindings = model, bindings
+        self.first: dict[str, str] = {}
+        for equation in model.frame_equations:
+            sides = [side.name for side in (equation.left, equation.right) if isinstance(side, FrameRef) and not side.attribute]
+            if len(sides) == 2 and (one := self._frame(sides[0])) != (other := self._frame(sides[1])):
+                self.first[one] = other
+
+    def are_one(self, statement: Statement) -> bool:
+        """Whether all that moves in a statement of the library is the difference of something from itself."""
+        value = statement.value if isinstance(statement, Energy) else statement.position
+        if not statement.span.source.name.startswith(LIBRARY) and not (isinstance(statement, Energy) and statement.is_of_library):
+            return False
+        found, vanishing = list[object](), set[object]()
+        for node in reached([value], self.bindings):
+            if (place := self._place(node)) is not None and not (isinstance(node, Ref) and node.name in self.bindings):
+                found.append(place)
+            elif isinstance(node, Binary) and node.operator == "-" and (place := self._place(node.left)) is not None and (
+                    place == self._place(node.right)):
+                vanishing.add(place)
+        return bool(found) and set(found) == vanishing and all(found.count(place) <= 2 for place in vanishing)
+
+    def _place(self, node: Flat) -> object:
+        """What tells one place or coordinate from others; None for anything else."""
+        while isinstance(node, Ref) and (binding := self.bindings.get(node.name)) is not None:
+            node = binding
+        if isinstance(node, FrameRef) and node.attribute:
+            return self._frame(node.name), node.attribute, node.index
+        is_moving = isinstance(node, Ref) and self.model.variables[node.name].kind == "coordinate"
+        return (node.name, node.index) if is_moving and isinstance(node, Ref) else None
+
+    def _frame(self, name: str) -> str:
+        while name in self.first:
+            name = self.first[name]
+        return name
 
 
 def _find_lonely(graph: ComponentGraph, report: Report) -> None:
@@ -75,6 +130,8 @@ def _grounded(graph: ComponentGraph) -> set[str]:
 def _idle(statement: Statement, model: FlatModel, bindings: Mapping[str, Flat | None], grounded: set[str]) -> str:
     """What it would have to speak of, to do anything; "" where it does."""
     value = statement.value if isinstance(statement, Energy) else statement.position
+    if isinstance(statement, Work) and fold(statement.force) == 0:
+        return "a force of 0"
     needs_rates = isinstance(statement, Energy) and statement.kind != "potential"
     moves = False
     for node in reached([value], bindings):

@@ -32,7 +32,16 @@ def find_idle(model: FlatModel, root: Instance, table: ClassTable) -> Report:
         what = "this force acts on nothing: nothing reads" if is_force else f"nothing reads the {variable.kind}"
         acts = _ACTS.format(name=slot.declaration.name), "or let it be looked at: output"
         report.warning("L0224", f"{what} '{slot.path}'", place, *(acts if is_force else ("leave it out",)))
+    _find_useless(root, table, report)
     return report
+
+
+def _find_useless(root: Instance, table: ClassTable, report: Report) -> None:
+    """Components of people's own that have nothing at all."""
+    for instance in inside(root):
+        if not (instance.members or instance.clauses or instance.frame or instance.span.source in table.library_sources):
+            report.warning("L0224", f"nothing uses '{instance.path}': it has no energy, frame or equation", instance.span,
+                           "leave it out")
 
 
 def _could_act(variable: Variable) -> bool:

@@ -15,6 +15,7 @@ from lagrangia.language.never import find_never
 from lagrangia.language.spaces import ANNOTATION
 from lagrangia.language.tree import (
     Argument,
+    Boolean,
     Call,
     ClassDefinition,
     Declaration,
@@ -24,6 +25,8 @@ from lagrangia.language.tree import (
     FrameRef,
     IfBlock,
     ImportFile,
+    Number,
+    Range,
     Reference,
     Syntax,
 )
@@ -60,7 +63,7 @@ def find_without_effect(model: FlatModel, root: Instance, table: ClassTable) -> 
         for element in definition.elements:
             _look_at_each(element, report)
     _look_at_attributes(instances, model, table, report)
-    _look_at_structural(own, table, report)
+    _look_at_parameters(own, table, {id(c) for c in table.lineage(root.definition)}, report)
     called = dict.fromkeys(name.partition("(")[0] for name in model.functions)
     _look_at_functions([table.user[name] for name in called if name in table.user], report)
     _look_at_joints(model, table, report)
@@ -141,8 +144,24 @@ def _look_at_blocks(clauses: Iterable[Any], report: Report) -> None:
             parts = (clause.body,) if isinstance(clause, ForBlock) else (clause.then, clause.otherwise)
             if not any(parts):
                 report.warning(CODE, "nothing stands in this block", clause.span, "leave it out")
+            if isinstance(clause, ForBlock):
+                _look_at_range(clause, report)
+            elif isinstance(clause.condition, Boolean) and any(parts):
+                report.warning(CODE, f"this condition is {str(clause.condition.value).lower()}, whatever happens",
+                               clause.condition.span, "write what counts alone")
             for part in parts:
                 _look_at_blocks(part, report)
+
+
+def _look_at_range(clause: ForBlock, report: Report) -> None:
+    """Of numbers as they are written: nobody means 3:1."""
+    for iterator in clause.iterators:
+        values = iterator.range
+        if isinstance(values, Range) and isinstance(values.start, Number) and isinstance(values.stop, Number):
+            step = 1.0 if values.step is None else values.step.value if isinstance(values.step, Number) else 0.0
+            if (values.stop.value - values.start.value) * step < 0:
+                report.warning(CODE, "this loop has no pass: its range is empty", values.span,
+                               f"a range that falls has a step: {values.start.value:g}:-1:{values.stop.value:g}")
 
 
 def _look_at_each(element: Declaration | Extends, report: Report) -> None:
@@ -171,14 +190,15 @@ def _look_at_attributes(instances: Iterable[Instance], model: FlatModel, table: 
             report.warning(CODE, f"'{name}' of '{slot.path}' has no effect", place, *[_WHY[name]] if name in _WHY else [])
 
 
-def _look_at_structural(own: Sequence[ClassDefinition], table: ClassTable, report: Report) -> None:
-    """Constants and structural parameters whose names stand nowhere."""
+def _look_at_parameters(own: Sequence[ClassDefinition], table: ClassTable, of_root: set[int], report: Report) -> None:
+    """Constants and parameters whose names stand nowhere; idle.py tells of the others of the scene itself."""
     mentioned = {word for definition in own for word in _words((definition.elements, definition.sections))}
     for definition in own:
         for element in definition.elements:
-            is_structural = isinstance(element, Declaration) and ("constant" in element.prefixes or (
-                "parameter" in element.prefixes and _decides(element, table)))
-            if is_structural and isinstance(element, Declaration) and element.name not in mentioned:
+            is_looked_at = isinstance(element, Declaration) and "inner" not in element.prefixes and (
+                "constant" in element.prefixes or (
+                    "parameter" in element.prefixes and (id(definition) not in of_root or _decides(element, table))))
+            if is_looked_at and isinstance(element, Declaration) and element.name not in mentioned:
                 what = "constant" if "constant" in element.prefixes else "parameter"
                 report.warning(CODE, f"nothing reads the {what} '{element.name}'", element.name_span, "leave it out")
 
