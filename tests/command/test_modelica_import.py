@@ -93,3 +93,34 @@ def test_arguments_of_peoples_own_classes_stay() -> None:
     text = "model A\n  Own own(mode=2, smoothness=0.5);\nend A;\n"
     assert imported(text).text == text
     assert imported(f"// of mine\nwithin Modelica.Mechanics.Rotational;\n{text}").text == f"// of mine\n\n{text}"
+
+
+def test_components_go_back_to_modelica(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+                                        ) -> None:
+    """What is imported, and written for Modelica with its components, is imported as the same text."""
+    monkeypatch.chdir(tmp_path)
+    Path("drive.mo").write_text(DRIVE, encoding="utf-8")
+    assert main(["import", "drive.mo"]) == 0
+    assert main(["export", "drive.lag", "--to", "modelica", "--components", "-o", "back.mo"]) == 0
+    back = Path("back.mo").read_text(encoding="utf-8")
+    for line in ("Modelica.Mechanics.Rotational.Components.IdealGear gear(",
+                 "Modelica.Mechanics.Rotational.Sources.Torque torque;",
+                 "Modelica.Blocks.Sources.Sine sine(", "parameter Modelica.Units.SI.Inertia Jmotor("):
+        assert line in back
+    assert main(["import", "back.mo"]) == 0
+    first, again = (Path(name).read_text(encoding="utf-8").partition("\n")[2] for name in ("drive.lag", "back.lag"))
+    assert again.removeprefix("// From drive.mo.\n") == first
+    inertia = "Rotational.Inertia i(J = 3[g.cm2], phi(start = pi/2));"
+    Path("units.lag").write_text(f"model A {inertia} end A;", encoding="utf-8")
+    assert main(["export", "units.lag", "--to", "modelica", "--components", "-o", "-"]) == 0
+    told = capsys.readouterr().out.replace("3.0000000000000004e-07", "3e-07")
+    assert "i(J = 3e-07, phi(start = Modelica.Constants.pi/2))" in told
+
+
+@pytest.mark.parametrize("text", ["Block b(m = 1, base = world);", "coordinate Length x;", "Rotational.FreeWheel f(tau = 1);",
+                                  "Real x = norm({1, 2});", "energy potential 1[J];", "model T end T;"])
+def test_what_modelica_has_no_component_for_is_refused(text: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "a.lag").write_text(f"model A {text} end A;", encoding="utf-8")
+    assert main(["export", str(tmp_path / "a.lag"), "--to", "modelica", "--components", "-o", "-"]) == 2
+    told = capsys.readouterr().err
+    assert "L0901" in told and "without --components writes the equations" in told

@@ -5,6 +5,7 @@ from argparse import Namespace
 from pathlib import Path
 
 from lagrangia.base.diagnostics import fail
+from lagrangia.base.result_files import write_text
 from lagrangia.command.arguments import (
     assignments,
     keep_other,
@@ -18,14 +19,34 @@ from lagrangia.command.scene_export import TARGETS
 _WRITTEN = ("modelica", "sympy", "latex")  # with names on paper
 _SIGNS = {"python": "Functions of t, q, v, u, p in SI units", "sympy": "Lagrange's equations: equations[k]",
           "modelica": ", fixed = true", "latex": "margin=22mm"}  # of what each writes
-_MEANT = dict.fromkeys(("fmi", "kind", "platforms", "sources", "engine", "outputs", "info"), ("fmu",)) | {"names": _WRITTEN}
+_MEANT = dict.fromkeys(("fmi", "kind", "platforms", "sources", "engine", "outputs", "info"), ("fmu",)) | {
+    "names": _WRITTEN, "components": ("modelica",)}
 
 
 def _refuse_idle(options: Namespace) -> None:
     """Raises LagError L0704 for an option that would change nothing."""
     for name, targets in _MEANT.items():
-        if getattr(options, name) not in (None, []) and options.to not in targets and options.to in ("fmu", *TARGETS):
+        if getattr(options, name) not in (None, [], False) and options.to not in targets and options.to in ("fmu", *TARGETS):
             fail("L0704", f"an export to {options.to} has no --{name}", None, f"it is for {', '.join(targets)}")
+
+
+def _export_components(options: Namespace) -> int:
+    """A drive train in the words of the Modelica Standard Library, as it stands in its file."""
+    from lagrangia.compile.sources import read_source
+    from lagrangia.editor.modelica_export import drive_train
+
+    if idle := [f"--{name}" for name in ("model", "names", "force", "parameter") if getattr(options, name)]:
+        fail("L0704", f"{idle[0]} has no effect beside --components", None, "the file is written as it stands")
+    text = drive_train(read_source(options.file))
+    if options.output == "-":
+        sys.stdout.write(text)
+        return 0
+    path = Path(options.output) if options.output else Path(f"{options.file.stem}.mo")
+    if not options.output and path.exists():
+        fail("L0004", f"'{path}' is there already", None, f"-o {path} writes over it; another name after -o keeps it")
+    write_text(path, text)
+    print(f"{path}: {text.count(chr(10))} lines")
+    return 0
 
 
 def export_command(options: Namespace) -> int:
@@ -35,6 +56,8 @@ def export_command(options: Namespace) -> int:
         from lagrangia.command.fmu_export import export_fmu_command
 
         return export_fmu_command(options)
+    if options.components:
+        return _export_components(options)
     from lagrangia.command.scene_export import export, export_warnings, exported_text
     from lagrangia.fmu.export import identifier_of
     from lagrangia.model import Model

@@ -378,7 +378,8 @@ python    a module that needs NumPy alone: M, h, rhs, energies, outputs, ..., sl
 casadi    M, h, rhs, energies, ... of t, q, v, u, p, and parameters, inputs, start: casadi.FileDeserializer(FILE).unpack();
           a second unpack() has the names of the entries of q, u, p, y
 modelica  a flat model: Lagrange's equations, parameters with units; constraints differentiated twice, as a linear system, and
-          multipliers mu (zero on the exact motion) that keep them closed; `closing` says how fast gaps close, 10/s
+          multipliers mu (zero on the exact motion) that keep them closed; `closing` says how fast gaps close, 10/s;
+          --components: a drive train with those of the Modelica Standard Library, which lag import reads back
 sympy, latex   the script, and the worked derivation
 In the first two p has all parameters; what is bound to others follows them: its entry is not read (FOLLOWING, `follow`).
 python and casadi take any scene, modelica what can be written out; but none of them where rates of supports jump (a ramp, a

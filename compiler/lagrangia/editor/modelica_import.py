@@ -14,7 +14,7 @@ from lagrangia.language.component_library import library_package
 _WORDS = re.compile(
     r'"(?:[^"\\]|\\.)*"|//[^\n]*|/\*.*?\*/|'
     r'[A-Za-z_]\w*(?:\s*\.\s*[A-Za-z_]\w*)*|\d[\d.]*(?:[eE][+-]?\d+)?|\s+|.', re.DOTALL)
-_UNITS = {
+UNITS = {
     "Angle": "Angle", "AngularVelocity": "AngularVelocity", "AngularAcceleration": "AngularAcceleration", "Length": "Length",
     "Distance": "Length", "Radius": "Length", "Diameter": "Length", "Height": "Length", "Position": "Position", "Area": "Area",
     "Volume": "Volume", "Velocity": "Velocity", "Acceleration": "Acceleration", "Mass": "Mass", "Density": "Density",
@@ -203,7 +203,7 @@ def _of_library(name: str) -> str | None:
     parts = name.split(".")
     last = parts[-1]
     if parts[1:3] == ["Units", "SI"] or parts[1] == "SIunits":
-        return _UNITS.get(last, "Real")
+        return UNITS.get(last, "Real")
     if parts[1] == "Math":
         return last if last in _FUNCTIONS else None
     if parts[1] == "Constants":

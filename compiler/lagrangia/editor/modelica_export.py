@@ -1,0 +1,105 @@
+"""A drive train -> Modelica text with the components of the Modelica Standard Library, the way back of modelica_import.py."""
+
+from collections.abc import Iterator
+from dataclasses import fields, is_dataclass
+from typing import Any
+
+from lagrangia.base.diagnostics import Source, Span, fail
+from lagrangia.editor.modelica_import import UNITS
+from lagrangia.language.classes import BUILTIN_TYPES
+from lagrangia.language.syntax import parse
+from lagrangia.language.tree import (
+    Argument,
+    Call,
+    CallEquation,
+    ClassDefinition,
+    Declaration,
+    Equality,
+    Extends,
+    Number,
+    Reference,
+)
+from lagrangia.language.units_written import in_si
+
+_SOURCES = frozenset("""Torque Torque2 ConstantTorque TorqueStep LinearSpeedDependentTorque QuadraticSpeedDependentTorque Position
+    Speed ConstantSpeed Force Force2 ConstantForce ForceStep LinearSpeedDependentForce QuadraticSpeedDependentForce""".split())
+_OWN = frozenset(("FreeWheel", "HingeFlange", "SliderFlange"))  # which Modelica's library has not
+_BLOCKS = {name: part for part, names in {
+    "Sources": "Constant Step Ramp Sine Cosine Pulse", "Nonlinear": "Limiter",
+    "Math": "Gain Add Add3 Feedback Product Division Abs Sin Cos", "Continuous": "Integrator FirstOrder SecondOrder PI PID",
+    }.items() for name in names.split()}
+_TYPES = {own: f"Modelica.Units.SI.{name}" for name, own in reversed(UNITS.items())}
+_FUNCTIONS = frozenset("""sin cos tan asin acos atan atan2 sinh cosh tanh exp log log10 abs sqrt sign min max sum floor ceil mod
+    div rem der noEvent smooth fill zeros ones size pre connect assert""".split())
+_INSTEAD = "lag export --to modelica without --components writes the equations of motion"
+
+
+def drive_train(source: Source) -> str:
+    """The text of a file whose models have drives, blocks and signals alone. Raises LagError L0901 for anything else."""
+    syntax = parse(source)
+    if syntax.imports:
+        _refuse("an imported file", syntax.imports[0].span)
+    own = {definition.name for definition in syntax.classes}
+    edits = dict(edit for definition in syntax.classes for edit in _edits(definition, own))
+    text, at = list[str](), 0
+    for (start, end), new in sorted(edits.items()):
+        text += [source.text[at:start], new]
+        at = end
+    return "".join([*text, source.text[at:]])
+
+
+def _refuse(what: str, span: Span) -> None:
+    fail("L0901", f"not supported yet: {what} among components of the Modelica Standard Library", span, _INSTEAD)
+
+
+def _edits(definition: ClassDefinition, own: set[str]) -> Iterator[tuple[tuple[int, int], str]]:
+    """Places of the text with what stands there in Modelica."""
+    if definition.kind not in ("model", "block", "type") or definition.classes:
+        _refuse(f"the {definition.kind} '{definition.name}'", definition.name_span)
+    for section in definition.sections:
+        if section.kind not in ("equation", "initial"):
+            _refuse(f"a section '{section.kind}'", section.span)
+        for clause in section.clauses:
+            if not isinstance(clause, Equality | CallEquation):
+                _refuse("this", clause.span)
+    for element in definition.elements:
+        if isinstance(element, Extends):
+            if element.type_name not in own | BUILTIN_TYPES:
+                _refuse(f"'{element.type_name}'", element.span)
+        elif element.type_name not in own | (BUILTIN_TYPES - {"Frame"}) or "coordinate" in element.prefixes:
+            yield (element.type_span.start, element.type_span.end), _type(element)
+    yield from _inside((definition.elements, definition.sections))
+
+
+def _type(element: Declaration) -> str:
+    package, _, name = element.type_name.rpartition(".")
+    found = ""
+    if package in ("Rotational", "Translational") and name not in _OWN:
+        part = "Sensors" if name.endswith("Sensor") else "Sources" if name in _SOURCES else "Components"
+        found = f"Modelica.Mechanics.{package}.{part}.{name}"
+    elif package == "Blocks" and name in _BLOCKS:
+        found = f"Modelica.Blocks.{_BLOCKS[name]}.{name}"
+    elif "coordinate" not in element.prefixes:
+        found = _TYPES.get(element.type_name, "")
+    if not found:
+        _refuse(f"'{element.type_name} {element.name}'", element.type_span)
+    return found
+
+
+def _inside(part: Any) -> Iterator[tuple[tuple[int, int], str]]:
+    """Of expressions: numbers with units in SI units, pi by its place, and functions that Modelica has, too."""
+    if isinstance(part, tuple):
+        for item in part:
+            yield from _inside(item)
+    elif isinstance(part, Number):
+        if part.unit is not None:
+            yield (part.span.start, part.span.end), repr(in_si(part).value)
+    elif isinstance(part, Reference) and str(part) == "pi":
+        yield (part.span.start, part.span.end), "Modelica.Constants.pi"
+    elif is_dataclass(part) and not isinstance(part, Span):
+        if isinstance(part, Call) and part.function not in _FUNCTIONS:
+            _refuse(f"{part.function}(...)", part.span)
+        if isinstance(part, Argument) and part.redeclared is not None:
+            _refuse("a redeclaration", part.span)
+        for field in fields(part):
+            yield from _inside(getattr(part, field.name))
