@@ -120,7 +120,8 @@ def test_gravitys_gradient_holds_a_satellite(tmp_path: Path) -> None:
 def test_commands_tell_it_and_what_is_not_there_is_said(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     file = tmp_path / "scene.lag"
     file.write_text(BALL.replace("SPIN", "0"))
-    for command, told in (("equilibrium", "tip.S[2]"), ("linearize", "tip.S.s[1]"), ("modes", "0.838"), ("response", "x")):
+    for command, told in (("equilibrium", "tip.S[2]"), ("linearize", "tip.S.s[1]"), ("modes", "0.838"), ("response", "x"),
+                          ("explain", "depends on push")):
         assert main([command, str(file)]) == 0
         assert told in capsys.readouterr().out
     assert main(["simulate", str(file), "--from", "equilibrium", "--stop", "1", "-o", "-"]) == 0

@@ -383,7 +383,7 @@ def _inputs(parts: _Parts) -> Need:
     if not inputs:
         return Need("inputs", False, "nothing comes from outside")
     acts = ca.vertcat(motion.acceleration, motion.dissipated_power, motion.source_power)
-    values = [kinematics.evaluator.value(observe(model, column.name)) for column in parts.scene.outputs]
+    values = [kinematics.evaluator.value(observe(model, column.name)) for column in parts.scene.own_outputs]
     read = ca.vertcat(*[ca.SX(x) for value in values for x in scalars_of(value)])
     u = ca.vertcat(motion.u, *[mode.symbol for mode in kinematics.algebra.modes if mode.of_input is not None])
     is_moving, is_read = ca.depends_on(acts, u), ca.depends_on(read, u)

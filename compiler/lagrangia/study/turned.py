@@ -86,7 +86,7 @@ class Turned:
         found: dict[str, float] = {}
         for name, quaternion in zip(self.names, self.centred(q, references)[1], strict=True):
             side = np.sign(quaternion[np.flatnonzero(np.abs(quaternion) > _ROUNDING)[0]])
-            found |= {f"{name}[{k}]": float(side * x) + 0.0 for k, x in enumerate(quaternion, 1)}
+            found |= {f"{name}[{k}]": float(side * x) if abs(x) > _ROUNDING else 0.0 for k, x in enumerate(quaternion, 1)}
         return found
 
     def read(self, point: Mapping[str, float]) -> Vector:
