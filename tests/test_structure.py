@@ -255,7 +255,7 @@ ASK_THE_KIND = """
 OF_THE_PLANE = {"phi", "xy", "vx", "vy", "reaction_torque"}  # names of components and attributes, where these are no text
 # Beside the table of attributes: symbols on paper, residuals, which are called phi as well, angles of bodies that add up,
 # and hinges in the text of an imported robot.
-NAME_THEM = {*PLANAR, "language/frame_attributes", "paper/latex", "paper/notation", "compile/functions",
+NAME_THEM = {*PLANAR, "language/frame_attributes", "paper/latex", "paper/notation", "paper/euler_angles", "compile/functions",
              "dynamics/collected_inertia", "editor/urdf_import", "editor/mjcf_reading"}
 RESIDUALS = {"rows", "self", "_parts"}  # whose phi is no angle
 FUNCTIONS = {"ca", "sp", "np", "math", "hy"}  # whose sin is no frame's

@@ -13,17 +13,17 @@ def shared_derivations() -> Iterator[None]:
     known: dict[object, object] = {}
     compile_energies, build_symbolic, derive = sheet.compile_energies, sheet.build_symbolic, sheet.derive
 
-    def compiled(path, model=None, structural=None, given=None):
+    def compiled(path, model=None, structural=None, given=None, has_angles=False):
         key = (path, path.stat().st_mtime_ns if path.exists() else 0, model, tuple(sorted((structural or {}).items())),
-               repr(sorted((given or {}).items())))
+               repr(sorted((given or {}).items())), has_angles)
         if key not in known:
-            known[key] = compile_energies(path, model, structural, given)
+            known[key] = compile_energies(path, model, structural, given, has_angles)
         return known[key]
 
-    def symbolic(kinematics, constraints, is_small=False):
-        key = id(kinematics), is_small
+    def symbolic(kinematics, constraints, is_small=False, angles=""):
+        key = id(kinematics), is_small, angles
         if key not in known:
-            known[key] = build_symbolic(kinematics, constraints, is_small), kinematics  # kept, as its id must stay its own
+            known[key] = build_symbolic(kinematics, constraints, is_small, angles), kinematics  # its id must stay its own
         return known[key][0]
 
     def derived(scene, most_products, most_terms=None):

@@ -28,7 +28,7 @@ def equations_command(options: Namespace) -> int:
     names = named_pairs(options.names or "", "--names")
     request = Request(options.form, options.format, names, parameters, options.numbers, options.force, about, options.sources,
                       options.level, names_once(options.sections, "--sections"), options.first_letter, _figure(options, names),
-                      options.language, options.fragment)
+                      options.language, options.fragment, options.angles or "")
     if options.check is not None:
         is_right, told = checked(options.file, options.check, request, options.model, structural)
         print(told)

@@ -48,6 +48,7 @@ def add_equations(parser: ArgumentParser) -> None:
     add("--language", default="en", metavar="CODE", help="of the headings and sentences: en, pt, de, fr, es")
     add("--fragment", action="store_true", help="of LaTeX: what stands in a document of your own, with labels lag:a, lag:b")
     add("--names", metavar="NAME=SYMBOL,...", help="symbols of your own: --names tilt.phi=theta,guide.s=x")
+    add("--angles", metavar="AXES", help="attitudes by Euler's angles about these axes, which move along: zxz, zyx, ...")
     add("--numbers", action="store_true", help="put the values of the parameters in")
     add("--about", metavar="NAME=VALUE,...", help="the point of the linear form; an equilibrium by default")
     add("-p", "--parameter", action="append", default=[], metavar="NAME=VALUE", help="a parameter: -p L=2 -p n=3")

@@ -19,7 +19,7 @@ Value = Scalar | tuple[Scalar, ...]
 Vector = tuple[Scalar, ...]  # (3,)
 Matrix = tuple[Vector, ...]  # (3, 3), by rows
 NOWHERE: Vector = (0.0, 0.0, 0.0)
-_UNIT: Matrix = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+UNIT: Matrix = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 _TINY = 1e-14  # of the cosine of an angle that is a number: a right angle, but for rounding
 
 
@@ -92,13 +92,13 @@ class Pose:
         return Pose(self.origin, axes, spin, self.level).moved(displacement[:3])
 
 
-HERE = Pose(NOWHERE, _UNIT, NOWHERE, 0)  # of a frame, seen from itself
+HERE = Pose(NOWHERE, UNIT, NOWHERE, 0)  # of a frame, seen from itself
 
 
 def attribute_of(pose: Pose, name: str) -> Value:
     """An attribute of a frame that its pose says; a velocity is a level below the pose."""
     if name == "R":
-        return transposed(tuple(pose.to_world(unit) for unit in _UNIT))
+        return transposed(tuple(pose.to_world(unit) for unit in UNIT))
     if name == "omega":
         return _seen_from(transposed(pose.axes), pose.spin, pose.level - 1)
     if name == ABOUT_Z:
@@ -116,7 +116,7 @@ def picked(name: str, numbers: Sequence[Value]) -> Value:
 
 def root_pose(place: Mapping[str, Scalar], number: Callable[[float], Scalar], algebra: Algebra, level: int) -> Pose:
     """Of the ground, or of a floating frame with these coordinates, whose axes are the world's."""
-    return Pose(tuple(place.get(name, number(0.0)) for name in "xyz"), _UNIT, NOWHERE, level)
+    return Pose(tuple(place.get(name, number(0.0)) for name in "xyz"), UNIT, NOWHERE, level)
 
 
 def step(pose: Pose, step: Step, amount: Value, axis: Value | None, algebra: Algebra) -> Pose:
@@ -133,7 +133,7 @@ def step(pose: Pose, step: Step, amount: Value, axis: Value | None, algebra: Alg
 def unit_axis(step: Step, axis: Value | None, algebra: Algebra) -> Vector:
     """Of a turn, of length 1. Raises LagError L0303."""
     if axis is None:
-        return _UNIT[2]
+        return UNIT[2]
     if not isinstance(axis, tuple) or len(axis) != 3:
         assert step.axis is not None
         fail("L0303", "an axis is a vector of three components", step.axis.span, "write {x, y, z}")

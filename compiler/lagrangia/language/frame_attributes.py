@@ -184,8 +184,9 @@ def is_velocity(attribute: str) -> bool:
 
 
 def component_named(name: str) -> Component:
-    """That which a coordinate of a floating frame is called by: phi of bar.center.phi."""
+    """That which a coordinate of a floating frame is called by: phi of bar.center.phi, and of Euler's angles theta and psi."""
     last = name.rpartition(".")[2]
+    last = "phi" if last in ("theta", "psi") else last
     return next(component for component in (*COMPONENTS, *SPACE.components) if component.name == last)
 
 

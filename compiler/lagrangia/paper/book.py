@@ -129,7 +129,8 @@ def coordinates_table(book: Book) -> list[Block]:
         variable = model.variables.get(name)
         told = model.components.get(component_of(name), "")
         if variable is None:
-            rows.append((q, name, component_named(name).unit, _frame_words(name)))
+            is_turn = any(name in found.names for found in book.equations.scene.kinematics.angles.values())
+            rows.append((q, name, component_named(name).unit, say("one of Euler's angles") if is_turn else _frame_words(name)))
         else:
             rows.append((q, name, variable.unit, "; ".join(filter(None, [variable.description, told]))))
     for name, value in book.equations.scene.dependents.items():

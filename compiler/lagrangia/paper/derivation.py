@@ -7,7 +7,6 @@ from lagrangia.constraints.rows import Row
 from lagrangia.frames.closures import gap_of
 from lagrangia.paper.book import (
     Book,
-    constants_block,
     constraints_block,
     coordinates_table,
     equal,
@@ -24,6 +23,7 @@ from lagrangia.paper.equation_steps import equations_of_motion, forces
 from lagrangia.paper.forms import matrix_blocks, opening, title
 from lagrangia.paper.layout import Name, Node, Slope
 from lagrangia.paper.linear_matrices import Linear
+from lagrangia.paper.reduction import constants_and_rest
 from lagrangia.paper.small_steps import small_motion
 from lagrangia.paper.virtual_steps import positions, principle
 
@@ -139,7 +139,7 @@ def _matrices(book: Book, _: Linear | None) -> list[Block]:
 
 
 def _constants(book: Book, _: Linear | None) -> list[Block]:
-    return constants_block(book)
+    return constants_and_rest(book)
 
 
 def _potential(book: Book, _: Linear | None) -> list[Block]:

@@ -12,7 +12,6 @@ from lagrangia.paper.book import (
     Book,
     bold,
     column,
-    constants_block,
     constraints_block,
     coordinates_table,
     equal,
@@ -26,6 +25,7 @@ from lagrangia.paper.document import Block, Display, Document, Heading, display,
 from lagrangia.paper.equations import load_force, split_potential
 from lagrangia.paper.layout import Grid, Name, Node, Relation, Total, added, product, total
 from lagrangia.paper.presentation import Presentation
+from lagrangia.paper.reduction import constants_and_rest
 from lagrangia.paper.typeset import line
 
 _LONGEST_QUOTIENT = 90
@@ -133,7 +133,7 @@ def equations_of(book: Book) -> list[Node]:
 def lagrange_form(book: Book) -> Document:
     """Lagrange's equations, first in general and then written out."""
     return page(book, [paragraph(say("Lagrange's equations")), Display((generic(book),)), paragraph(say("give")),
-                       Display(tuple(equations_of(book))), *constraints_block(book), *where(book), *constants_block(book)])
+                       Display(tuple(equations_of(book))), *constraints_block(book), *where(book), *constants_and_rest(book)])
 
 
 # -------------------------------------------------------------------- matrices

@@ -311,6 +311,13 @@ PHRASES: Mapping[str, tuple[str, str, str, str]] = {
     "Constants of the motion": (
         "Constantes do movimento", "Erhaltungsgrößen", "Constantes du mouvement", "Constantes del movimiento"),
     "Between events:": ("Entre eventos:", "Zwischen Ereignissen:", "Entre les événements :", "Entre eventos:"),
+    "one of Euler's angles": ("um dos ângulos de Euler", "einer der Eulerschen Winkel", "un des angles d'Euler",
+                              "uno de los ángulos de Euler"),
+    "As these momenta are constant, {0} alone is left to move, in an effective potential:": (
+        "Como esses momentos são constantes, só resta mover-se {0}, num potencial efetivo:",
+        "Da diese Impulse konstant sind, bewegt sich nur noch {0}, in einem effektiven Potential:",
+        "Ces moments étant constants, seul {0} reste à déterminer, dans un potentiel effectif :",
+        "Como estos momentos son constantes, solo queda por moverse {0}, en un potencial efectivo:"),
     "{0} is cyclic: its momentum is constant.": (
         "{0} é cíclica: seu momento é constante.", "{0} ist zyklisch: Ihr Impuls ist konstant.",
         "{0} est cyclique : son moment est constant.", "{0} es cíclica: su momento es constante."),

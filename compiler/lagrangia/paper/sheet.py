@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from lagrangia.algebra.normal_form import TooLarge
+from lagrangia.base.attitude_values import SEQUENCES
 from lagrangia.base.diagnostics import LagError, fail, suggest
 from lagrangia.base.records import dataclass
 from lagrangia.compile.pipeline import compile_energies, compile_file, deep_recursion
@@ -66,6 +67,7 @@ class Request:
     figure: str = ""  # an SVG's text, for pages of HTML, or TikZ, for LaTeX
     language: str = "en"
     is_fragment: bool = False  # of LaTeX: what stands in a document of one's own
+    angles: str = ""  # the sequence of axes by whose angles attitudes are written
 
     @property
     def has_source_potentials(self) -> bool:
@@ -83,25 +85,27 @@ def write_equations(path: Path, request: Request, model: str | None = None, stru
     if not re.fullmatch("[a-z]{1,2}", request.first_letter):
         fail("L0704", f"--first-letter: '{request.first_letter}' is no letter", None, "one or two small letters: f, ab")
     _choose("format", request.format, ALL_FORMATS)
+    if request.angles:
+        _choose("sequence of angles", request.angles, SEQUENCES)
     if request.format == "sympy" and request.form not in _FORMS_OF_SCRIPTS:
         fail("L0704", f"there is no script of the form '{request.form}'", None,
              "an exercise has no solution to compute with; --format sympy has all other forms")
     if request.is_fragment and request.format != "latex":
         fail("L0704", f"--fragment: there are no fragments of the format '{request.format}'", None, "--format latex has them")
-    kinematics, constraints = compile_energies(path, model, structural, request.parameters)
+    kinematics, constraints = compile_energies(path, model, structural, request.parameters, bool(request.angles))
     _check_size(kinematics, request)
     with deep_recursion():
-        scene = build_symbolic(kinematics, constraints, request.form == "linear")
-        begin = cache(lambda: start_of(request.parameters, path, model, structural))
+        scene = build_symbolic(kinematics, constraints, request.form == "linear", request.angles)
+        begin = cache(lambda: start_of(request.parameters, path, model, structural, request.angles))
         return _written(kinematics, scene, request, begin, rates_jump(kinematics, constraints))
 
 
 def written_book(path: Path, request: Request, model: str | None = None, structural: Mapping[str, Any] | None = None) -> Book:
     """The equations for other writers, within the same limits. Raises LagError L0711, L0712."""
-    kinematics, constraints = compile_energies(path, model, structural, request.parameters)
+    kinematics, constraints = compile_energies(path, model, structural, request.parameters, bool(request.angles))
     _check_size(kinematics, request)
     with deep_recursion():
-        scene = build_symbolic(kinematics, constraints)
+        scene = build_symbolic(kinematics, constraints, angles=request.angles)
         limit = MOST_FORCED_PRODUCTS if request.is_forced else MOST_PRODUCTS
         try:
             e = derive(scene, limit, None if request.is_forced else MOST_KINETIC_TERMS)
@@ -158,7 +162,7 @@ def checked(path: Path, equation: str, request: Request, model: str | None = Non
             structural: Mapping[str, Any] | None = None) -> tuple[bool, str]:
     """Whether an equation is one of the scene, and what to say of it. Raises LagError as check_equation and written_book do."""
     def begin() -> Begin:
-        return start_of(request.parameters, path, model, structural)
+        return start_of(request.parameters, path, model, structural, request.angles)
 
     return check_equation(written_book(path, request, model, structural), equation, begin)
 
@@ -166,10 +170,10 @@ def checked(path: Path, equation: str, request: Request, model: str | None = Non
 def page_of(path: Path, request: Request, model: str | None = None, structural: Mapping[str, Any] | None = None
             ) -> tuple[Book, Document]:
     """The page before it is printed, and what it was made of. Raises LagError, and TooLarge for what is too large to read."""
-    kinematics, constraints = compile_energies(path, model, structural, request.parameters)
+    kinematics, constraints = compile_energies(path, model, structural, request.parameters, bool(request.angles))
     with deep_recursion():
-        scene = build_symbolic(kinematics, constraints, request.form == "linear")
-        begin = cache(lambda: start_of(request.parameters, path, model, structural))
+        scene = build_symbolic(kinematics, constraints, request.form == "linear", request.angles)
+        begin = cache(lambda: start_of(request.parameters, path, model, structural, request.angles))
         book = _book(kinematics, scene, request, rates_jump(kinematics, constraints))
         return book, _page(book, request, begin)
 
@@ -209,8 +213,13 @@ def _small(book: Book, begin: Callable[[], Begin]) -> Linear | None:
         raise
 
 
-def start_of(parameters: Given, path: Path, model: str | None = None, structural: Mapping[str, Any] | None = None) -> Begin:
-    """The assembled start, from which positions of rest are sought. Raises LagError L0606 where it does not assemble."""
+def start_of(parameters: Given, path: Path, model: str | None = None, structural: Mapping[str, Any] | None = None,
+             angles: str = "") -> Begin:
+    """The assembled start, from which positions of rest are sought. Raises LagError L0606 where it does not assemble, L0713 where
+    attitudes are written by angles."""
+    if angles:
+        fail("L0713", "not supported yet: positions of rest in Euler's angles are not looked for", None,
+             "name one: --about tip.theta=0.5")
     from lagrangia.study.analysis import Study
 
     compilation = compile_file(path, model, structural, given=parameters)

@@ -26,6 +26,7 @@ from lagrangia.frames.evaluation import Evaluator, Value, scalars_of
 from lagrangia.frames.kinematics import Dependent, Kinematics, Symbols
 from lagrangia.frames.planar import ANGLES, LENGTHS, Pose
 from lagrangia.frames.steps import Step
+from lagrangia.language.attitudes import parts_of
 from lagrangia.language.consequences import place_of_contact_forces
 from lagrangia.language.events import level_of, position_of
 from lagrangia.language.flat import Variable, When
@@ -33,6 +34,7 @@ from lagrangia.language.frame_attributes import COMPONENTS
 from lagrangia.language.function_variables import FlatFunction
 from lagrangia.language.mentions import nodes
 from lagrangia.language.tree import Ref
+from lagrangia.paper.euler_angles import Angles, ByAngles, angles_of
 from lagrangia.paper.parameter_symbols import GRAVITY, Parameter, ParameterTable, ReadableEvaluator, number_of
 
 _PRODUCTS_OF_A_SIZE = 2000
@@ -102,17 +104,18 @@ class SymbolicScene:
         return sp.Add(*(slope(expression, x) * rate for x, rate in self.rates if expression.has(x)))
 
 
-def build_symbolic(kinematics: Kinematics, constraints: Constraints, is_small: bool = False) -> SymbolicScene:
+def build_symbolic(kinematics: Kinematics, constraints: Constraints, is_small: bool = False, angles: str = "") -> SymbolicScene:
     """The scene of `kinematics` (those that are left after the linear constraints) once more, in SymPy.
 
-    For small motion the places of supports are given functions, too, and all rates of given functions symbols. Raises LagError
-    L0914 for forces that depend on a contact force.
+    For small motion the places of supports are given functions, too, and all rates of given functions symbols. `angles`: the
+    sequence of axes by whose angles attitudes are written. Raises LagError L0914 for forces that depend on a contact force.
     """
     pressing = place_of_contact_forces(kinematics.graph.model)
     if pressing is not None and not is_small:
         fail("L0914", "not supported yet: equations of forces that depend on a contact force", pressing,
              "lag simulate and FMUs know it")
-    symbolic = SymbolicKinematics(kinematics, is_small=is_small)
+    known = angles_of(kinematics.graph.attitudes, angles, {*kinematics.graph.model.variables, *kinematics.symbols.positions})
+    symbolic = SymbolicKinematics(kinematics, is_small=is_small, angles=known)
     symbolic = symbolic.reduced(constraints)
     energies = evaluate_energies(symbolic)
     kept = [row for row in constraints.rows if not row.balanced]  # a balance is Lagrange's equation of its place itself
@@ -158,18 +161,23 @@ def _event(symbolic: "SymbolicKinematics", when: When) -> Event:
 
 
 @dataclass
-class SymbolicKinematics(Kinematics):
-    """The kinematics of a scene in SymPy; its algebra is a SympyAlgebra."""
+class SymbolicKinematics(ByAngles, Kinematics):
+    """The kinematics of a scene in SymPy; its algebra is a SympyAlgebra. Attitudes are by three angles each."""
 
     given: dict[str, Given] = field(default_factory=dict)
     is_small: bool = False
+    angles: Mapping[str, Angles] = field(default_factory=dict)
 
     def __init__(self, base: Kinematics, positions: Iterable[str] | None = None, table: ParameterTable | None = None,
                  dependents: Mapping[str, Dependent] | None = None, given: dict[str, Given] | None = None,
-                 is_small: bool = False) -> None:
+                 is_small: bool = False, angles: Mapping[str, Angles] | None = None) -> None:
         algebra = SympyAlgebra()
+        self.angles = angles or getattr(base, "angles", {})
         self.table = table or ParameterTable(base, algebra)
         names = list(base.symbols.positions) if positions is None else list(positions)
+        written = {part: name for attitude, found in self.angles.items()
+                   for part, name in zip(parts_of(attitude), found.names, strict=True)}
+        names = [written.get(name, name) for name in names]
         symbols = _symbols(base, names, self.table)
         self.given = given if given is not None else {}
         self.is_small = is_small
@@ -242,7 +250,10 @@ class SymbolicKinematics(Kinematics):
             assert binding is not None
             value = self.evaluator.value(binding, 0)
             return self._load(name, value, level) if self._is_given(value) else None
-        return super().symbol(name, level)
+        return self.rates_of_angles(name, level) if name in self.angles else super().symbol(name, level)
+
+    def _turned(self, pose: Any, attitude: str, is_inverse: bool, level: int) -> Any:
+        return self.turned_by_angles(pose, attitude, is_inverse, level)
 
     def _is_given(self, value: Value) -> bool:
         moving = {*self.symbols.positions.values(), *self.symbols.rates.values(), *self.symbols.accelerations.values()}

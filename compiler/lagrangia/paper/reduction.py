@@ -1,0 +1,87 @@
+"""What is left where all coordinates but one are cyclic: their rates by constant momenta, and an effective potential.
+
+M_cc = L D L^T of the cyclic coordinates; with r = L^-1 p their rates are L^-T D^-1 r, and E = M q'^2/2 + V + sum r^2/(2 d).
+Source: E.J. Routh, A Treatise on the Stability of a Given State of Motion (1877).
+"""
+
+from dataclasses import replace
+from fractions import Fraction
+
+import sympy as sp
+
+from lagrangia.algebra.with_sympy import Expr
+from lagrangia.paper.book import WIDEST_MATRIX, WIDEST_TYPESET, Book, constants_block, equal
+from lagrangia.paper.document import Block, Display, paragraph, say
+from lagrangia.paper.layout import Bracket, Name, Node, Numeral, Power, Quotient, Total, added, product
+from lagrangia.paper.presentation import Presentation
+from lagrangia.paper.typeset import text
+from lagrangia.paper.widths import typeset_width
+
+_TWO = Numeral(Fraction(2))
+
+
+def constants_and_rest(book: Book, level: int = 2) -> list[Block]:
+    """Constants of the motion, and what they leave to move where that is one coordinate."""
+    return [*constants_block(book, level), *_reduced(book)]
+
+
+def _reduced(book: Book) -> list[Block]:
+    e = book.equations
+    cyclic = [c.coordinate for c in book.constants if c.name == "momentum" and c.coordinate is not None]
+    is_closed = any(c.name == "energy" and c.why == "conservative" for c in book.constants)
+    left = [k for k in range(e.n) if k not in cyclic]
+    if len(left) != 1 or not cyclic or not is_closed or e.rows or any(e.M[left[0]][j] != 0 for j in cyclic):
+        return []
+    factors = _factored(book, sorted(cyclic, key=lambda j: bool(e.M[j][j].free_symbols & set(e.scene.q))))
+    return _laid_out(book, left[0], *factors) if factors is not None else []
+
+
+def _factored(book: Book, order: list[int]) -> tuple[list[int], dict[tuple[int, int], Expr], dict[int, Expr]] | None:
+    """L below its diagonal and D; None where a pivot that others are divided by is a sum."""
+    e, tidy = book.equations, book.equations.ring.tidy
+    S = {(i, j): e.M[i][j] for i in order for j in order}
+    L: dict[tuple[int, int], Expr] = {}
+    for place, i in enumerate(order[:-1]):
+        if len(e.ring.terms(S[i, i])) != 1:
+            return None
+        for j in order[place + 1 :]:
+            L[j, i] = tidy(S[j, i] / S[i, i])
+        for j in order[place + 1 :]:
+            for k in order[place + 1 :]:
+                S[j, k] = tidy(S[j, k] - L[j, i] * S[i, k])
+    return order, L, {i: S[i, i] for i in order}
+
+
+def _laid_out(book: Book, left: int, order: list[int], L: dict[tuple[int, int], Expr], D: dict[int, Expr]) -> list[Block]:
+    e, s = book.equations, book.presentation.symbols
+    names = {j: Name("p", " ".join(filter(None, (book.q[j].base, book.q[j].sub)))) for j in order}
+    p = {j: sp.Symbol(f"momentum {j}", real=True) for j in order}
+    known = Presentation(replace(s, names=dict(s.names) | {p[j]: names[j] for j in order}), book.presentation.most_products,
+                         book.presentation.ring)
+    r: dict[int, Expr] = {}
+    for j in order:
+        r[j] = e.ring.tidy(p[j] - sum((L[j, i] * r[i] for i in order if (j, i) in L), sp.S.Zero))
+    lines: list[Node] = []
+    for j in reversed(order):
+        own: Node = Quotient(known.sum(r[j]), known.sum(D[j]))
+        others = [known.sum(e.ring.tidy(-L[i, j] * e.scene.v[i])) for i in order if (i, j) in L]
+        lines.append(equal(book.rate(j), added(own, *others)))
+    effective = book.own("V", "eff")
+    squares = [Quotient(Power(_bracketed(known.sum(r[j])), _TWO), product([_TWO, _factor(known.sum(D[j]))]))
+               for j in reversed(order)]
+    V = e.ring.tidy(e.V_elastic + e.V_field)
+    lines.append(equal(effective, added(*([book.sum(V)] if V != 0 else []), *squares)))
+    moving = product([Numeral(Fraction(1, 2)), book.presentation.coefficient(e.M[left][left]), Power(book.rate(left), _TWO)])
+    lines.append(equal(book.own("E"), added(moving, effective)))
+    if any(text(x).width > WIDEST_MATRIX or typeset_width(x) > WIDEST_TYPESET for x in lines):
+        return []  # quotients are not broken
+    words = say("As these momenta are constant, {0} alone is left to move, in an effective potential:", book.q[left])
+    return [paragraph(words), Display(tuple(lines))]
+
+
+def _bracketed(node: Node) -> Node:
+    return Bracket(node) if isinstance(node, Total) else node
+
+
+def _factor(node: Node) -> Node:
+    return Bracket(node) if isinstance(node, Total) and len(node.items) > 1 else node
