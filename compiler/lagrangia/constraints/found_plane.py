@@ -12,7 +12,7 @@ import casadi as ca
 import numpy as np
 
 from lagrangia.algebra.duals import Scalar, dot, times
-from lagrangia.base.diagnostics import Span
+from lagrangia.base.diagnostics import LagError, Span
 from lagrangia.constraints.parameters import default_parameters
 from lagrangia.frames import spatial
 from lagrangia.frames.graph import build_graph
@@ -44,7 +44,10 @@ def in_its_plane(kinematics: Kinematics, outputs: Sequence[str], is_general: boo
 
 def _find_plane(kinematics: Kinematics, outputs: Sequence[str], is_general: bool) -> Plane | NoPlane:
     found = _reads_reactions(kinematics.graph.model, outputs) or _without_hinges(kinematics)
-    return found or _Look(kinematics, is_general).look()
+    try:
+        return found or _Look(kinematics, is_general).look()
+    except LagError:  # which is told, with its place, where poses are made
+        return NoPlane("something turns about no axis", None)
 
 
 def _reads_reactions(model: FlatModel, outputs: Sequence[str]) -> NoPlane | None:
