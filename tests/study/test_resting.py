@@ -1,11 +1,13 @@
 """What holds at rest beside constraints, against closed forms: contacts, which only push, and friction up to its limit."""
 
 from collections.abc import Callable
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 import lagrangia as lag
+from lagrangia.command.cli import main
 
 G = 9.81
 Write = Callable[[str], lag.Model]
@@ -354,3 +356,12 @@ def test_the_first_row_on_a_support_that_moves_has_the_force_of_the_next_ones(ca
     run = model.simulate(at=[0, 1e-6, 1e-4], solver=solver, tolerance=1e-9)
     np.testing.assert_allclose(run["N"][:2], force, rtol=0, atol=1e-8)
     np.testing.assert_allclose(run["N"][2], force, rtol=0, atol=1e-5)
+
+
+@pytest.mark.parametrize("command", ["equilibrium", "modes"])
+def test_forces_beyond_all_numbers_have_no_rest(command: str, tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "big.lag").write_text("model M Block b(m = 1e308, base = world, s(start = 1e308)); "
+                                      "Spring s(a = world, b = b.center, k = 1e308); end M;")
+    assert main([command, str(tmp_path / "big.lag")]) == 1
+    told = capfd.readouterr()
+    assert "no equilibrium was found" in told.err and "DLASCL" not in told.out + told.err  # which LAPACK says past Python

@@ -199,7 +199,7 @@ class _Newton:
             history.append(size)
             if len(history) > _PATIENCE and size > _STALLED * history[-1 - _PATIENCE]:
                 break
-            step = N @ np.linalg.lstsq(N.T @ K @ N, -r, rcond=1e-12)[0]
+            step = N @ np.linalg.lstsq(_finite(N.T @ K @ N), -_finite(r), rcond=1e-12)[0]
             longest = float(np.abs(step).max(initial=0.0))
             better = self._descend(q, step * min(1.0, _LARGEST_TURN / longest), size) if longest > 1e-14 else None
             if better is None:
@@ -215,7 +215,7 @@ class _Newton:
                 if q is None:
                     return None
                 _, r, N, K, _, _ = look = self._look(q)
-                reduced = N.T @ K @ N
+                reduced = _finite(N.T @ K @ N)
                 values, vectors = np.linalg.eigh((reduced + reduced.T) / 2)
                 sizes = np.maximum(np.abs(values), 1e-6 * np.abs(values).max(initial=0.0) + 1e-300)
                 step = N @ (vectors @ (-(vectors.T @ r) / sizes))
@@ -423,3 +423,8 @@ def _held(rows: Vector, force: Vector) -> tuple[Vector, Vector]:
     return -left[:, :rank] @ ((right[:rank] @ force) / sizes[:rank]), np.asarray(right[rank:].T)
 
 
+def _finite(A: Vector) -> Vector:
+    """The same; raises LinAlgError where it is none, before LAPACK prints what it thinks of it."""
+    if not np.isfinite(A).all():
+        raise np.linalg.LinAlgError
+    return A
