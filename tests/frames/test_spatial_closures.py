@@ -113,3 +113,38 @@ def test_what_acts_in_a_cut_hinge_acts() -> None:
     for name in ("j1.phi", "j2.phi", "j3.phi", "der(j3.phi)"):
         assert b[name] == pytest.approx(a[name], abs=1e-8), name
     assert a.energy.residual == pytest.approx(np.zeros(a.time.size), abs=1e-8)
+
+
+def test_a_point_on_a_line_in_space() -> None:
+    """Two equations across the line; energy is kept, and the point stays."""
+    model = lag.loads("""model M
+      World world(gravity = {0, 0, -9.81});
+      Universal h(a = world, phi_a(start = 0.4), phi_b(start = 0.3));
+      Body b(m = 1, I = {0.1, 0.2, 0.15}, center = shift(h.b, {0, 0, -0.5}));
+      Universal k(a = shift(h.b, {0, 0, -1}), phi_a(start = -0.5));
+      Body c(m = 1, I = {0.1, 0.2, 0.15}, center = shift(k.b, {0, 0, -0.5}));
+      Frame line = turn(shift(world, {0, 0.4, -1.6}), 0.5, {0, 0, 1}), point = shift(k.b, {0, 0, -1});
+      PointOnLine on(line = line, point = point);
+      output Length place[3] = to_frame(line, point.r - line.r);
+    end M;""")
+    run = model.simulate(stop=1, interval=0.25, tolerance=1e-10)
+    for k in (2, 3):
+        assert run[f"place[{k}]"] == pytest.approx(np.zeros(run.time.size), abs=1e-12)
+    assert np.ptp(run["place[1]"]) > 0.1
+    assert run.energy.total == pytest.approx([run.energy.total[0]] * run.time.size, abs=1e-8)
+
+
+def test_a_slider_rubs_on_a_guide_in_space() -> None:
+    """By what presses it across its way: s = (g.e - mu |g - (g.e) e|) t^2/2."""
+    text = """model M
+      Frame base = turn(world, -0.5, {0.1, 0.2, 1});
+      RoughPrismatic guide(mu = 0.2, a = base, along = {1, 0, 0});
+      Body d(m = 2, I = {0.1, 0.1, 0.1}, center = shift(guide.b, {0, 0.1, 0}));
+      output Real e[3] = to_world(base, {1, 0, 0});
+    end M;"""
+    run = lag.loads(text).simulate(stop=1, interval=1, tolerance=1e-11)
+    way, gravity = np.array([run[f"e[{k}]"][0] for k in (1, 2, 3)]), np.array([0, -9.81, 0])
+    along = gravity @ way
+    assert run["guide.s"][-1] == pytest.approx((along - 0.2 * np.linalg.norm(gravity - along * way)) / 2, rel=1e-9)
+    with pytest.raises(lag.RunError, match="length"):
+        lag.loads(text.replace("mu = 0.2,", "mu = 0.2, length = 0.3,")).simulate(stop=1)

@@ -56,12 +56,15 @@ class _Search:
         self.n = len(self.coordinates)
         self.angles = assembly.equations.is_angle
         self.dependent: NDArray[np.int_] = np.zeros(0, int)
+        self.told = [k for k, c in enumerate(self.coordinates) if not c.attitude]  # by which ways are told apart
 
     def blocks(self) -> list[tuple[list[int], list[int]]]:
         """Rows and columns that are solved together, those that depend on no other block first."""
         fixed, positions = self.assembly.fixed[: self.n], self.initial.n_positions
         slopes = self.assembly.slopes(self.x)
         ease = np.where(fixed == FIXED, 0.0, np.where(fixed == FREE, _EASE, 1.0))
+        is_told = np.isin(np.arange(self.n), self.told)
+        ease = np.where(is_told, ease, ease / _EASE**2)
         self.dependent = independent_columns(slopes * ease, _INDEPENDENT)
         rows = independent_columns(slopes[:, self.dependent].T, _INDEPENDENT)
         if rows.size < self.dependent.size or not rows.size:
@@ -88,6 +91,7 @@ class _Search:
             whole = self._complete(values, columns)
             if whole is not None:
                 others.append(whole)
+        others = [x for x in others if not self._is_same(x[self.told], self.x[self.told], self.told)]
         return self._tell(rows, columns, others) if others else None
 
     def _solutions(self, rows: list[int], columns: list[int]) -> list[Vector]:
@@ -132,7 +136,7 @@ class _Search:
         loops = dict.fromkeys(self.initial.residual_loops[k] for k in rows if self.initial.residual_loops[k])
         what = "the loop " + " and ".join(loops) if loops else f"the equation at {self.initial.residual_spans[rows[0]]}"
         differing = [k for k in self.dependent.tolist() if not self._is_same(others[0][[k]], self.x[[k]], [k])]
-        shown = sorted({*columns, *differing})[:_MOST_SHOWN]
+        shown = [k for k in sorted({*columns, *differing}) if not self.coordinates[k].attitude][:_MOST_SHOWN]
         told = " or ".join(self._values(other, shown) for other in others[:_MOST_TOLD])
         more = f" or {len(others) - _MOST_TOLD} more" if len(others) > _MOST_TOLD else ""
         return Alternatives(tuple(self.coordinates[k].name for k in shown), f"{what} closes in {len(others) + 1} ways: taken "
