@@ -21,7 +21,7 @@ from whole.test_space_examples import REFERENCES as SPACE
 
 FOLDER = Path(__file__).parents[2] / "models" / "examples"
 EXAMPLES = sorted(FOLDER.glob("*.lag"))
-ANNOTATION = re.compile(r"annotation\(experiment\(StopTime = ([\d.]+), Tolerance = ([\d.e-]+)\)\);")
+ANNOTATION = re.compile(r"annotation\((?:allow = \"\w+\", )?experiment\(StopTime = ([\d.]+), Tolerance = ([\d.e-]+)\)\);")
 g = 9.81
 
 Columns = dict[str, Array]

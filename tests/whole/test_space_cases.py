@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 import lagrangia as lag
 from lagrangia.model import Model
 
-FOLDER = Path(__file__).with_name("spatial")
+FOLDER, EXAMPLES = Path(__file__).with_name("spatial"), Path(__file__).parents[2] / "models" / "examples"
 REFERENCES = yaml.safe_load((FOLDER / "cases.yaml").read_text(encoding="utf-8"))
 Array = np.ndarray
 
@@ -81,7 +81,7 @@ def test_a_rotary_pendulum_with_bearings_that_damp() -> None:
 
 
 def test_a_robot_arm_swings_freely() -> None:
-    arm = Model(FOLDER / "robot_arm.lag", outputs=("link[6].w", "link[6].omega"))
+    arm = Model(EXAMPLES / "robot_arm.lag", outputs=("link[6].w", "link[6].omega"))
     start = {"joint[2].phi": np.pi / 4, "joint[3].phi": np.pi, "joint[4].phi": 0.3, "joint[5].phi": np.pi / 4, "joint[1].w": 0.5}
     run, known = rows(arm, REFERENCES["robot_arm_swing"], initial=start)
     for k, row in known:

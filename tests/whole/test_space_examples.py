@@ -122,5 +122,25 @@ def bicycle(t: Array) -> Columns:
     return {name: x for name, x in zip(names, q, strict=True) if name != "pitch.phi"}  # which is small
 
 
+def robot_arm(t: Array) -> Columns:
+    """Newton and Euler in numbers, in the frames of Denavit and Hartenberg."""
+    alpha, a, d = np.radians([90, 0, -90, 90, -90, 0]), [0, 0.4318, 0.0203, 0, 0, 0], [0, 0, 0.15005, 0.4318, 0, 0]
+    m = [0, 17.4, 4.8, 0.82, 0.34, 0.09]
+    centres = [[0, 0, 0], [-0.3638, 0.006, 0.2275], [-0.0203, -0.0141, 0.07], [0, 0.019, 0], [0, 0, 0], [0, 0, 0.032]]
+    moments = [[0.35, 0.35, 0], [0.13, 0.524, 0.539], [0.066, 0.086, 0.0125], [0.0018, 0.0013, 0.0018],
+               [3.0e-4, 4.0e-4, 3.0e-4], [1.5e-4, 1.5e-4, 4.0e-5]]
+
+    def look(q: Array, v: Array) -> tuple[list[Body], Array]:
+        here, bodies = GROUND, []
+        for k in range(6):
+            here = here.turned([0, 0, 1], q[k], v[k]).shifted([a[k], 0, d[k]]).turned([1, 0, 0], alpha[k])
+            bodies.append((m[k], np.diag(moments[k]), here.shifted(centres[k])))
+        return bodies, np.zeros(0)
+
+    start = [0, 0.7854, 3.1416, 0, 0.7854, 0]
+    q, v = integrate(lambda t, q, v: accelerations(look, q, v, np.array([0, 0, -g])), start, np.zeros(6), t)
+    return {f"joint[{k}].phi": q[k - 1] for k in (1, 2, 3, 5)} | {f"joint[{k}].w": v[k - 1] for k in (1, 2, 3, 5)}
+
+
 REFERENCES: dict[str, Callable[[Array], Columns]] = {
-    "top": top, "satellite": satellite, "rolling_disc_space": rolling_disc_space, "bicycle": bicycle}
+    "top": top, "robot_arm": robot_arm, "satellite": satellite, "rolling_disc_space": rolling_disc_space, "bicycle": bicycle}
