@@ -4,7 +4,10 @@ from pathlib import Path
 
 import pytest
 
+from lagrangia.base.diagnostics import Source
 from lagrangia.command.cli import main
+from lagrangia.editor import whole
+from lagrangia.editor.whole import read_back
 
 SCENE = "model M Block b(m = 1, base = world); end M;"
 WRONG = {  # beside the scene; what is told of it
@@ -84,3 +87,12 @@ def test_packages_and_several_scenes_are_described(tmp_path: Path, capsys: pytes
     file.write_text("package P model A Frame a; PointMass p(m = 1, center = a); end A; end P;")
     assert main(["check", str(file)]) == 0
     assert "1 model for others to use: P.A" in capsys.readouterr().out
+
+
+def test_an_editor_is_told_of_earlier_scenes(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = tmp_path / "scene.lag"
+    file.write_text(f"model A Block b(m = -1, base = world); end A; {SCENE.replace('m = 1', 'm = -2')}")
+    assert whole.main([str(file)]) == 0
+    found = read_back(capsys.readouterr().out, Source(str(file), file.read_text()))
+    assert [(one.code, one.message[:23]) for one in found] == [("L0605", "the parameter 'b.m' is ")] * 2
+    assert found[0].span is not None and found[1].span is not None and found[0].span.start > found[1].span.start

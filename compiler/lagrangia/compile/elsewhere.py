@@ -7,7 +7,7 @@ from pathlib import Path
 from lagrangia.base.diagnostics import Diagnostic, LagError, Source
 from lagrangia.base.records import dataclass
 from lagrangia.compile.packages import Packages
-from lagrangia.compile.pipeline import deep_recursion, read_files
+from lagrangia.compile.pipeline import compile_file, deep_recursion, read_files
 from lagrangia.language.classes import ClassTable, build_class_table
 from lagrangia.language.component_library import library_classes
 from lagrangia.language.dimensions import check_dimensions
@@ -85,6 +85,25 @@ def models_beside(path: Path) -> list[Beside]:
                 is_whole = _is_whole(table, c)
                 found.append(Beside(c.name, is_whole, is_whole and _stands_alone(table, c)))
         return found
+
+
+def faults_of_motion(path: Path) -> list[Diagnostic]:
+    """What all phases of the compiler say of the models of a file, and of the values in them, first of the one that is run.
+    Raises LagError where the file cannot be read."""
+    found = dict.fromkeys(_compiled_faults(path, None))
+    for other in models_beside(path):
+        found |= dict.fromkeys(filter(other.is_fault, _compiled_faults(path, other.name) if other.is_whole else ()))
+    return list(found)
+
+
+def _compiled_faults(path: Path, name: str | None) -> tuple[Diagnostic, ...]:
+    from lagrangia.constraints.parameters import require_possible
+
+    try:
+        require_possible(compile_file(path, name).kinematics)
+    except LagError as error:
+        return error.diagnostics
+    return ()
 
 
 def _models_beside(own: Sequence[ClassDefinition], syntax: Syntax) -> list[ClassDefinition]:

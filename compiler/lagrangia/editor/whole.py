@@ -3,18 +3,18 @@ no editor waits for it."""
 
 import json
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 from lagrangia.base.diagnostics import Diagnostic, LagError, Source, Span
-from lagrangia.compile.pipeline import compile_file
+from lagrangia.compile.elsewhere import faults_of_motion
 
 
 def main(arguments: list[str]) -> int:
-    """Prints the diagnostics of the last model of a file."""
+    """Prints the diagnostics of the models of a file, first of the last one."""
     try:
-        compile_file(Path(arguments[0]))
-        found: tuple[Diagnostic, ...] = ()
+        found: Sequence[Diagnostic] = faults_of_motion(Path(arguments[0]))
     except LagError as error:
         found = error.diagnostics
     print(json.dumps([_plain(diagnostic) for diagnostic in found]))
