@@ -262,9 +262,10 @@ void lag_switches_keep(const LagRun *run, double *kept)
         kept[i] = run->switches.slides[i] ? NAN : run->switches.held[i];
 }
 
-void lag_switches_resume(LagRun *run, const double *kept)
+int lag_switches_resume(LagRun *run, const double *kept)
 {
     LagSwitches *s = &run->switches;
+    int is_same = 1;
     for (int i = 0; i < run->model->n_switches; ++i) {
         s->turned[i] = isnan(kept[i]);
         s->held[i] = s->turned[i] ? 0.5 : kept[i];
@@ -273,8 +274,11 @@ void lag_switches_resume(LagRun *run, const double *kept)
     run->sliding.is_lenient = run->model->n_cones > 0; /* that it holds is known */
     lag_sliding_settle(run, run->motion.t, run->motion.y, s->turned);
     run->sliding.is_lenient = 0;
+    for (int i = 0; i < run->model->n_switches; ++i)
+        is_same &= s->slides[i] == isnan(kept[i]);
     lag_cones_enter(run);
     lag_switches_forget(run);
+    return is_same;
 }
 
 int lag_switches_release(LagRun *run)

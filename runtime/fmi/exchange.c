@@ -197,8 +197,9 @@ static int account_by_polynomial(LagInstance *s, double h, double *sum)
     return 1;
 }
 
-/* The same by a run of our own from the last state: importers that tell of every hundredth step only are held to account. */
-static int account_by_run(LagInstance *s, double *sum)
+/* The same by a run of our own from the last state: importers that tell of every hundredth step only are held to account. Into
+ * `is_same`: whether the equations are those that they were, which the importer must be told otherwise. */
+static int account_by_run(LagInstance *s, double *sum, int *is_same)
 {
     LagRun *run = s->run;
     const int n = run->model->n;
@@ -217,22 +218,27 @@ static int account_by_run(LagInstance *s, double *sum)
     run->guards.is_idle = 0;
     stand_at(s, s->vital.t, lag_instance_projected(s, s->vital.t, s->x));
     run->impacts.coarse = coarse;
-    lag_switches_resume(run, s->switches);
+    *is_same = lag_switches_resume(run, s->switches);
     lag_cones_note(run, s->vital.last_time, lag_instance_plain(s, s->last));
     return is_known;
 }
 
-static void keep_account(LagInstance *s)
+/* Returns whether the equations are the same after it. */
+static int keep_account(LagInstance *s)
 {
     const double h = s->vital.t - s->vital.last_time;
     double sum[2] = {0, 0};
+    int is_same = 1;
     if (s->model->n_power == 2 && h > 0 && lag_instance_slope(s) == LAG_ANSWER_OK
-        && (account_by_polynomial(s, h, sum) || account_by_run(s, sum))) {
+        && (account_by_polynomial(s, h, sum) || account_by_run(s, sum, &is_same))) {
         s->vital.dissipated += sum[0];
         s->vital.work += sum[1];
         s->vital.energies_are_current = 0;
     }
+    if (!is_same)
+        lag_instance_forget(s);
     lag_exchange_note(s);
+    return is_same;
 }
 
 /* Whether the positions are too far from the constraints. */
@@ -277,10 +283,10 @@ LagAnswer lag_instance_completed_step(LagInstance *s, int *needs_event)
     const int has_switched = answer == LAG_ANSWER_OK && has_switched_at(s);
     take_slack(s);
     lag_scale_note(&s->run->scale, lag_instance_plain(s, s->x));
-    keep_account(s);
+    const int has_changed = !keep_account(s);
     if (!has_switched)
         lag_cones_note(s->run, s->vital.t, lag_instance_projected(s, s->vital.t, s->x));
-    *needs_event = answer == LAG_ANSWER_OK && (has_switched || s->vital.t >= s->run->segment_end || is_astray(s));
+    *needs_event = answer == LAG_ANSWER_OK && (has_switched || has_changed || s->vital.t >= s->run->segment_end || is_astray(s));
     return answer == LAG_ANSWER_OK && s->model->n_guards > 0 ? meet_guards(s) : answer;
 }
 

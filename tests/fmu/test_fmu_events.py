@@ -9,7 +9,8 @@ import pytest
 
 pytest.importorskip("fmpy")
 
-from helpers.fmus import Instance, unpacked
+from helpers.fmus import Instance, fmu_of, simulated, unpacked
+from lagrangia.command.cli import main
 
 BALL = """model Ball
   Prismatic y(a = world, along = {0, 1}, s(start = 1));
@@ -269,3 +270,26 @@ def test_derivatives_know_what_is_held(case: str, tmp_path: Path) -> None:
              "stack": ("der(p[2].v)", [0] * 6), "clutch": ("der(ha.w)", [-20 / 0.375, 0, 0, 0, 1 / 0.375, -0.01 / 0.375])}[case]
     np.testing.assert_allclose(exact[rows.index(right[0])], right[1], rtol=1e-9, atol=1e-9)
     one.free()
+
+
+STICK = """model StillAndSliding "3 N hold it, 2 N rub: it is torn off at 1.5 s, where there is a row"
+  parameter Velocity V = 0.1;
+  Block b(m = 1, base = world);
+  Spring pull(k = 20, stretch = V*time - b.s);
+  Force most = if abs(b.v) > 0 then 2 else 3;
+  AppliedForce rub(at = b.center, force = {-most*sign(b.v), 0});
+  annotation(experiment(StopTime = 5, Tolerance = 1e-8));
+end StillAndSliding;"""
+
+
+@pytest.mark.parametrize(("version", "interval"), [("2", 0.1), ("3", 0.05)])
+def test_friction_lets_go_where_a_row_falls_on_its_end(version: str, interval: float, tmp_path: Path) -> None:
+    """By FMPy's integrator, and by ours: slips at 1.5 s, sticks at 2.39055 s, and so on; x(5) from the pieces in closed form."""
+    path = tmp_path / "stick.lag"
+    path.write_text(STICK)
+    found = simulated(path, version, "ModelExchange", ["b.s"], output_interval=interval)
+    assert found["b.s"][-1] == pytest.approx(0.3781100290, abs=1e-7)
+    opened = tmp_path / "rows.csv"
+    assert main(["simulate", str(fmu_of(path, version)), "--kind", "me", "--interval", str(interval), "-o", str(opened)]) == 0
+    row = dict(zip(*(line.split(",") for line in (opened.read_text().splitlines()[i] for i in (0, -1))), strict=True))
+    assert float(row["b.s"]) == pytest.approx(0.3781100290, abs=1e-7)
