@@ -183,6 +183,20 @@ static double end_of_step(const LagInstance *s, double t, double h, LagStepResul
     return s->may_return_early ? event : target;
 }
 
+/* A warning as long as rows are not those of the scene; told when it begins. */
+static LagAnswer judge_account(LagInstance *s)
+{
+    const LagStatistics *statistics = lag_run_statistics(s->run);
+    const int is_news = statistics->energy_is_open && !s->vital.is_told_open;
+    s->vital.is_told_open = statistics->energy_is_open;
+    if (is_news)
+        lag_instance_log(s, LAG_ANSWER_WARNING, "logStatusWarning",
+                         "from t = %.6g s on the energy account misses by %.1e J, more than the tolerance %g explains: the values are not "
+                         "the motion, which needs a smaller tolerance", statistics->energy_open, statistics->energy_residual,
+                         s->vital.tolerance);
+    return statistics->energy_is_open ? LAG_ANSWER_WARNING : LAG_ANSWER_OK;
+}
+
 LagAnswer lag_instance_step(LagInstance *s, double t, double h, LagStepResult *result)
 {
     LagVital *vital = &s->vital;
@@ -208,9 +222,10 @@ LagAnswer lag_instance_step(LagInstance *s, double t, double h, LagStepResult *r
     else if (answer == LAG_ANSWER_OK)
         answer = advance(s, target);
     result->time = vital->t;
+    result->is_early |= vital->is_over && s->may_return_early && vital->t < target - lag_time_resolution(target);
     if (has_slopes)
         keep_inputs(s, begin);
-    return answer;
+    return answer == LAG_ANSWER_OK ? judge_account(s) : answer;
 }
 
 LagAnswer lag_instance_input_slope(LagInstance *s, unsigned int reference, int order, double value)

@@ -396,7 +396,7 @@ fmi2Status fmi2DoStep(fmi2Component c, fmi2Real currentCommunicationPoint, fmi2R
         return fmi2Error;
     const LagAnswer answer = lag_instance_step(core(c), currentCommunicationPoint, communicationStepSize, &result);
     ((Component *)c)->last_step = result.time;
-    return answer == LAG_ANSWER_OK && core(c)->vital.is_over ? fmi2Discard : status(answer);
+    return answer <= LAG_ANSWER_WARNING && core(c)->vital.is_over ? fmi2Discard : status(answer);
 }
 
 fmi2Status fmi2CancelStep(fmi2Component c)

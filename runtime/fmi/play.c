@@ -177,7 +177,7 @@ int lag_play_step(LagPlayer *player, double h)
     if (answer == LAG_ANSWER_OK && end > vital->t)
         answer = lag_instance_step(s, vital->t, end - vital->t, &result);
     show_inputs(player);
-    return (int)(answer == LAG_ANSWER_OK && vital->is_over ? LAG_ANSWER_DISCARD : answer);
+    return (int)(answer <= LAG_ANSWER_WARNING && vital->is_over ? LAG_ANSWER_DISCARD : answer);
 }
 
 const double *lag_play_values(LagPlayer *player)

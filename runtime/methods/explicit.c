@@ -2,7 +2,7 @@
  * ones Verner 9(8), which has no dense output: its steps end at rows, and what is inside one is stepped to.
  * E. Hairer, S.P. Norsett, G. Wanner, Solving Ordinary Differential Equations I (1993), II.5, II.6.
  *
- * State y = (q, v, e): e are energy quadratures, carried along but left out of the error estimate. A stage's velocity is
+ * State y = (q, v, e): e are energy quadratures, whose errors count where they are large (account.c). A stage's velocity is
  * written where the slope of its position belongs, so q' = v costs nothing. The slope at the end of a step is the first of
  * the next. Further slopes of the dense output are evaluated only when someone looks inside a step.
  */
@@ -170,14 +170,21 @@ LAG_UNROLLED double estimate(const LagExplicit *s, LagMotion *m, const LagTablea
     return tableau->caution * share * sqrt(fine_squares / moving);
 }
 
-/* The error of one of the energy quadratures. */
-static double quadrature_error(const LagExplicit *s, const LagTableau *tableau, double h, int i)
+static double combine_one(const LagExplicit *s, const LagTableauRow *row, double h, int i)
 {
-    const LagTableauRow *row = tableau->error;
     double sum = 0;
     for (int j = 0; j < row->count; ++j)
         sum += row->weight[j] * s->k[row->column[j]][i];
     return fabs(h * sum);
+}
+
+/* The error of one of the energy quadratures: Hairer's combination, as that of the state; but that of what holds the motion, whose forces
+ * are known to fewer digits, is the larger one. */
+static double quadrature_error(const LagExplicit *s, const LagMotion *m, const LagTableau *tableau, double h, int i)
+{
+    const double fine = combine_one(s, tableau->error, h, i);
+    const double coarse = tableau->coarse_error && m->strength == 0 ? combine_one(s, tableau->coarse_error, h, i) : 0;
+    return coarse > 0 && fine > 0 ? fine * fine / sqrt(fine * fine + 0.01 * coarse * coarse) : fine;
 }
 
 /* The largest of them, in units of the tolerance. */
@@ -186,7 +193,7 @@ static double energy_error(const LagExplicit *s, const LagMotion *m, const LagTa
     const double energy = fmax(m->energy, h * h * m->strength);
     double largest = 0;
     for (int i = 2 * m->n; i < m->size; ++i)
-        largest = fmax(quadrature_error(s, tableau, h, i) / (scale->tolerance * fmax(fabs(m->other[i]), energy)), largest);
+        largest = fmax(quadrature_error(s, m, tableau, h, i) / (scale->tolerance * fmax(fabs(m->other[i]), energy)), largest);
     return largest;
 }
 
@@ -268,7 +275,7 @@ static int accept(void *self, LagMotion *m, double t_new)
     else if (!end_slope(s, m, t_new))
         return 0;
     for (int i = 2 * m->n; i < m->size; ++i)
-        m->doubt += quadrature_error(s, s->tableau, t_new - m->t, i);
+        m->doubt += quadrature_error(s, m, s->tableau, t_new - m->t, i);
     lag_motion_take(m, t_new);
     s->first_slope_is_last = 1;
     s->dense_ready = 0;

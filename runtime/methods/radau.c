@@ -153,7 +153,9 @@ static double attempt(LagRadau *s, LagRun *run, double t_new, LagConvergence *co
     *convergence = lag_radau_solve(s, run, h, asked, worst);
     if (*convergence != LAG_STAGES_CONVERGED || !lag_radau_finish(s, run, h))
         return INFINITY;
-    const double error = lag_radau_error(s, run, h, again, worst);
+    const double unit = run->scale.tolerance * fmax(m->energy, h * h * m->strength);
+    const double work = unit > 0 ? s->doubt / unit : 0; /* of the energy quadratures */
+    const double error = fmax(lag_radau_error(s, run, h, again, worst), work);
     run->statistics.worst = *worst;
     return error < INFINITY && !lag_radau_is_solution(s, run, h) ? INFINITY : error;
 }

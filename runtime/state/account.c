@@ -12,6 +12,9 @@ enum { KINETIC, POTENTIAL, TOTAL, DISSIPATED, WORK };
  * 1 248 runs of examples and benchmark scenes none that was right missed by more than 7 tolerances. Multiples of estimates, and of
  * rounding. */
 static const double BASE = 100, EACH = 0.05, MOST = 0.1, FEW = 10, DOUBTS = 3, ROUNDINGS = 100, NOISES = 1e3;
+/* Errors of the energy quadratures in a step, in its tolerance, where motion has errors of its own to limit it: above these they limit it
+ * as well, as where motion is prescribed. */
+static const double LOOSE = 10;
 
 typedef struct {
     double total, largest; /* the largest of T, V, H */
@@ -58,7 +61,7 @@ static double explained(const LagRun *run)
     const LagStatistics *s = &run->statistics;
     const double tolerance = run->settings.tolerance, steps = (double)s->steps, size = lag_max(s->energy_scale, s->energy_stored);
     const double by_steps = tolerance * (BASE + EACH * steps), rounding = ROUNDINGS * DBL_EPSILON * (1 + steps);
-    return lag_min(by_steps + rounding, lag_max(MOST, FEW * tolerance)) * size + DOUBTS * run->motion.doubt;
+    return lag_min((by_steps + rounding) * size + DOUBTS * run->motion.doubt, lag_max(MOST, FEW * tolerance) * size);
 }
 
 /* The account is open from the first row on at which the largest miss is more than what explains it, unless that comes to do so. */
@@ -90,11 +93,14 @@ void lag_account_note(LagRun *run, double t, const double *y, double *entries)
     judge(run, t, y);
 }
 
+/* By what the unit of errors of quadratures is larger than the tolerance of all energy. */
+static double looseness(const LagRun *run) { return run->methods.table->weighs_work ? 1 : LOOSE; }
+
 void lag_account_glance(LagRun *run)
 {
-    const Seen seen = look(run);
+    const double seen = looseness(run) * look(run).largest;
     if (run->motion.energy > 0)
-        run->motion.energy = lag_max(run->motion.energy, seen.largest);
+        run->motion.energy = lag_max(run->motion.energy, seen);
 }
 
 void lag_account_weigh(LagRun *run)
@@ -102,13 +108,11 @@ void lag_account_weigh(LagRun *run)
     LagMotion *motion = &run->motion;
     const LagStatistics *statistics = &run->statistics;
     const int counts = run->model->n_power > 0, slides = counts && run->sliding.count > 0;
-    const int weighs = counts && run->methods.table->weighs_work;
-    double energy = weighs ? motion->energy : 0;
-    if (slides || (weighs && energy == 0))
-        energy = look(run).largest;
-    if (slides)
-        energy = lag_max(statistics->energy_scale, statistics->energy_stored);
-    motion->energy = energy;
+    const int weighs = run->methods.table->weighs_work && !slides;
+    double energy = weighs ? motion->energy : lag_max(statistics->energy_scale, statistics->energy_stored);
+    if (slides || energy == 0)
+        energy = counts ? lag_max(look(run).largest, energy) : 0;
+    motion->energy = counts ? (slides ? 1 : looseness(run)) * energy : 0;
     motion->strength = slides ? run->sliding.energy : 0;
 }
 

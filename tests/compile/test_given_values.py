@@ -86,3 +86,11 @@ def test_equations_speak_of_what_is_given(scene: Write) -> None:
             model.equations(parameters=given)
     with pytest.raises(lag.LagError, match="L0701"):
         scene("model M final parameter Mass m = 1; Block b(m = m, base = world); end M;").equations(parameters={"m": 2.0})
+
+
+@pytest.mark.parametrize("start", ["each start = 3", "start = 3", "start = {3, 3}", "start = fill(3, 2)"])
+def test_one_start_for_all_elements_of_an_input(scene: Write, start: str) -> None:
+    """1.5 t^2 of 1 kg."""
+    found = scene(f"""model M input Force F[2]({start}); Block b[2](each m = 1, each base = world);
+      AppliedForce f[2](at = b.center, force = {{{{F[1], 0}}, {{F[2], 0}}}}); end M;""").simulate(at=[0, 1])
+    assert [found["b[1].s"][-1], found["b[2].s"][-1]] == pytest.approx([1.5, 1.5])

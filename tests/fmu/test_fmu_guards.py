@@ -45,9 +45,20 @@ def test_a_step_ends_where_the_run_is_terminated(guarded: Path, version: str) ->
         assert one.fmu.getBooleanStatus(3)  # fmi2Terminated
         assert one.fmu.getRealStatus(2) == pytest.approx(FALL, abs=1e-9)  # fmi2LastSuccessfulTime
     else:
-        _event, terminates, _early, reached = one.step(0.3, 0.3)
-        assert terminates and reached == pytest.approx(FALL, abs=1e-9)
+        _event, terminates, early, reached = one.step(0.3, 0.3)
+        assert terminates and not early and reached == pytest.approx(FALL, abs=1e-9)
     assert one.get("y") == pytest.approx([0], abs=1e-9)
+    one.free()
+
+
+@pytest.mark.parametrize("events", [True, False])
+def test_it_returns_early_where_that_is_allowed(guarded: Path, events: bool) -> None:
+    one = Instance(guarded, "3", "CoSimulation", eventModeUsed=events, earlyReturnAllowed=True).start(tolerance=1e-10)
+    if events:
+        one.update()
+        one.fmu.enterStepMode()
+    _event, terminates, early, reached = one.step(0, 0.6)
+    assert terminates and early and reached == pytest.approx(FALL, abs=1e-9)
     one.free()
 
 

@@ -98,6 +98,16 @@ def test_tables_of_inputs(kind: str, driven: Path, simulate: Simulate) -> None:
     np.testing.assert_allclose(found["block.s"], native["block.s"], atol=2e-7)
 
 
+def test_a_table_of_one_input(driven: Path, simulate: Simulate) -> None:
+    """In a unit of its own, and with rows that hold."""
+    Path("u.csv").write_text("t [ms],F [kN]\n0,0.003\n1000,0.001\n2000,0.001\n")
+    for named, values in (("u.csv", [3, 1, 1]), ("u.csv:steps", [3, 3, 1, 1, 1])):
+        found = simulate(fmu_of(driven, "2"), "--kind", "me", "-u", f"F={named}", "--interval", "0.5", "--tolerance", "1e-9")
+        times = [0, 1, 2] if len(values) == 3 else [0, 1, 1, 2, 2]
+        native = model_of(driven).simulate(interval=0.5, tolerance=1e-10, inputs=(times, {"F": values}))
+        np.testing.assert_allclose(found["block.s"], native["block.s"], atol=2e-7)
+
+
 def test_defaults_are_those_of_the_experiment(simulate: Simulate, capsys: pytest.CaptureFixture[str]) -> None:
     path = EXAMPLES / "suspended_bar.lag"
     found = simulate(fmu_of(path, "3"), "--plot", "x.png", "--stats")
@@ -128,6 +138,7 @@ WRONGS = {
     ("-p", "m=x"): "is no number", ("-p", "m"): "NAME=VALUE", ("-p", "m=-1"): "the FMU says it lies from 0",
     ("--initial", "m=1"): "give it by -p", ("--initial", "F=1"): "give it by -u", ("--initial", "felt=1"): "computed by the FMU",
     ("-u", "m=1"): "'m' is no input", ("-u", "G=1"): "the FMU has no variable 'G'", ("-u", "none.csv"): "cannot be read",
+    ("-u", "F=none.csv"): "cannot be read", ("-u", "m=none.csv"): "'m' is no input", ("-u", "F=u.csv:cubic"): "as a smooth table",
     ("--outputs", "fell"): "did you mean 'felt'?", ("--plot", "x.doc"): "is no picture", ("--stop", "-1"): "must be later",
     ("--tolerance", "2"): "between 0 and 1", ("--interval", "0"): "a positive number",
     ("--interval", "1e-7"): "are more than", ("--interval", "1e-9"): "rows are asked for",

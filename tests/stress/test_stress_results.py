@@ -117,20 +117,26 @@ def test_a_run_at_rest_has_kept_its_tolerance(tmp_path: Path) -> None:
     assert pendulum.simulate(stop=1e-7, tolerance=1e-12).warnings == []
 
 
-def test_an_account_that_misses_condemns_no_motion(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """Integrals of powers do not limit steps: van der Pol's relaxation is right where its account is far off."""
+@pytest.mark.parametrize("solver", ["erk", "implicit"])
+def test_integrals_of_powers_limit_steps_where_motion_does_not(tmp_path: Path, solver: str) -> None:
+    """Van der Pol's relaxation, whose account missed by 4.6 % with erk at 1e-3; and a slider that is moved, 47 % at 1e-9."""
     file = tmp_path / "relaxation.lag"
     file.write_text("""model Relaxation
   World world(gravity = {0, 0});
   Block mass(m = 1, base = world, s(start = 2, fixed = true)); Spring s(k = 1, stretch = mass.s);
   GeneralDamper d(rate = mass.v, D = 200[N.s/m]*((mass.s/1[m])^2 - 1)*mass.v^2/2);
 end Relaxation;""")
-    exact = lag.load(file).simulate(at=[400.0], tolerance=1e-10, solver="implicit")["mass.s"][0]
-    run = lag.load(file).simulate(at=[400.0], tolerance=1e-3, solver="erk")
-    assert run["mass.s"][0] == pytest.approx(exact, abs=1e-4)
-    said = summary(capsys, str(file), "-o", str(tmp_path / "x.csv"), "--stop", "400", "--interval", "100", "--tolerance", "1e-3",
-                   "--solver", "erk")
-    assert "perhaps in its integrals of powers alone" in said
+    run = lag.load(file).simulate(at=[400.0], tolerance=1e-3, solver=solver)
+    assert run.warnings == [] and run.statistics.energy_residual < 0.02 * run.statistics.energy_size
+    file.write_text("""model Moved
+  World world(gravity = {0, 0}); parameter Length r = 0.1, l = 0.3;
+  Revolute O(a = world, phi(start = 0.5)); Body crank(m = 1, I = 0.02, center = O.b);
+  Block piston(m = 2, base = world, s(start = 0.38)); Link rod(a = shift(O.b, {r, 0}), b = piston.center, L = l);
+  Motion drive(of = piston.s, to = r*cos(0.5 + 4*time) + sqrt(l^2 - r^2*sin(0.5 + 4*time)^2));
+end Moved;""")
+    run = lag.load(file).simulate(tolerance=1e-9, solver=solver)
+    assert run["O.phi"][-1] == pytest.approx(4.5, abs=1e-12)
+    assert run.statistics.energy_residual < 1e-8 * run.statistics.energy_size
 
 
 @pytest.mark.parametrize(("missed", "fails"), [(0.3, False), (0.6, True)])

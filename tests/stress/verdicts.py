@@ -15,16 +15,13 @@ from pathlib import Path
 import numpy as np
 
 import lagrangia as lag
-from helpers.maximal import Motion, reference
 from helpers.random_scenes import RandomScene, random_scene
 from helpers.reference import Array
 from lagrangia.base.diagnostics import RunError
 from lagrangia.run.solvers import AUTO, applicable
+from stress.references import TIMES, Expected, expected
 
-TIMES = (0.25, 0.5, 0.75, 1.0)
 TOLERANCES = (1e-3, 1e-6, 1e-9, 1e-12)
-_MAX_STEP = 0.05  # s, of the reference: that no kink is met twice within a step
-_NUDGE = 1e-7  # m/s, by which the start is changed to see what the motion magnifies
 _MOST_STEPS = 100_000
 _EXPLAINED = 300.0  # tolerances, for each size that an error at the start grows to
 _REFERENCE = 1e-9  # what the reference itself may err by, likewise
@@ -50,8 +47,7 @@ class Verdict:
 def look_at(seed: int, tolerances: tuple[float, ...] = TOLERANCES) -> list[Verdict]:
     """The verdicts on all solvers that can run the scene."""
     scene = random_scene(seed)
-    right = reference(scene.system, scene.x0, scene.v0, TIMES, max_step=_MAX_STEP)
-    growth = _growth(scene, right)
+    right = expected(seed, scene)
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "scene.lag"
         path.write_text(scene.text, encoding="utf-8")
@@ -59,16 +55,16 @@ def look_at(seed: int, tolerances: tuple[float, ...] = TOLERANCES) -> list[Verdi
         model.native = False
         solvers = [AUTO, *applicable(model.scene)]
         solvers = [name for name in solvers if (scene.family, name) not in _OPEN or not scene.is_uneven]
-        return [x for tolerance in tolerances for x in _together(model, scene, right, growth, solvers, tolerance, seed)]
+        return [x for tolerance in tolerances for x in _together(model, scene, right, solvers, tolerance, seed)]
 
 
-def _together(model: lag.Model, scene: RandomScene, right: Motion, growth: Array, solvers: list[str], tolerance: float, seed: int
+def _together(model: lag.Model, scene: RandomScene, right: Expected, solvers: list[str], tolerance: float, seed: int
               ) -> list[Verdict]:
     """All at one tolerance: each is held against the reference, and against the first."""
-    judged = [_judge(model, scene, right, growth, solver, tolerance, seed) for solver in solvers]
+    judged = [_judge(model, scene, right, solver, tolerance, seed) for solver in solvers]
     first = next((rows for _, rows in judged if rows is not None), np.zeros((0, 0)))
     size, known = max(1.0, float(np.abs(first).max(initial=0.0))), slice(right.count)
-    bound = 2 * (_EXPLAINED * tolerance + _ROUNDING * _unevenness(scene)) * size * growth[known]
+    bound = 2 * (_EXPLAINED * tolerance + _ROUNDING * _unevenness(scene)) * size * right.growth
 
     def compared(verdict: Verdict, rows: Array | None) -> Verdict:
         apart = 0.0 if rows is None else _largest(np.abs(rows - first).max(axis=1)[known] / bound)
@@ -82,20 +78,7 @@ def _unevenness(scene: RandomScene) -> float:
     return max(scene.system.m) / min(scene.system.m) if scene.is_uneven else 0.0
 
 
-def _growth(scene: RandomScene, right: Motion) -> Array:
-    """How much larger an error is at each time than at the start; inf where the nudged motion goes another way."""
-    random = np.random.default_rng(1)
-    nudged = reference(scene.system, scene.x0, scene.v0 + _NUDGE * random.standard_normal(scene.v0.size), TIMES,
-                       max_step=_MAX_STEP)
-    apart = np.full(right.count, np.inf)
-    count = min(right.count, nudged.count)
-    apart[:count] = np.abs(nudged.rows[:count] - right.rows[:count]).max(axis=1) / _NUDGE
-    if nudged.events != right.events:
-        apart *= 10  # an event more or less: at a place where motions part
-    return 1 + np.maximum.accumulate(apart)
-
-
-def _judge(model: lag.Model, scene: RandomScene, right: Motion, growth: Array, solver: str, tolerance: float, seed: int
+def _judge(model: lag.Model, scene: RandomScene, right: Expected, solver: str, tolerance: float, seed: int
            ) -> tuple[Verdict, Array | None]:
     """With the rows of a run that was not refused."""
     try:
@@ -105,7 +88,7 @@ def _judge(model: lag.Model, scene: RandomScene, right: Motion, growth: Array, s
     got = np.array([run[name] for name in scene.columns]).T[1:]
     if run.statistics.energy_is_open:
         return Verdict(seed, scene.family, solver, tolerance, "refused", 0.0, run.warnings[0]), None
-    count, rows = right.count, right.rows[:, list(scene.picked)]
+    count, rows, growth = right.count, right.rows, right.growth
     bound = _EXPLAINED * tolerance + _REFERENCE + _ROUNDING * _unevenness(scene)
     size = max(1.0, float(np.abs(rows).max(initial=0.0)))
     figures = {"rows": _largest(np.abs(got[:count] - rows).max(axis=1) / (size * growth * bound))}

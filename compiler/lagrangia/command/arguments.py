@@ -218,14 +218,16 @@ def values_with_units(given: list[tuple[str, str]], units: dict[str, str]) -> di
 def input_tables(given: list[str]) -> list[str]:
     """The files among them."""
     named = named_tables(given)
-    return [*_whole_tables(given, named), *map(path_of, named.values())]
+    return [*whole_tables(given, named), *map(path_of, named.values())]
 
 
-def _whole_tables(given: list[str], named: Mapping[str, str]) -> list[str]:
-    return [text for text in given if "=" not in text or (Path(text).suffix == ".csv" and not _is_named(text, named))]
+def whole_tables(given: list[str], named: Mapping[str, str]) -> list[str]:
+    """The files among them that have a column for each input; `named` are those of single ones."""
+    return [text for text in given if "=" not in text or (Path(text).suffix == ".csv" and not is_named(text, named))]
 
 
-def _is_named(text: str, named: Mapping[str, str]) -> bool:
+def is_named(text: str, named: Mapping[str, str]) -> bool:
+    """Whether it gives the table of one input."""
     name, _, path = text.partition("=")
     return named.get(name) == path
 
@@ -234,10 +236,10 @@ def read_inputs(given: list[str], scene: Any) -> Any:
     """Constants by name, or a table of one CSV file with a column `time` and of files for inputs by their names, in SI units.
     Raises LagError L0301, L0701, L0703, L0706, L0712."""
     named = named_tables(given)
-    files = _whole_tables(given, named)
+    files = whole_tables(given, named)
     moving = {scene.inputs[piece[0]].name for piece in scene.pieces if piece[1] >= 0}
     units = {p.name: p.unit for p in scene.inputs}
-    others = (text for text in given if text not in files and not _is_named(text, named))
+    others = (text for text in given if text not in files and not is_named(text, named))
     constants = values_with_units(assignments(others, "-u"), units)
     if not files and not named:
         return constants

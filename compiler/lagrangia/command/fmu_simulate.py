@@ -3,6 +3,7 @@
 import math
 import sys
 from argparse import Namespace
+from collections import Counter
 from collections.abc import Iterable
 from dataclasses import replace
 from itertools import pairwise
@@ -16,10 +17,12 @@ from lagrangia.base.tables import read_table
 from lagrangia.command.arguments import (
     asked,
     assignments,
-    input_tables,
+    is_named,
     names_once,
     prepare_target,
+    whole_tables,
 )
+from lagrangia.command.input_tables import named_tables, read_input, together
 from lagrangia.fmu.description import Description
 from lagrangia.fmu.process import SPOKEN, Inputs
 from lagrangia.fmu.run import FmuRun, open_fmu, settable, simulate_fmu
@@ -63,11 +66,15 @@ def simulate_fmu_command(options: Namespace) -> int:
     if run.outcome.interrupted:
         print(f"interrupted at t = {run.outcome.time:.6g}; the {run.rows} rows before are kept", file=sys.stderr)
         return INTERRUPTED
+    if run.outcome.said and (run.outcome.is_asked_for or not run.outcome.message):
+        print("\n".join(["the FMU says:", *(f"  {line}" for line in run.outcome.said)]), file=sys.stderr)
     if run.outcome.is_asked_for:
         print(f"{run.outcome.message} at t = {run.outcome.time:.6g}", file=sys.stderr)
     elif run.outcome.message:
         raise RunError(f"at t = {run.outcome.time:.9g}: {run.outcome.explanation}\n"
                        f"{run.rows} rows before it are kept in {target}")
+    elif run.outcome.warns:
+        raise RunError(f"the FMU answered the last communication step with a warning; the rows are kept in {target}")
     return 0
 
 
@@ -121,26 +128,47 @@ def _in_unit(text: str, unit: str) -> float | list[float]:
 
 
 def _inputs(description: Description, given: list[str]) -> Inputs:
-    files = input_tables(given)
+    named = named_tables(given)
+    whole = whole_tables(given, named)
     names = [q.name for q in description.quantities if q.causality == "input"]
     known = f"the inputs are {', '.join(names)}" if names else "there are none"
-    constants: dict[str, float] = {}
-    for name, text in assignments((item for item in given if item not in files), "-u"):
+
+    def unit_of(name: str) -> str:
         quantity = settable(description, name)
         if quantity.causality != "input":
             fail("L0701", f"'{name}' is no input", None, known)
-        constants[name] = float(_value(quantity.kind, text, quantity.get("unit") or "", name))
-    if len(files) > 1:
-        fail("L0703", "one table of inputs can be given", None, "put its columns into one file")
-    times, columns = read_table(Path(files[0])) if files else ([0.0], {})
+        return quantity.get("unit") or ""
+
+    constants: dict[str, float] = {}
+    for name, text in assignments((item for item in given if item not in whole and not is_named(item, named)), "-u"):
+        unit = unit_of(name)
+        constants[name] = float(_value(settable(description, name).kind, text, unit, name))
+    if len(whole) > 1:
+        fail("L0703", "one table of inputs can be given", None, "put its columns into one file, or name each: -u NAME=FILE")
+    tables = [read_table(Path(file)) for file in whole] + [_column(name, unit_of(name), file) for name, file in named.items()]
+    times, columns = together(tables) if tables else ([0.0], {})
     for name in columns:
         if name not in names:
             fail("L0701", f"the FMU has no input '{name}'", None, known)
         settable(description, name)
+    count = Counter([*constants, *(name for _, found in tables for name in found)])
+    if twice := next((name for name, times_given in count.items() if times_given > 1), None):
+        fail("L0712", f"'{twice}' is given twice")
     if any(b < a for a, b in pairwise(times)) or not all(map(math.isfinite, times)):
         fail("L0703", "the times of the inputs must be finite and not fall")
-    table = columns | {name: [value] * len(times) for name, value in constants.items()}
-    return Inputs(list(table), times, [[column[row] for column in table.values()] for row in range(len(times))])
+    table = {**columns, **{name: [value] * len(times) for name, value in constants.items()}}
+    return Inputs(list(table), list(times), [[column[row] for column in table.values()] for row in range(len(times))])
+
+
+def _column(name: str, unit: str, file: str) -> Any:
+    """-u NAME=FILE, in the FMU's own unit; those of other tools may be none of ours. Raises LagError L0706."""
+    if file.endswith((":cubic", ":monotone")):
+        fail("L0706", f"not supported for an FMU: '{name}' as a smooth table", None, "give rows close together, linear in between")
+    try:
+        parse_unit(unit or "1")
+    except ValueError:
+        return read_input(name, None, file, is_moving=False)
+    return read_input(name, unit, file, is_moving=False)
 
 
 def _usual_curves(run: FmuRun) -> list[Any]:

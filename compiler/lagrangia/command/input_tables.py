@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from lagrangia.base.diagnostics import fail
-from lagrangia.language.units import parse_unit
+from lagrangia.language.units import Unit, parse_unit
 
 if TYPE_CHECKING:
     from lagrangia.run.columns import Columns
@@ -42,9 +42,9 @@ def named_tables(given: Sequence[str]) -> dict[str, str]:
     return found
 
 
-def read_input(name: str, unit: str, named: str, is_moving: bool) -> Table:
-    """The column of that name over the first one, or the second of two, in SI units; `is_moving`: its rates matter. Raises
-    LagError L0301, L0703, L0901."""
+def read_input(name: str, unit: str | None, named: str, is_moving: bool) -> Table:
+    """The column of that name over the first one, or the second of two, in its `unit`, or as it stands where that is None;
+    `is_moving`: its rates matter. Raises LagError L0301, L0703, L0901."""
     from lagrangia.run.columns import read_columns
     from lagrangia.run.input_rates import slopes
 
@@ -55,7 +55,7 @@ def read_input(name: str, unit: str, named: str, is_moving: bool) -> Table:
         known = ", ".join(label or str(k) for k, label in enumerate(columns.names, 1))
         fail("L0703", f"'{path}' has no column '{name}', and {len(columns.names)} columns", None,
              f"its columns are: {known}"[:300])
-    times, values = _in_si(columns, 0, "s", path), _in_si(columns, place, unit, path)
+    times, values = _in_unit(columns, 0, "s", path), _in_unit(columns, place, unit, path)
     if any(b < a for a, b in pairwise(times)):
         fail("L0703", f"the first column of '{path}' must not fall: it is the time")
     if smoothness == "steps":
@@ -68,17 +68,20 @@ def read_input(name: str, unit: str, named: str, is_moving: bool) -> Table:
     return times, {name: values, f"der({name})": slopes(times, values, smoothness)}
 
 
-def _in_si(columns: "Columns", place: int, wanted: str, path: str) -> list[float]:
-    """As it stands where no unit is written."""
+def _in_unit(columns: "Columns", place: int, wanted: str | None, path: str) -> list[float]:
+    """In the unit that is wanted, SI where that is none; as it stands where no unit is written, or None is wanted."""
     values, text = columns.values[place], columns.units[place]
-    if text:
+    if text and wanted is not None:
         try:
             unit = parse_unit("1" if text == "-" else text)
         except ValueError as error:
             fail("L0301", f"{error}, in the line of names of '{path}'")
-        if wanted and unit.dimension != parse_unit(wanted).dimension:
+        own = parse_unit(wanted) if wanted else Unit(1.0, unit.dimension)
+        if unit.dimension != own.dimension:
             fail("L0301", f"column {place + 1} of '{path}' is in {text}, and {wanted} is wanted")
         values = values * unit.factor + unit.offset
+        if (own.factor, own.offset) != (1.0, 0.0):
+            values = (values - own.offset) / own.factor
     return list(map(float, values))
 
 

@@ -35,6 +35,7 @@ from lagrangia.language.events import kept_by
 from lagrangia.language.flat import FlatModel, Variable, When, rate_of
 from lagrangia.language.folding import numbers_of
 from lagrangia.language.observables import observe
+from lagrangia.language.tree import Array, Flat
 from lagrangia.native.c_code import jet_tape, may_hide, usual_rhs
 from lagrangia.native.tapes import Tape
 from lagrangia.needs.islands import MOST_COORDINATES, MOST_ISLANDS, find_islands, island_motion, weigh_islands
@@ -318,12 +319,25 @@ def columns_of(kinematics: Kinematics, name: str) -> tuple[Column, ...]:
     return tuple(Column(label, *_units(kinematics.graph, label)) for label in elements_of(kinematics, name))
 
 
+def _starts(variable: Variable, source: Flat, values: list[float | None]) -> list[float | None]:
+    """Of the elements of an input: what is one number is that of each. Raises LagError L0605."""
+    count = prod(variable.shape)
+    if None in values and not isinstance(source, Array):
+        values = numbers_of(source, ()) * count
+    if len(values) != count:
+        fail("L0605", f"'{variable.name}' has {count} elements, and {len(values)} starts", source.span,
+             "give each of them one, or the same to all: each start = ...")
+    return values
+
+
 def _parameters(model: FlatModel, kind: str, compiled_in: Mapping[str, Any]) -> tuple[Parameter, ...]:
     """The scalars of all parameters or inputs, in the order of the flat model."""
     found = []
     for variable in (v for v in model.variables.values() if v.kind == kind):
         source = variable.binding if kind == "parameter" else variable.start or variable.binding
         values = numbers_of(source, variable.shape) if source is not None else [0.0] * prod(variable.shape)
+        if kind == "input" and source is not None:
+            values = _starts(variable, source, values)
         known = scalars(variable.name, compiled_in[variable.name]) if variable.name in compiled_in else [("", None)] * len(values)
         compiled = [x if isinstance(x, float) else None for _, x in known]
         for (name, _), value, number in zip(variable.elements(), values, compiled, strict=True):

@@ -10,7 +10,7 @@ _BEFORE = ("exact", "approx")  # `initial` of what may be set before initializat
 _RECORDED = ("Real", "Float32", "Float64", "Integer", "Int8", "UInt8", "Int16", "UInt16", "Int32", "UInt32", "Int64", "UInt64",
              "Enumeration", "Boolean")
 _MOST_UPDATES = 1000
-DISCARD = 2
+WARNING, DISCARD = 1, 2
 
 
 class FmuError(Exception):
@@ -38,6 +38,20 @@ class Importer:
         interface = self.description.modelExchange if kind == "ModelExchange" else self.description.coSimulation
         self.interface = interface
         self.next_event: float | None = None
+        self.warns = False  # the latest communication step was answered by a warning
+        if kind == "CoSimulation":
+            self._heed("fmi2DoStep" if self.is_fmi2 else "fmi3DoStep")
+
+    def _heed(self, name: str) -> None:
+        """Keeps the status of a function, which FMPy does not pass on where it is no error."""
+        inner = getattr(self.fmu, name)
+
+        def heeded(*arguments: Any) -> Any:
+            status = inner(*arguments)
+            self.warns = status == WARNING
+            return status
+
+        setattr(self.fmu, name, heeded)
 
     # ---------------------------------------------------------------- values
 

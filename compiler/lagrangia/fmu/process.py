@@ -73,6 +73,7 @@ class Outcome:
     interrupted: bool = False
     is_asked_for: bool = False  # by the FMU, in the way that the standard has for it
     is_given_up: bool = False  # after the time that was allowed
+    warns: bool = False  # the last communication step was answered by a warning
 
     @property
     def width(self) -> int:
@@ -80,10 +81,14 @@ class Outcome:
         return 1 + len(self.columns)
 
     @property
+    def said(self) -> list[str]:
+        """What the FMU said last, line by line."""
+        return [line[:300] for line in self.log.splitlines() if line.strip()][-_LINES:]
+
+    @property
     def explanation(self) -> str:
         """The message, and what the FMU said last."""
-        said = [line for line in self.log.splitlines() if line.strip()][-_LINES:]
-        return "\n".join([self.message, *(f"  {line[:300]}" for line in said)]) if self.message else ""
+        return "\n".join([self.message, *(f"  {line}" for line in self.said)]) if self.message else ""
 
 
 def require_fmpy() -> None:

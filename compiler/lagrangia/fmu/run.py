@@ -232,8 +232,9 @@ def settable(description: Description, name: str) -> Quantity:
         known = [q.name for q in description.quantities if _can_be_set(q)]
         fail("L0701", f"the FMU has no variable '{name}'", None, *filter(None, [suggest(name, known)]))
     if not _can_be_set(quantity):
+        follows = ["it follows from other parameters: set those"] if quantity.causality == "calculatedParameter" else []
         fail("L0701", f"'{name}' cannot be set: it is "
-             + ("constant" if quantity.variability == "constant" else "computed by the FMU"))
+             + ("constant" if quantity.variability == "constant" else "computed by the FMU"), None, *follows)
     if quantity.has_dimensions:
         fail("L0901", f"not supported yet: values for the array '{name}'")
     return quantity
