@@ -14,6 +14,7 @@
 
 #include "methods/dop853_tableau.h"
 #include "numbers/lanes.h"
+#include "state/account.h"
 #include "state/attitudes.h"
 #include "steps/step.h"
 #include "methods/tsit5_tableau.h"
@@ -232,8 +233,10 @@ LAG_UNROLLED double attempt(LagExplicit *s, LagMotion *m, const LagTableau *tabl
         return INFINITY;
     }
     double error = estimate(s, m, tableau, h, scale, worst);
-    if (m->energy > 0)
-        error = fmax(energy_error(s, m, tableau, h, scale), error);
+    if (m->energy > 0) {
+        const double work = energy_error(s, m, tableau, h, scale);
+        error = fmax(m->strength > 0 ? work : lag_account_count(m, h, work), error);
+    }
     return error >= 0 ? error : INFINITY;
 }
 

@@ -15,6 +15,7 @@ static const double BASE = 100, EACH = 0.05, MOST = 0.1, FEW = 10, DOUBTS = 3, R
 /* Errors of the energy quadratures in a step, in its tolerance, where motion has errors of its own to limit it: above these they limit it
  * as well, as where motion is prescribed. */
 static const double LOOSE = 10;
+enum { ROUGH = 2 }; /* shorter attempts, with none in between that was much better */
 
 typedef struct {
     double total, largest; /* the largest of T, V, H */
@@ -114,6 +115,18 @@ void lag_account_weigh(LagRun *run)
         energy = counts ? lag_max(look(run).largest, energy) : 0;
     motion->energy = counts ? (slides ? 1 : looseness(run)) * energy : 0;
     motion->strength = slides ? run->sliding.energy : 0;
+}
+
+double lag_account_count(LagMotion *m, double h, double error)
+{
+    const int is_again = m->work_error > 1 && m->work_time == m->t && h < m->work_step;
+    const double shorter = h / m->work_step;
+    if (is_again && m->work_is_rough < ROUGH)
+        m->work_is_rough = error > shorter * shorter * m->work_error ? m->work_is_rough + 1 : 0;
+    m->work_error = error;
+    m->work_step = h;
+    m->work_time = m->t;
+    return m->work_is_rough < ROUGH ? error : 0;
 }
 
 void lag_account_open(LagRun *run) { run->energy_before = look(run).total; }

@@ -29,6 +29,8 @@ typedef struct {
     double *point, *sum;         /* scratch */
     double energy, strength;     /* its size, at any time and by the square of a step, where errors of its quadratures limit
                                   * steps; 0: they do not */
+    double work_error, work_step, work_time; /* of the quadratures in the latest attempt, in units; its length, and where it began */
+    int work_is_rough;           /* so many shorter attempts did not make that smaller as they should */
     double doubt;                /* errors of its quadratures so far, as steps estimated them that they did not limit */
     int lacks_slopes;            /* dense output of the latest step is a cubic, since accelerations had no values inside it */
     int64_t evaluations, dense_outputs;

@@ -73,12 +73,24 @@ def _kept() -> dict[str, dict]:
     return json.loads(_FILE.read_text(encoding="utf-8")) if _FILE.exists() else {}
 
 
-def _written(scene: RandomScene) -> dict[str, object]:
-    found = compute(scene)
+def _written(seed: int) -> dict[str, object]:
+    """What is kept already, or computed."""
+    scene = random_scene(seed)
+    found = expected(seed, scene)
     return {"of": _digest(scene), "rows": [[float(f"{x:.12g}") for x in row] for row in found.rows],
             "growth": [float(f"{x:.3g}") for x in found.growth]}
 
 
+def write() -> None:
+    """All that is to be kept, now and then on the way."""
+    lines: dict[int, str] = {}
+    for seed in range(KEPT):
+        lines[seed] = json.dumps(_written(seed))
+        if seed % 20 == 19:
+            others = {int(k): json.dumps(v) for k, v in _kept().items() if int(k) not in lines}
+            whole = sorted({**others, **lines}.items())
+            _FILE.write_text("{" + ",\n".join(f'"{k}": {text}' for k, text in whole) + "}\n", encoding="utf-8")
+
+
 if __name__ == "__main__":
-    lines = [f'"{seed}": {json.dumps(_written(random_scene(seed)))}' for seed in range(KEPT)]
-    _FILE.write_text("{" + ",\n".join(lines) + "}\n", encoding="utf-8")
+    write()
