@@ -211,3 +211,31 @@ def test_ramps_in_co_simulation_of_fmi_3(tmp_path: Path, capsys: pytest.CaptureF
     last = dict(zip(lines[0].split(","), lines[-1].split(","), strict=True))
     assert float(last["b.v"]) == pytest.approx(13.5, rel=1e-9) and float(last["b.s"]) == pytest.approx(13.5, rel=1e-4)
     assert float(last["y"]) == pytest.approx(18, rel=1e-12)
+
+
+CRANK = """model Crank
+  World world(gravity = {0, 0});
+  Revolute O(a = world, phi(start = 0.3)); Motion turned(of = O.phi, to = 10*time + 0.3);
+  Revolute Q(a = shift(world, {0, -0.5}), phi(start = 1.1));
+  Bar crank(m = 1, L = 0.499999, a = O.b), arm(m = 2, L = 1.2, a = Q.b); PointOnLine slot(line = Q.b, point = crank.b);
+  annotation(experiment(StopTime = 1.2));
+end Crank;"""
+
+
+def test_what_an_fmu_says_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    """An account that does not close fails the run, as in the scene's own; an assertion that warns does not."""
+    monkeypatch.chdir(tmp_path)
+    path = tmp_path / "crank.lag"
+    path.write_text(CRANK)
+    asked = ["simulate", str(fmu_of(path, "3")), "--kind", "cs", "--quiet", "-o", "x.csv", "--tolerance"]
+    assert main([*asked, "1e-3"]) == FAILED
+    assert "s on the energy account misses by" in capsys.readouterr().err
+    assert main([*asked, "1e-8"]) == DONE
+    assert capsys.readouterr().err == ""
+    path.write_text("""model Falls
+  Prismatic a(a = world, along = {0, 1}); PointMass m(m = 1, center = a.b);
+equation
+  assert(a.v > -4, "quick", AssertionLevel.warning);
+end Falls;""")
+    assert main(["simulate", str(fmu_of(path.rename(tmp_path / "falls.lag"), "2")), "--quiet", "-o", "x.csv"]) == DONE
+    assert "an assertion does not hold (quick)" in capsys.readouterr().err

@@ -4,9 +4,12 @@
 run is told with its seed, solver and tolerance.
 """
 
+import numpy as np
 import pytest
 
+from helpers.random_scenes import random_scene
 from lagrangia.native.build import find_compiler
+from stress.references import compute, expected
 from stress.verdicts import Verdict, look_at_all
 
 pytestmark = pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
@@ -24,6 +27,13 @@ def test_a_few_scenes(first: int) -> None:
     assert {verdict.family for verdict in verdicts} == {"tree", "loop", "rods", "kinks", "contacts", "friction"}
     assert _told(verdicts) == []
     assert sum(verdict.word == "right" for verdict in verdicts) > 0.9 * len(verdicts)
+
+
+def test_references_that_are_kept_are_those_that_are_computed() -> None:
+    scene = random_scene(9)
+    kept, anew = expected(9, scene), compute(scene)
+    assert kept is not anew and kept.count == anew.count
+    np.testing.assert_allclose(kept.rows, anew.rows, rtol=1e-9, atol=1e-11)
 
 
 @pytest.mark.slow

@@ -163,7 +163,7 @@ def _inputs(description: Description, given: list[str]) -> Inputs:
 def _column(name: str, unit: str, file: str) -> Any:
     """-u NAME=FILE, in the FMU's own unit; those of other tools may be none of ours. Raises LagError L0706."""
     if file.endswith((":cubic", ":monotone")):
-        fail("L0706", f"not supported for an FMU: '{name}' as a smooth table", None, "give rows close together, linear in between")
+        fail("L0706", f"not supported for an FMU: '{name}' as a smooth table", None, "give rows close together, linear between")
     try:
         parse_unit(unit or "1")
     except ValueError:
