@@ -319,7 +319,7 @@ def columns_of(kinematics: Kinematics, name: str) -> tuple[Column, ...]:
     return tuple(Column(label, *_units(kinematics.graph, label)) for label in elements_of(kinematics, name))
 
 
-def _starts(variable: Variable, source: Flat, values: list[float | None]) -> list[float | None]:
+def _starts(variable: Variable, source: Flat, values: Sequence[float | None]) -> Sequence[float | None]:
     """Of the elements of an input: what is one number is that of each. Raises LagError L0605."""
     count = prod(variable.shape)
     if None in values and not isinstance(source, Array):
@@ -335,7 +335,9 @@ def _parameters(model: FlatModel, kind: str, compiled_in: Mapping[str, Any]) -> 
     found = []
     for variable in (v for v in model.variables.values() if v.kind == kind):
         source = variable.binding if kind == "parameter" else variable.start or variable.binding
-        values = numbers_of(source, variable.shape) if source is not None else [0.0] * prod(variable.shape)
+        values: Sequence[float | None] = [0.0] * prod(variable.shape)
+        if source is not None:
+            values = numbers_of(source, variable.shape)
         if kind == "input" and source is not None:
             values = _starts(variable, source, values)
         known = scalars(variable.name, compiled_in[variable.name]) if variable.name in compiled_in else [("", None)] * len(values)
