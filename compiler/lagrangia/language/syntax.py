@@ -273,7 +273,10 @@ class _Nodes(_ExpressionNodes):
         return Argument(frozenset(), name_of(children[0]), (), None, self._span(meta), self._span(children[0]), None, True)
 
     def left_out_connection(self, meta: Place, children: list[Any]) -> Argument:
-        ends = Array(tuple(children), self._span(meta))
+        word, *parts = children
+        if word != "connect":
+            self.report.error("L0103", f"unexpected '{word}'", self._span(word), "write: break connect(a, b), or break name")
+        ends = Array(tuple(parts), self._span(meta))
         return Argument(frozenset(), "connect", (), ends, self._span(meta), self._span(meta), None, True)
 
     # ---------------------------------------------------------------- sections
