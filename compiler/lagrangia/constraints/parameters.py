@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lagrangia.algebra.duals import Scalar
+from lagrangia.algebra.orthogonal import general_numbers
 from lagrangia.algebra.scalars import apply, as_expression, column
 from lagrangia.base.checked_values import misfit
 from lagrangia.base.diagnostics import LagError, Report, Span, fail
@@ -150,7 +151,7 @@ def usual_parameters(kinematics: Kinematics) -> tuple[ca.SX, NDArray[np.float64]
     """The symbols of all parameters, and values beside those that are declared; none is 0."""
     p, declared = default_parameters(kinematics)
     values = np.array(declared).ravel()
-    return p, np.where(values == 0, 1.0, values) * np.random.default_rng(1).uniform(0.7, 1.3, values.size)
+    return p, np.where(values == 0, 1.0, values) * general_numbers(1, 0.7, 1.3, values.size)
 
 
 def at_declared_values(kinematics: Kinematics, expressions: list[ca.SX]) -> list[ca.SX]:

@@ -9,12 +9,12 @@ from collections import ChainMap
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import field, replace
 from functools import partial
-from random import Random
 
 import casadi as ca
 import numpy as np
 
 from lagrangia.algebra.duals import Dual, Scalar, plus, rate_of, times
+from lagrangia.algebra.orthogonal import general_numbers
 from lagrangia.algebra.scalars import symbols_in
 from lagrangia.base.diagnostics import Report, Span, fail
 from lagrangia.base.records import dataclass
@@ -304,8 +304,7 @@ class _Reduction:
         holonomic = [row for row in rows if row.is_holonomic]
         q = ca.vertcat(ca.SX(0, 1), *kinematics.symbols.positions.values())
         gaps = ca.vertcat(ca.SX(0, 1), *[row.value(kinematics, 0) for row in holonomic])
-        random = Random(1)
-        places, ways = ([random.uniform(0.3, 1.7) for _ in range(q.numel())] for _ in range(2))
+        places, ways = general_numbers(1, 0.3, 1.7, 2 * q.numel()).reshape(2, -1)
         here, slopes = ca.substitute([gaps, ca.jtimes(gaps, q, ca.DM(ways))], [q], [ca.SX(places)])
         sizes = self._sizes_in_time(slopes)
         still = [k for k, size in enumerate(sizes) if size <= _NEGLIGIBLE]
@@ -344,7 +343,7 @@ class _Reduction:
         (values,) = self.kinematics.algebra.with_modes([values])
         symbols = [x for x in ca.symvar(values) if x.__hash__() != time.__hash__()]
         evaluate = ca.Function("values", [time, ca.vertcat(ca.SX(0, 1), *symbols)], [values])
-        others = np.random.default_rng(3).uniform(0.3, 1.7, len(symbols))
+        others = general_numbers(3, 0.3, 1.7, len(symbols))
         numbers = ca.DM([self.defaults.get(x.__hash__(), other) for x, other in zip(symbols, others, strict=True)])
         times = [experiment.start + part * (experiment.stop - experiment.start) for part in (0.0, 0.381, 0.764)]
         found = np.abs(np.hstack([evaluate(t, numbers).full() for t in times]))

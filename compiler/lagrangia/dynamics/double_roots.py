@@ -9,13 +9,12 @@ that is so. Source: deflation (A. Leykin, J. Verschelde, A. Zhao, Theoretical Co
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
-from random import Random
 
 import casadi as ca
 import numpy as np
 
 from lagrangia.algebra.duals import Scalar
-from lagrangia.algebra.orthogonal import Vector, independent_columns
+from lagrangia.algebra.orthogonal import Vector, general_numbers, independent_columns
 from lagrangia.algebra.scalars import symbols_in
 from lagrangia.constraints.assembly import assembled
 from lagrangia.constraints.initial import InitialConditions, build_initial
@@ -92,8 +91,7 @@ def touching_notes(kinematics: Kinematics, constraints: Constraints) -> dict[str
 
 def _normalised(positions: Positions, q: Vector) -> Vector:
     """The slopes of the rows (m, n), each by its size here or a little aside, where those that vanish here do not."""
-    random = Random(4)  # that of NumPy takes 5 ms to import
-    aside = q + _ASIDE * np.array([random.uniform(-1, 1) for _ in q])
+    aside = q + _ASIDE * general_numbers(4, -1, 1, q.size)
     here, there = positions.slopes(q), positions.slopes(aside)
     return np.asarray(here / np.maximum(np.linalg.norm(np.vstack([[here], [there]]), axis=2).max(axis=0), _NOTHING)[:, None])
 
