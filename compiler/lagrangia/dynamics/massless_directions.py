@@ -10,7 +10,7 @@ from collections.abc import Collection, Sequence
 import casadi as ca
 import numpy as np
 
-from lagrangia.algebra.orthogonal import Vector, independent_columns
+from lagrangia.algebra.orthogonal import Vector, general_numbers, independent_columns
 from lagrangia.algebra.scalars import symbols_in
 from lagrangia.base.diagnostics import fail
 from lagrangia.base.records import dataclass
@@ -116,7 +116,7 @@ class _Looks:
 
     def directions(self, which: int) -> list[Vector]:
         """Each as long as one coordinate alone would be, which no other one has; with one of two sets of parameters."""
-        numbers = self.numbers * np.random.default_rng(which).uniform(0.8, 1.2, self.numbers.size)
+        numbers = self.numbers * general_numbers(which, 0.8, 1.2, self.numbers.size)
         return _reduced(self._null_space(numbers, range(_LOOKS)))
 
     def is_regular(self) -> bool:
@@ -144,14 +144,14 @@ class _Looks:
 
     def _look(self, numbers: Vector, seed: int) -> tuple[Vector, Vector]:
         """M, as differences of momenta, and J."""
-        n, place = self.n, np.random.default_rng(seed).uniform(0.4, 1.6, self.free.numel())
+        n, place = self.n, general_numbers(seed, 0.4, 1.6, self.free.numel())
         found = self.slopes(np.hstack([np.eye(n), -np.eye(n)]), place, numbers).full()
         A = (found[:, :n] - found[:, n:]) / 2
         return A[:n], A[n:]
 
     def by_parameters(self, places: list[int]) -> list[ca.SX]:
         """The entries of a direction behind the first, from M z = 0 at one state, which is as good as any."""
-        known = np.random.default_rng(2).uniform(0.4, 1.6, self.free.numel())
+        known = general_numbers(2, 0.4, 1.6, self.free.numel())
         state, values = ca.vertcat(self.free, self.v), ca.SX([*known, *np.ones(self.n)])
         M = ca.substitute(ca.densify(ca.jacobian(self.momentum, self.v)), state, values)
         numbers = ca.evalf(ca.substitute(M, self.p, ca.SX(self.numbers))).full()
