@@ -19,6 +19,7 @@ typedef struct {
     int32_t next;           /* method to go on with: LAG_SOLVER_AUTO stands for the one in use */
     int passes;             /* steps left that the explicit method takes in place of another one */
     int32_t passed;         /* that one */
+    int is_holding;         /* it passes since something slides, and is asked again when nothing does */
     int leads;              /* the first step of Adams' methods is one of another: that changes no solver */
     int relief;             /* passes in place of methods that leave trouble to others */
     int64_t relieved;       /* after so many steps of the run */

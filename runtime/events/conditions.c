@@ -9,7 +9,6 @@
 
 static const double SOME_TIME = 1e-3; /* where no step tells of one */
 static const double MOST_UNKNOWN = 1e-3; /* of the margin of a force in the plane, which is 1 at most */
-enum { ROUNDINGS = 256 };
 
 static void look_at(LagRun *run, double t, const double *y, double *g, double *rate)
 {
@@ -76,25 +75,31 @@ void lag_conditions_with_rates(LagRun *run, double t, const double *y, double *g
         lag_sliding_margin_rates(run, t, y, run->switches.slope, step > 0 ? step : SOME_TIME, rate);
 }
 
-void lag_conditions_disturb(const LagRun *run, const double *y, double share, int pattern, double *state)
+void lag_conditions_units(const LagRun *run, const double *y, double share, double *error)
 {
-    for (int i = 0; i < 2 * run->model->n; ++i) {
-        const double sign = pattern == 0 || (i >> (pattern - 1)) % 2 == 0 ? 1 : -1;
-        state[i] = y[i] + sign * share * lag_scale_unit(&run->scale, i, y, y);
-    }
+    for (int i = 0; i < 2 * run->model->n; ++i)
+        error[i] = share * lag_scale_unit(&run->scale, i, y, y);
+}
+
+void lag_conditions_disturb(const LagRun *run, const double *y, const double *error, int pattern, double *state)
+{
+    const int bit = pattern == 0 ? 0 : 1 << (pattern - 1);
+    for (int i = 0; i < 2 * run->model->n; ++i)
+        state[i] = i & bit ? y[i] - error[i] : y[i] + error[i];
 }
 
 void lag_conditions_find_unknown(LagRun *run, double t, const double *y)
 {
     LagSwitches *s = &run->switches;
     const LagScale scale = run->scale;
-    const double share = ROUNDINGS * DBL_EPSILON / scale.tolerance;
+    const double share = LAG_ROUNDINGS * DBL_EPSILON / scale.tolerance;
     if (run->model->switches_need_acceleration) /* a slip is known as well where it stops, in steps as short as can be, as anywhere */
         run->scale.rate_rounding = run->scale.step = run->scale.reach = 0;
     memset(s->unknown, 0, (size_t)run->model->n_switches * sizeof *s->unknown);
     look_at(run, t, y, s->g_begin, s->rate_begin); /* which the next step begins with anew */
+    lag_conditions_units(run, y, share, s->error);
     for (int pattern = 0; pattern < LAG_PATTERNS; ++pattern) {
-        lag_conditions_disturb(run, y, share, pattern, s->state);
+        lag_conditions_disturb(run, y, s->error, pattern, s->state);
         look_at(run, t, s->state, s->g_inside, s->rate_inside);
         for (int i = 0; i < run->model->n_switches; ++i)
             s->unknown[i] = lag_max(fabs(s->g_inside[i] - s->g_begin[i]), s->unknown[i]);
@@ -110,7 +115,7 @@ void lag_conditions_find_unknown(LagRun *run, double t, const double *y)
 
 double lag_conditions_error(const LagRun *run, double unknown)
 {
-    return unknown * run->scale.tolerance / (ROUNDINGS * DBL_EPSILON);
+    return unknown * run->scale.tolerance / (LAG_ROUNDINGS * DBL_EPSILON);
 }
 
-double lag_conditions_rounding(const LagRun *run, double error) { return error / run->scale.tolerance * (ROUNDINGS * DBL_EPSILON); }
+double lag_conditions_rounding(const LagRun *run, double error) { return error / run->scale.tolerance * (LAG_ROUNDINGS * DBL_EPSILON); }

@@ -16,12 +16,15 @@ void lag_conditions_with_rates(LagRun *run, double t, const double *y, double *g
 /* The same at the present state, and nothing is said to be far. */
 void lag_conditions_of_events(LagRun *run, double *g, double *rate);
 
-/* A state (q, v) with an error of `share` tolerances in each component, up or down by one of some patterns of signs: any two near each
- * other have the same sign in one, and not in another (what an impact has stopped is a difference of equal numbers). */
+/* Errors (2 n) of `share` tolerances in each component of a state (q, v); and that state with them, up or down by one of some patterns
+ * of signs: any two near each other have the same sign in one, and not in another (what an impact has stopped is a difference of equal
+ * numbers). */
 enum { LAG_PATTERNS = 4 };
-void lag_conditions_disturb(const LagRun *run, const double *y, double share, int pattern, double *state);
+void lag_conditions_units(const LagRun *run, const double *y, double share, double *error);
+void lag_conditions_disturb(const LagRun *run, const double *y, const double *error, int pattern, double *state);
 
-/* Into switches.unknown: how much rounding of a state, as it adds up in steps, changes switches.g, its conditions. */
+/* Into switches.unknown: how much rounding of a state, as it adds up in steps, changes switches.g, its conditions: so many roundings. */
+enum { LAG_ROUNDINGS = 256 };
 void lag_conditions_find_unknown(LagRun *run, double t, const double *y);
 
 /* What counts as an error of g of one tolerance, by what is unknown of it. */

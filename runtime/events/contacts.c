@@ -65,7 +65,7 @@ static void note_errors(LagRun *run, int pattern)
     const LagModel *model = run->model;
     const LagMotion *m = &run->motion;
     double *state = run->impacts.state, *slope = s->slope + m->n;
-    lag_conditions_disturb(run, m->y, 1, pattern, state);
+    lag_conditions_disturb(run, m->y, s->error, pattern, state);
     lag_conditions_by(run, m->t, state, m->y + m->n, slope, s->g_inside, s->rate_inside);
     lag_conditions_by(run, m->t, m->y, state + m->n, slope, s->rate_begin, s->rate_inside);
     for (int k = 0; k < model->n_whens; ++k) {
@@ -90,6 +90,7 @@ void lag_contacts_find_errors(LagRun *run)
         return;
     memset(error + first, 0, (size_t)(model->n_switches - first) * sizeof *error);
     lag_conditions_of_events(run, s->g_begin, s->rate);
+    lag_conditions_units(run, run->motion.y, 1, s->error);
     for (int pattern = 0; pattern < LAG_PATTERNS; ++pattern)
         note_errors(run, pattern);
     for (int k = 0; k < model->n_whens && !run->started; ++k) {

@@ -6,15 +6,17 @@
 
 #include <float.h>
 #include <math.h>
+#include <string.h>
 
 #include "events/conditions.h"
+#include "numbers/extremes.h"
 #include "state/inside.h"
 #include "model/schedule.h"
 
 /* Of what it could move in a step at the pace of one of its ends: a length that is more at both does not reach 0 in between. */
 static const double FAR = 0.6;
 /* A dip to less than this share of what the condition is at the ends is looked at. */
-static const double SHALLOW = 0.05, ROUNDING = 4 * DBL_EPSILON;
+static const double SHALLOW = 0.05, ROUNDING = 4 * DBL_EPSILON, NOISE = 1e-3, SHARE = 32 * DBL_EPSILON, CHORD = 64;
 /* Where a part of a step is looked at to see whether a cubic describes conditions in it, and how far it may be off (distances have
  * corners: two balls may pass through each other); parts that are not made smaller; the least share of a step that the next one may
  * take for one part. */
@@ -22,7 +24,8 @@ static const double EARLY = 0.38, LATE = 0.73, ROUGH = 0.02, NARROWEST = 1.0 / 5
 /* Steps are looked at so when they have become so much longer, or so many were not; after one where that was in vain, when they are
  * much longer, or after a pause. */
 static const double LONGER = 1.2, MUCH_LONGER = 16;
-enum { LOOK_AGAIN = 8, PAUSE = 256, HALVINGS = 12, MOST_HALVINGS = 40, MOST_ITERATIONS = 100, DIP_ITERATIONS = 6, PATIENCE = 5 };
+enum { LOOK_AGAIN = 8, PAUSE = 256, HALVINGS = 12, MOST_HALVINGS = 40, MOST_ITERATIONS = 300, DIP_ITERATIONS = 6, PATIENCE = 5 };
+enum { NEWTON_ITERATIONS = 16 };
 
 double lag_crossing_time(const LagRun *run, double share)
 {
@@ -37,10 +40,12 @@ static int is_beyond(const LagRun *run, int i, double depth)
     return depth < (lag_is_event(run->model, i) ? 0 : -run->switches.unknown[i]);
 }
 
-/* How far condition i is from changing; negative: it has. Events have some slack. */
+/* How far condition i is from changing; negative: it has. Events have some slack, and shares of what slides, so that what is torn off has
+ * more than rounding to move by. */
 static double depth_of(const LagRun *run, int i, const double *g)
 {
-    const double slack = lag_is_event(run->model, i) ? lag_slack(run->model, &run->impacts, i) : 0;
+    const double share = run->switches.slides[i] ? SHARE : 0;
+    const double slack = lag_is_event(run->model, i) ? lag_slack(run->model, &run->impacts, i) : share;
     return lag_depth(&run->switches, i, g) + slack;
 }
 
@@ -85,9 +90,9 @@ static double dip(double a, double b, double ra, double rb)
     if (!(ra < 0 && rb > 0))
         return -1;
     const double meet = (a - b + rb) / (rb - ra), c2 = 3 * (b - a) - 2 * ra - rb, c3 = ra + rb - 2 * (b - a);
-    if (!(meet > 0 && meet < 1 && a + ra * meet < SHALLOW * fmax(a, b)))
+    if (!(meet > 0 && meet < 1 && a + ra * meet < SHALLOW * lag_max(a, b)))
         return -1;
-    const double lowest = -ra / (c2 + sqrt(fmax(c2 * c2 - 3 * c3 * ra, 0)));
+    const double lowest = -ra / (c2 + sqrt(lag_max(c2 * c2 - 3 * c3 * ra, 0)));
     return lowest > 0 && lowest < 1 ? lowest : meet;
 }
 
@@ -116,7 +121,7 @@ static int are_cubic(LagRun *run, Part part, double x)
     look_at(run, part.low + x * (part.high - part.low));
     for (int i = 0; i < run->model->n_switches; ++i) {
         const double a = s->g_begin[i], b = s->g[i], ra = width * s->rate_begin[i], rb = width * s->rate[i];
-        const double size = fmax(fmax(fabs(a), fabs(b)), fabs(s->g_inside[i]));
+        const double size = lag_max(lag_max(fabs(a), fabs(b)), fabs(s->g_inside[i]));
         if (!(fabs(cubic(a, b, ra, rb, x) - s->g_inside[i]) <= ROUGH * size + s->unknown[i] + closeness(run, i)))
             return 0;
     }
@@ -153,47 +158,119 @@ static double find_dip(LagRun *run, int i, Part part)
     return -1;
 }
 
-/* The place up to `high` from which on condition i has changed: by the regula falsi (Illinois), and halving where that is slow. What
- * has just changed may begin beyond its place by rounding. */
-static double find_root(LagRun *run, int i, double low, double high)
+/* A place in the step, how far a condition is from its change there, and its pace in a step. */
+typedef struct {
+    double x, depth, pace;
+} Sight;
+
+/* Where the cubic of a part's ends changes between two places of it; whatever it does besides, a place between them. */
+static Sight foresee(const LagRun *run, int i, Part part, double low, double high)
 {
     const LagSwitches *s = &run->switches;
+    const double width = part.high - part.low, h = width * (run->motion.t - run->motion.t_old);
+    const double a = depth_of(run, i, s->g_begin), b = depth_of(run, i, s->g);
+    const double ra = h * lag_depth(s, i, s->rate_begin), rb = h * lag_depth(s, i, s->rate);
+    const double c2 = 3 * (b - a) - 2 * ra - rb, c3 = ra + rb - 2 * (b - a);
+    double left = (low - part.low) / width, right = (high - part.low) / width, x = left + (right - left) / 2, pace = 0;
+    for (int k = 0; k < NEWTON_ITERATIONS; ++k) {
+        const double depth = cubic(a, b, ra, rb, x);
+        pace = ra + x * (2 * c2 + x * 3 * c3);
+        *(depth < 0 ? &right : &left) = x;
+        const double next = x - depth / pace;
+        if (fabs(next - x) <= DBL_EPSILON)
+            break;
+        x = next > left && next < right ? next : left + (right - left) / 2;
+    }
+    return (Sight){part.low + x * width, 0, pace / width};
+}
+
+/* Conditions inside become those on that side of the place that is looked for. */
+static Sight look_beside(LagRun *run, int i, double x)
+{
+    LagSwitches *s = &run->switches;
+    const Sight here = {x, depth_at(run, i, x), 0};
+    lag_swap(&s->g_inside, here.depth < 0 ? &s->g_after : &s->g_before);
+    return here;
+}
+
+/* A moment beyond the place where the condition changes by its pace, so that it comes to lie between here and there. */
+static double beyond(Sight here, double moment)
+{
+    const double way = -here.depth / here.pace, sense = here.depth < 0 ? -1 : 1;
+    return here.x + (sense * way > 0 ? way : 0) + sense * moment;
+}
+
+/* What rounding makes of a share, or of the condition of an event, where a bounce is still so much higher. */
+static double noise_of(const LagRun *run, int i, Sight low, Sight high)
+{
+    const double event = run->switches.unknown[i] / LAG_ROUNDINGS, share = run->switches.slides[i] ? SHARE : 0;
+    return lag_min(lag_is_event(run->model, i) ? event : share, NOISE * lag_max(low.depth, -high.depth));
+}
+
+/* The place between low and high where condition i changes, to `enough`, or to rounding: by the cubic and by chords, and halving where
+ * that is slow. Conditions at both are known, and are then those on both sides of it. */
+static double close_in(LagRun *run, int i, Part part, Sight low, Sight high, double enough)
+{
+    const double noise = noise_of(run, i, low, high);
+    Sight last = foresee(run, i, part, low.x, high.x); /* a chord from there to itself has the pace of the cubic */
+    const double least = lag_max(enough, lag_min(fabs(noise / last.pace), NOISE * (high.x - low.x))) / 2;
+    double x = last.x, moment = least;
+    for (int k = 1; k <= MOST_ITERATIONS && high.x - low.x > enough && -high.depth > noise; ++k) {
+        const double half = low.x + (high.x - low.x) / 2;
+        Sight here = look_beside(run, i, k % PATIENCE != 0 && x > low.x && x < high.x ? x : half);
+        *(here.depth < 0 ? &high : &low) = here;
+        here.pace = fabs(here.x - last.x) > CHORD * enough ? (here.depth - last.depth) / (here.x - last.x) : last.pace;
+        x = beyond(here, moment);
+        const int stays = k > 1 && (here.depth < 0) == (last.depth < 0);
+        moment = stays && fabs(x - here.x) < 2 * moment ? 2 * moment : least; /* by rounding the place may seem to be here again */
+        last = here;
+    }
+    if (high.x - low.x > CHORD * enough) /* before it others may have changed that have not at the other side */
+        memcpy(run->switches.g_before, run->switches.g_after, (size_t)run->model->n_switches * sizeof *run->switches.g_after);
+    return high.x;
+}
+
+/* The place up to `high`, where conditions are g_after, from which on condition i has changed. What has just changed may begin beyond
+ * its place by rounding. */
+static double find_root(LagRun *run, int i, Part part, double high)
+{
+    LagSwitches *s = &run->switches;
     const LagMotion *m = &run->motion;
+    const size_t size = (size_t)run->model->n_switches * sizeof *s->g;
     const int is_event = lag_is_event(run->model, i);
-    const double enough = fmax(ROUNDING, lag_time_resolution(m->t) / (m->t - m->t_old)), begin = low;
-    double a = depth_of(run, i, s->g_begin), b = depth_at(run, i, high);
-    const double end = high;
-    for (int k = 1; a < 0 && k <= (is_event ? MOST_HALVINGS : HALVINGS); ++k) {
-        const double x = begin + ldexp((is_event ? end : high) - begin, -k), here = depth_at(run, i, x);
-        *(here >= 0 ? &low : &high) = x;
-        *(here >= 0 ? &a : &b) = here;
+    const double enough = lag_max(ROUNDING, lag_time_resolution(m->t) / (m->t - m->t_old));
+    Sight low = {part.low, depth_of(run, i, s->g_begin), 0}, end = {high, depth_of(run, i, s->g_after), 0};
+    memcpy(s->g_before, s->g_begin, size);
+    for (int k = 1; low.depth < 0 && k <= (is_event ? MOST_HALVINGS : HALVINGS); ++k) {
+        const Sight here = look_beside(run, i, part.low + ldexp((is_event ? high : end.x) - part.low, -k));
+        *(here.depth < 0 ? &end : &low) = here;
     }
-    if (a < 0) /* an event comes a moment later, where what has just left is back */
-        return is_event ? high : begin;
-    int side = 0; /* that moved last: the value at the other one counts half when it stays again */
-    for (int k = 1; k <= MOST_ITERATIONS && high - low > enough; ++k) {
-        const double half = low + (high - low) / 2, guess = high - (high - low) * (b / (b - a));
-        const double x = k % PATIENCE != 0 && guess > low && guess < high ? guess : half, here = depth_at(run, i, x);
-        const int now = here < 0 ? 1 : -1;
-        *(here < 0 ? &high : &low) = x;
-        *(here < 0 ? &b : &a) = here;
-        if (now == side)
-            *(here < 0 ? &a : &b) *= 0.5;
-        side = now;
-    }
-    return high;
+    if (low.depth >= 0)
+        return close_in(run, i, part, low, end, enough);
+    if (is_event) /* it comes a moment later, where what has just left is back */
+        return end.x;
+    memcpy(s->g_after, s->g_begin, size);
+    return part.low;
 }
 
 /* The first place in a part of the step where a condition changes; LAG_NOWHERE: there is none. */
 static double find_in_part(LagRun *run, Part part)
 {
-    const LagSwitches *s = &run->switches;
+    LagSwitches *s = &run->switches;
     double first = LAG_NOWHERE;
     for (int i = 0; i < run->model->n_switches; ++i) {
-        const double high = is_beyond(run, i, depth_of(run, i, s->g)) ? part.high : find_dip(run, i, part);
-        if (high < 0 || (first < high && depth_at(run, i, first) >= 0))
+        const int has_changed = is_beyond(run, i, depth_of(run, i, s->g));
+        const double high = has_changed ? part.high : find_dip(run, i, part);
+        if (high < 0)
             continue;
-        first = find_root(run, i, part.low, fmin(first, high));
+        if (first < high) {
+            if (depth_of(run, i, s->g_after) >= 0 || depth_of(run, i, s->g_before) >= 0) /* it changes later, or there */
+                continue;
+        } else if (has_changed)
+            memcpy(s->g_after, s->g, (size_t)run->model->n_switches * sizeof *s->g);
+        else
+            look_beside(run, i, high);
+        first = find_root(run, i, part, lag_min(first, high));
     }
     return first;
 }
@@ -229,7 +306,7 @@ static void note_parts(LagRun *run, int was_due, double narrowest)
         s->resolved = h;
         s->unlooked = -PAUSE;
     } else if (narrowest < MOST_PARTS)
-        run->step = fmin(run->step, narrowest / MOST_PARTS * h);
+        run->step = lag_min(run->step, narrowest / MOST_PARTS * h);
 }
 
 /* Whether all conditions are those of lengths, and none can have been 0 in the latest step, by its paces at both ends. */
@@ -242,7 +319,7 @@ static int are_far(LagRun *run)
     evaluate_end(run, 1);
     for (int i = 0; i < run->model->n_lengths; ++i) {
         const double a = lag_depth(s, i, s->g_begin), b = lag_depth(s, i, s->g);
-        if (!(fmin(a, b) > FAR * h * fmax(fabs(s->rate_begin[i]), fabs(s->rate[i]))))
+        if (!(lag_min(a, b) > FAR * h * lag_max(fabs(s->rate_begin[i]), fabs(s->rate[i]))))
             return 0;
     }
     return 1;
@@ -266,7 +343,7 @@ double lag_crossing_find(LagRun *run)
         evaluate_end(run, part.high);
         if ((is_due || (!is_paused && turns(run))) && !is_resolved(run, part) && width > NARROWEST) {
             width /= 2;
-            narrowest = fmin(width, narrowest);
+            narrowest = lag_min(width, narrowest);
             continue;
         }
         const double found = find_in_part(run, part);

@@ -32,7 +32,7 @@ enum { MOST_JAMS = 4, MOST_PASSES = 4, MOST_AGAIN = 10, HURRY = 5, FIRST_SPELL =
 void lag_switches_layout(LagSwitches *s, const LagModel *model, int size, LagArena *arena)
 {
     double **const vectors[] = {&s->held, &s->g, &s->rate, &s->g_begin, &s->rate_begin, &s->g_inside, &s->rate_inside,
-                                &s->unknown};
+                                &s->g_before, &s->g_after, &s->unknown};
     const size_t count = (size_t)model->n_switches;
     for (size_t i = 0; i < sizeof vectors / sizeof *vectors; ++i)
         *vectors[i] = lag_take(arena, count);
@@ -41,6 +41,7 @@ void lag_switches_layout(LagSwitches *s, const LagModel *model, int size, LagAre
     s->is_idle = lag_take_ints(arena, count);
     s->state = lag_take(arena, count > 0 ? (size_t)size : 0);
     s->slope = lag_take(arena, count > 0 ? (size_t)size : 0);
+    s->error = lag_take(arena, count > 0 ? (size_t)size : 0);
 }
 
 void lag_switches_forget(LagRun *run) { memset(run->switches.turned, 0, (size_t)run->model->n_switches * sizeof(int)); }

@@ -22,8 +22,10 @@ typedef struct {
     double *held;                              /* n_switches: 1 or 0 */
     double *g, *rate, *g_begin, *rate_begin;   /* at the present time; at the beginning of the latest step */
     double *g_inside, *rate_inside;            /* inside it */
+    double *g_before, *g_after;                /* on both sides of the place that was found last */
     double *unknown;                           /* how well each is known, by rounding of the state */
     double *state, *slope;                     /* at some time inside it */
+    double *error;                             /* 2 n: of a state, in units of which conditions are known */
     int *turned;                               /* those that change at the present time */
     int *slides;                               /* n_switches: held where forces jump: see sliding.h */
     int *is_idle;                              /* n_switches: nothing depends on them before the next event */

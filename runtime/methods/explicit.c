@@ -13,6 +13,7 @@
 #include <string.h>
 
 #include "methods/dop853_tableau.h"
+#include "numbers/extremes.h"
 #include "numbers/lanes.h"
 #include "state/account.h"
 #include "state/attitudes.h"
@@ -191,10 +192,10 @@ static double quadrature_error(const LagExplicit *s, const LagMotion *m, const L
 /* The largest of them, in units of the tolerance. */
 static double energy_error(const LagExplicit *s, const LagMotion *m, const LagTableau *tableau, double h, const LagScale *scale)
 {
-    const double energy = fmax(m->energy, h * h * m->strength);
+    const double energy = lag_max(m->energy, h * h * m->strength);
     double largest = 0;
     for (int i = 2 * m->n; i < m->size; ++i)
-        largest = fmax(quadrature_error(s, m, tableau, h, i) / (scale->tolerance * fmax(fabs(m->other[i]), energy)), largest);
+        largest = lag_max(quadrature_error(s, m, tableau, h, i) / (scale->tolerance * lag_max(fabs(m->other[i]), energy)), largest);
     return largest;
 }
 
@@ -235,7 +236,7 @@ LAG_UNROLLED double attempt(LagExplicit *s, LagMotion *m, const LagTableau *tabl
     double error = estimate(s, m, tableau, h, scale, worst);
     if (m->energy > 0) {
         const double work = energy_error(s, m, tableau, h, scale);
-        error = fmax(m->strength > 0 ? work : lag_account_count(m, h, work), error);
+        error = lag_max(m->strength > 0 ? work : lag_account_count(m, h, work), error);
     }
     return error >= 0 ? error : INFINITY;
 }

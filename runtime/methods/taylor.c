@@ -217,9 +217,9 @@ static double integral(const double *c, int pitch, int order, double h)
 }
 
 /* What a step of length h adds to the state. */
-static void displacement(const LagTaylor *s, const LagModel *model, double *jets, double h, double *step)
+static void displacement(const LagTaylor *s, const LagModel *model, double *jets, int order, double h, double *step)
 {
-    const int n = model->n, pitch = model->jet_pitch, order = s->order;
+    const int n = model->n, pitch = model->jet_pitch;
     if (model->is_long_state)
         lag_long_displacement(model, jets, order, h, step, s->share);
     else if (pitch > 1) /* apart from the next loop, whose pitch is a constant: 4 % of a small scene's time */
@@ -239,7 +239,7 @@ static const double *other_end(LagRun *run, const LagTaylor *s)
     LagMotion *m = &run->motion;
     if (!s->is_fresh && !run->scale.is_resting)
         return m->other;
-    displacement(s, run->model, s->jets, run->step, m->sum);
+    displacement(s, run->model, s->jets, s->order, run->step, m->sum);
     for (int i = 0; i < 2 * m->n; ++i)
         m->point[i] = m->y[i] + m->sum[i];
     return m->point;
@@ -347,7 +347,7 @@ static void take(LagRun *run, LagTaylor *s, double t_new, double length)
     s->jets = s->old_jets;
     s->old_jets = jets;
     s->begun = 1;
-    s->is_fresh = 0;
+    s->is_fresh = s->old_top = 0;
     lag_motion_take(&run->motion, t_new);
     run->step = length;
     lag_step_record(run, length);
@@ -380,7 +380,7 @@ static LagStatus step(LagRun *run)
         const double t_new = lag_step_end(run, h), length = t_new - m->t;
         if (!(h >= lag_step_smallest(m->t))) /* what is left before an end may be shorter */
             return lag_step_give_up(run, run->statistics.worst);
-        displacement(s, run->model, s->jets, length, m->sum);
+        displacement(s, run->model, s->jets, s->order, length, m->sum);
         lag_motion_add(m, m->sum);
         m->t_old = m->t;
         if (is_good(run, s, t_new, length, &wrong)) {
@@ -397,11 +397,28 @@ static LagStatus step(LagRun *run)
     }
 }
 
+/* The order from which on nothing is left of the latest step's series: digits are the same without. */
+static int top_of(const LagTaylor *s, const LagModel *model)
+{
+    const int n = model->n, pitch = model->jet_pitch;
+    for (int k = s->order; k > 1; --k) {
+        for (int i = 0; i < 2 * n; ++i)
+            if (jet(model, s->old_jets, 1 + i)[k * pitch] != 0)
+                return k;
+        for (int i = 0; i < model->n_power; ++i)
+            if (power_jet(model, s->old_jets, i)[(k - 1) * pitch] != 0)
+                return k;
+    }
+    return 1;
+}
+
 static void interpolate(void *self, LagMotion *m, double t, double *y)
 {
-    const LagTaylor *s = self;
+    LagTaylor *s = self;
     const LagRun *run = m->context;
-    displacement(s, run->model, s->old_jets, t - m->t_old, y);
+    if (s->old_top == 0)
+        s->old_top = run->model->is_long_state ? s->order : top_of(s, run->model);
+    displacement(s, run->model, s->old_jets, s->old_top, t - m->t_old, y);
     for (int i = 0; i < m->size; ++i)
         y[i] += m->other[i];
 }

@@ -160,7 +160,7 @@ void lag_wide_taylor_show(LagWideTaylor *s, int lane, LagRun *run, int is_whole)
         return;
     take(s->carry, lane, m->carry, s->size);
     lag_wide_scale_store(&s->scale, lane, &run->scale);
-    own->begun = 0;
+    own->begun = own->old_top = 0;
     for (int i = 0; i < s->size; ++i) {
         const int slot = i < 2 * s->n ? 1 + i : s->model->jet_places[s->n + i - 2 * s->n];
         double *c = own->old_jets + (size_t)slot * LAG_JET_STRIDE;

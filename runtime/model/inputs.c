@@ -181,7 +181,7 @@ void lag_inputs_slope(const LagInputs *inputs, double *slope)
             slope[inputs->pieces[k]] = 0;
 }
 
-void lag_inputs_at(const LagInputs *inputs, double t, double *u)
+void lag_inputs_find(const LagInputs *inputs, double t, double *u)
 {
     find_values(inputs, t, u);
     if (inputs->n_pieces > 0)

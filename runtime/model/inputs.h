@@ -37,7 +37,13 @@ void lag_inputs_read(const LagInputs *inputs, double *d);
 int lag_inputs_jump(const LagInputs *inputs, const double *before, const double *after, double t, int is_new, double *jump);
 
 /* Values at t by the present segment: at a jump, those of its own side. Rates of pieces are those of the polynomial. */
-void lag_inputs_at(const LagInputs *inputs, double t, double *u);
+void lag_inputs_find(const LagInputs *inputs, double t, double *u);
+
+static inline void lag_inputs_at(const LagInputs *inputs, double t, double *u)
+{
+    if (inputs->n > 0 || inputs->n_pieces > 0 || inputs->history->n > 0)
+        lag_inputs_find(inputs, t, u);
+}
 
 /* Slopes in the present segment; those of delayed values are lag_history_rates. */
 void lag_inputs_slope(const LagInputs *inputs, double *slope);

@@ -3,6 +3,8 @@
 
 #include <math.h>
 
+#include "numbers/extremes.h"
+
 void lag_dense_lu_layout(LagDenseLu *lu, int size, int is_complex, LagArena *arena)
 {
     const size_t n = (size_t)size;
@@ -26,7 +28,7 @@ static void scale_rows(LagDenseLu *lu)
     for (int i = 0; i < n; ++i)
         lu->scale[i] = 0;
     for (int k = 0; k < n * n; ++k)
-        lu->scale[k % n] = fmax(lu->scale[k % n], length(lu, k));
+        lu->scale[k % n] = lag_max(length(lu, k), lu->scale[k % n]);
     for (int i = 0; i < n; ++i)
         lu->scale[i] = lu->scale[i] > 0 ? 1 / lu->scale[i] : 0;
 }
@@ -40,7 +42,7 @@ static int best_pivot(const LagDenseLu *lu, int first, int k, double *size)
     double largest = 0;
     int best = first;
     for (int i = first; i < lu->size; ++i)
-        largest = fmax(largest, size_of(lu, i, k));
+        largest = lag_max(size_of(lu, i, k), largest);
     while (best < lu->size - 1 && !(size_of(lu, best, k) >= lu->early * largest))
         ++best;
     *size = best < lu->size ? size_of(lu, best, k) : -1;
@@ -51,7 +53,7 @@ static double largest_of_column(const LagDenseLu *lu, int k)
 {
     double largest = 0;
     for (int i = 0; i < lu->size; ++i)
-        largest = fmax(largest, size_of(lu, i, k));
+        largest = lag_max(size_of(lu, i, k), largest);
     return largest;
 }
 
@@ -97,7 +99,7 @@ static void multiply(double *re, double *im, double fr, double fi)
 /* 1/(re + i im) without overflow. */
 static void invert(double *re, double *im)
 {
-    const double scale = fmax(fabs(*re), fabs(*im)), x = *re / scale, y = *im / scale, square = (x * x + y * y) * scale;
+    const double scale = lag_max(fabs(*re), fabs(*im)), x = *re / scale, y = *im / scale, square = (x * x + y * y) * scale;
     *re = x / square;
     *im = -y / square;
 }

@@ -39,6 +39,7 @@ void lag_guards_layout(LagGuards *s, const LagModel *model, int size, LagArena *
     s->is_news = lag_take_ints(arena, count);
     s->state = lag_take(arena, state);
     s->beside = lag_take(arena, state);
+    s->error = lag_take(arena, state);
 }
 
 static int kind_of(const LagModel *model, int i) { return model->guard_kinds[i] & (LAG_GUARD_OF_PARAMETERS - 1); }
@@ -70,8 +71,9 @@ static double unsure(LagRun *run, double t, int i)
     double most = 0;
     if (is_of_parameters(run->model, i))
         return 0;
+    lag_conditions_units(run, s->state, share, s->error);
     for (int pattern = 0; pattern < LAG_PATTERNS; ++pattern) {
-        lag_conditions_disturb(run, s->state, share, pattern, s->beside);
+        lag_conditions_disturb(run, s->state, s->error, pattern, s->beside);
         lag_guards_at(run, t, s->beside, s->other);
         most = lag_max(fabs(s->other[i] - g), most);
     }

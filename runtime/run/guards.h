@@ -18,7 +18,7 @@ typedef struct {
     double *told;          /* n_guards: when a warning broke at first; NaN: it did not */
     int *is_armed;         /* n_guards: those that end the run: whether they have held */
     int *is_news;          /* n_guards: a warning that nobody has asked for yet */
-    double *state, *beside; /* size */
+    double *state, *beside, *error; /* size */
     double end;            /* the time at which the guard `broken` - 1 ends the run, within the latest step */
     double row;            /* the time of the latest row */
     int broken;

@@ -29,8 +29,10 @@ void lag_conditions_by(LagRun *run, double t, const double *q, const double *v, 
     const double *in[] = {&t, q, v, a, run->u, run->u_slope, run->d, run->c};
     double *out[] = {g, rate};
     lag_inputs_at(&run->inputs, t, run->u);
-    lag_inputs_slope(&run->inputs, run->u_slope);
-    lag_history_rates(&run->history, t, run->u_slope + run->model->n_inputs);
+    if (run->model->n_inputs > 0)
+        lag_inputs_slope(&run->inputs, run->u_slope);
+    if (run->model->n_delays > 0)
+        lag_history_rates(&run->history, t, run->u_slope + run->model->n_inputs);
     lag_call(&run->model->switches, in, out, run->work);
 }
 

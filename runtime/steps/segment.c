@@ -69,7 +69,8 @@ static double first_step(LagRun *run, int is_bend)
     const double past = is_far ? t - settings->t_start : INFINITY;
     if (may_bend)
         lag_onset_expect(&run->motion, &run->scale, fmin(fmin(slowness, longest), past));
-    if (is_bend && slowness > MILD * longest)
+    const int is_mild = slowness > MILD * longest || (run->sliding.count > 0 && slowness >= longest); /* what holds may change nothing */
+    if (is_bend && is_mild)
         return longest;
     return fmin(longest, lag_first_step(&run->scale, slowness, run->methods.table->order));
 }
@@ -110,7 +111,8 @@ LagStatus lag_segment_evaluate(LagRun *run)
     const int is_bend = lag_delays_look_for_bend(run, lag_switches_enter(run));
     if (run->sliding.jams)
         return lag_fail(run, LAG_NO_IMPULSE, -1, 0, lag_impacts_striking(run));
-    if (run->sliding.count > run->methods.table->most_sliding)
+    const int may_go_on = lag_turn_release(run);
+    if (may_go_on && run->sliding.count > run->methods.table->most_sliding)
         lag_turn_pass(run);
     else if (run->methods.table->begins_low)
         lag_stepper_lead(run);

@@ -99,5 +99,15 @@ int lag_turn_pass(LagRun *run)
         run->choice.begin(run);
     s->passes = leaves_trouble ? relief(run) : LAG_PASSES;
     s->passed = passed;
+    s->is_holding = run->sliding.count > 0 && !leaves_trouble;
     return 1;
+}
+
+int lag_turn_release(LagRun *run)
+{
+    LagStiffness *s = &run->stiffness;
+    if (s->passes == 0 || !s->is_holding || run->sliding.count > 0 || run->switches.is_live)
+        return 1;
+    s->next = s->passed;
+    return lag_turn(run);
 }

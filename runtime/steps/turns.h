@@ -11,6 +11,10 @@ int lag_turn(LagRun *run);
  * slides. The explicit method takes some. Returns 0 if it cannot. */
 int lag_turn_pass(LagRun *run);
 
+/* A segment begins: where nothing slides any more, the method goes on that was left for it. Returns 0 where its first evaluation is not
+ * finite. */
+int lag_turn_release(LagRun *run);
+
 /* Slips in the plane that are slow beside what turns them are left to implicit steps. Returns 0 where there is no slope. */
 int lag_turn_creep(LagRun *run);
 
