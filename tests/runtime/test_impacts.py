@@ -210,6 +210,28 @@ def test_what_has_left_is_seen_to_return_while_others_strike(scene: Write, solve
                                [-20.9578447, -20.4578447, -19.9578447, -0.2179115, 2.0711], rtol=0, atol=3e-6)
 
 
+TWO = """model Two "beside each other: the lower one lands while the other one bounces"
+  parameter Length lead = 0.1;
+  Prismatic p[2](each a = world, each along = {0, 1}, s(start = {1 + lead, 1}), v(start = {0, 0}));
+  PointMass b[2](each m = 1, center = p.b);
+  Stop stop[2](each e = 0.5, gap = p.s);
+end Two;"""
+
+
+@pytest.mark.parametrize("lead", [0, 1e-9, 1e-6, 0.1])
+def test_the_first_of_several_contacts_in_a_step_is_found(lead: float, scene: Write) -> None:
+    """Also where the next one follows within rounding of positions, or at once; a landing ends the fall of one of them alone."""
+    run = scene(TWO).simulate(at=np.linspace(0, 1, 101), tolerance=1e-9, parameters={"lead": lead})
+    for k, height in ((1, 1 + lead), (2, 1.0)):
+        t = run.time
+        landing = np.sqrt(2 * height / G)
+        up = 0.5 * G * landing
+        bounced = np.where(t < landing, height - G * t**2 / 2, up * (t - landing) - G * (t - landing)**2 / 2)
+        first = t < landing + 2 * up / G
+        np.testing.assert_allclose(run[f"p[{k}].s"][first], bounced[first], rtol=0, atol=1e-13)
+        assert run[f"p[{k}].s"].min() > -1e-13
+
+
 @pytest.mark.parametrize(("y", "v", "end"), [(0, 0, 0), (-1e-17, 0, 0), (1e-16, 0, 0), (0, -1, 0), (-0.1, 0, -0.1 - G / 2)])
 def test_starts_at_a_contact(scene: Write, y: float, v: float, end: float) -> None:
     """What begins on the far side stays there, as no event comes: the run says so."""
