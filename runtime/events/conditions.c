@@ -9,6 +9,7 @@
 
 static const double SOME_TIME = 1e-3; /* where no step tells of one */
 static const double MOST_UNKNOWN = 1e-3; /* of the margin of a force in the plane, which is 1 at most */
+enum { ROUNDINGS = 256 };
 
 static void look_at(LagRun *run, double t, const double *y, double *g, double *rate)
 {
@@ -92,7 +93,7 @@ void lag_conditions_find_unknown(LagRun *run, double t, const double *y)
 {
     LagSwitches *s = &run->switches;
     const LagScale scale = run->scale;
-    const double share = LAG_ROUNDINGS * DBL_EPSILON / scale.tolerance;
+    const double share = ROUNDINGS * DBL_EPSILON / scale.tolerance;
     if (run->model->switches_need_acceleration) /* a slip is known as well where it stops, in steps as short as can be, as anywhere */
         run->scale.rate_rounding = run->scale.step = run->scale.reach = 0;
     memset(s->unknown, 0, (size_t)run->model->n_switches * sizeof *s->unknown);
@@ -115,7 +116,7 @@ void lag_conditions_find_unknown(LagRun *run, double t, const double *y)
 
 double lag_conditions_error(const LagRun *run, double unknown)
 {
-    return unknown * run->scale.tolerance / (LAG_ROUNDINGS * DBL_EPSILON);
+    return unknown * run->scale.tolerance / (ROUNDINGS * DBL_EPSILON);
 }
 
-double lag_conditions_rounding(const LagRun *run, double error) { return error / run->scale.tolerance * (LAG_ROUNDINGS * DBL_EPSILON); }
+double lag_conditions_rounding(const LagRun *run, double error) { return error / run->scale.tolerance * (ROUNDINGS * DBL_EPSILON); }

@@ -23,8 +23,7 @@ enum { LAG_PATTERNS = 4 };
 void lag_conditions_units(const LagRun *run, const double *y, double share, double *error);
 void lag_conditions_disturb(const LagRun *run, const double *y, const double *error, int pattern, double *state);
 
-/* Into switches.unknown: how much rounding of a state, as it adds up in steps, changes switches.g, its conditions: so many roundings. */
-enum { LAG_ROUNDINGS = 256 };
+/* Into switches.unknown: how much rounding of a state, as it adds up in steps, changes switches.g, its conditions. */
 void lag_conditions_find_unknown(LagRun *run, double t, const double *y);
 
 /* What counts as an error of g of one tolerance, by what is unknown of it. */
