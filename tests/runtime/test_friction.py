@@ -82,7 +82,8 @@ def test_friction_holds_what_it_can(scene: Write, solver: str) -> None:
 def test_series_go_on_as_soon_as_nothing_sticks() -> None:
     """Three slips and four times of sticking in 5 s: 33 steps once, as what is torn off was left to short ones for a while."""
     model = lag.load(Path(__file__).parents[2] / "models" / "examples" / "stick_slip.lag")
-    run, exact = (model.simulate(at=[5.0], tolerance=tolerance, solver=solver) for tolerance, solver in ((1e-8, "auto"), (1e-12, "erk")))
+    run = model.simulate(at=[5.0], tolerance=1e-8)
+    exact = model.simulate(at=[5.0], tolerance=1e-12, solver="erk")
     assert run.statistics.events == exact.statistics.events == 6
     assert run.statistics.steps < 23
     np.testing.assert_allclose(run["block.s"], exact["block.s"], rtol=0, atol=1e-10)
