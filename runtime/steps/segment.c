@@ -111,8 +111,7 @@ LagStatus lag_segment_evaluate(LagRun *run)
     const int is_bend = lag_delays_look_for_bend(run, lag_switches_enter(run));
     if (run->sliding.jams)
         return lag_fail(run, LAG_NO_IMPULSE, -1, 0, lag_impacts_striking(run));
-    const int may_go_on = lag_turn_release(run);
-    if (may_go_on && run->sliding.count > run->methods.table->most_sliding)
+    if (lag_turn_release(run) && run->sliding.count > run->methods.table->most_sliding)
         lag_turn_pass(run);
     else if (run->methods.table->begins_low)
         lag_stepper_lead(run);
