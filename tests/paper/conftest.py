@@ -13,11 +13,11 @@ def shared_derivations() -> Iterator[None]:
     known: dict[object, object] = {}
     compile_energies, build_symbolic, derive = sheet.compile_energies, sheet.build_symbolic, sheet.derive
 
-    def compiled(path, model=None, structural=None, given=None, has_angles=False):
+    def compiled(path, model=None, structural=None, given=None, has_angles=False, has_quaternions=False):
         key = (path, path.stat().st_mtime_ns if path.exists() else 0, model, tuple(sorted((structural or {}).items())),
-               repr(sorted((given or {}).items())), has_angles)
+               repr(sorted((given or {}).items())), has_angles, has_quaternions)
         if key not in known:
-            known[key] = compile_energies(path, model, structural, given, has_angles)
+            known[key] = compile_energies(path, model, structural, given, has_angles, has_quaternions)
         return known[key]
 
     def symbolic(kinematics, constraints, is_small=False, angles=""):

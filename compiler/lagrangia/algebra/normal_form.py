@@ -58,11 +58,17 @@ class Ring:
         self.atoms: list[Expr] = []
         self.numbers: dict[Expr, int] = {}
         self.composite: dict[int, Series] = {}  # atoms that are sums: their whole powers are multiplied out
+        self.squares: dict[int, Series] = {}  # of atoms by others
         self._known: dict[Expr, Series] = {}
         self._inside: dict[int, frozenset[Expr]] = {}  # symbols of atoms
         self.stated: set[tuple[Angle, bool]] = set()  # sines and cosines that were met as such
         self.whole = {self._atom(sp.pi)}  # atoms of angles that are not halved: pi, and what depends on time alone
         self.pi = 0
+
+    def know_square(self, atom: Expr, square: Expr) -> None:
+        """From now on the square of an atom is this sum of others: of unit quaternions."""
+        number = self._number(atom)
+        self.squares[number] = self.series(square)
 
     def tidy(self, expression: Expr) -> Expr:
         """The expression in normal form, as few terms as the pairing of sines and cosines gives."""
@@ -242,7 +248,7 @@ class Ring:
             for (powers_b, angle_b, sine_b), y in b.items():
                 powers = self._merged(powers_a, powers_b)
                 waves = self._waves(angle_a, sine_a, angle_b, sine_b)
-                into = total if all(n not in self.composite or k < 1 for n, k in powers) else {}
+                into = total if all(k < 1 or not self._opens(n, k) for n, k in powers) else {}
                 for angle, is_sine, weight in waves:
                     key = (powers, angle, is_sine)
                     into[key] = into.get(key, Fraction(0)) + x * y * weight
@@ -250,13 +256,20 @@ class Ring:
                     again.append(self._multiplied_out(powers, into))
         return _sum([total, *again])
 
+    def _opens(self, n: int, k: Fraction) -> bool:
+        return n in self.composite or (k >= 2 and n in self.squares)
+
     def _multiplied_out(self, powers: Powers, terms: Series) -> Series:
-        """Whole powers of sums, left when roots met."""
+        """Whole powers of sums, left when roots met, and squares that are known."""
         whole = {n: int(k) for n, k in powers if n in self.composite and k >= 1}
-        rest = tuple((n, k - whole.get(n, 0)) for n, k in powers if k != whole.get(n, 0))
+        twice = {n: int(k) // 2 for n, k in powers if n in self.squares and k >= 2}
+        taken = whole | {n: 2 * k for n, k in twice.items()}
+        rest = tuple((n, k - taken.get(n, 0)) for n, k in powers if k != taken.get(n, 0))
         found: Series = {(rest, angle, is_sine): x for (_, angle, is_sine), x in terms.items()}
         for n, k in whole.items():
             found = self.product(found, self._whole_power(self.composite[n], k))
+        for n, k in twice.items():
+            found = self.product(found, self._whole_power(self.squares[n], k))
         return found
 
     @staticmethod

@@ -22,7 +22,8 @@ Results      tip.S[1] to tip.S[4], a unit quaternion (b against a), real part fi
              der(tip.S)[1] to [3], also called tip.w[1] to [3]. f.R (a matrix) and f.Q say how any frame is turned in the world.
 Equations    of a Rotation are Euler's: d/dt dT/dw + w x dT/dw = torque. The state is the modified Rodrigues vector of what the
              attitude has turned since the latest step began, and w: no singular place, no norm to keep, no sines.
-             lag equations --angles zxz writes them by Euler's angles, with momenta that stay and an effective potential.
+             lag equations prints them (forms lagrange, energies, matrix, first-order) with w1, w2, w3 and Q' = Q (0, w)/2;
+             --angles zxz writes them by Euler's angles, in all forms, with momenta that stay and an effective potential.
 Solvers      erk, erk5, erk9, pirk, implicit, casadi:cvodes and its like. adams, taylor, conservative, linear and islands do not
              know attitudes: auto takes none of them.
 FMUs         have the unit quaternion tip.S[1] to [4] and der(tip.S) (tip.w) as states. In Model Exchange dQ/dt = P (0, w)/2 +

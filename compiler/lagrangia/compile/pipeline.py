@@ -205,9 +205,11 @@ def _reported(graph: "ComponentGraph", outputs: tuple[str, ...]) -> tuple[str, .
 
 
 def compile_energies(path: Path, model: str | None = None, structural: Mapping[str, Any] | None = None,
-                     given: Given | None = None, has_angles: bool = False) -> "tuple[Kinematics, Constraints]":
+                     given: Given | None = None, has_angles: bool = False,
+                     has_quaternions: bool = False) -> "tuple[Kinematics, Constraints]":
     """What the equations for people begin with: text -> kinematics; parameters and energies were checked. `given` are values of
-    parameters in the place of those declared; attitudes are known where they are written by angles. Raises LagError."""
+    parameters in the place of those declared; attitudes are known where they are written by angles or quaternions. Raises
+    LagError."""
     with deep_recursion():
         _, flat = flatten_file(path, model, structural)
         flat = redeclared(check_dimensions(flat), given or {})
@@ -220,10 +222,11 @@ def compile_energies(path: Path, model: str | None = None, structural: Mapping[s
         refuse_delays(flat, "written equations")
         refuse_felt_reactions(flat, "written equations")
         kinematics, constraints = _kinematics(flat, is_general=False)
-        if not has_angles:
-            refuse_attitudes(kinematics.graph.attitudes, "written equations", "lag equations --angles zxz writes it by Euler's "
-                             "angles: about z, x and z, which move along; any of the twelve sequences")
-        elif not kinematics.graph.attitudes:
+        if not (has_angles or has_quaternions):
+            refuse_attitudes(kinematics.graph.attitudes, "these written equations", "lag equations --angles zxz writes it by "
+                             "Euler's angles: about z, x and z, which move along; any of the twelve sequences",
+                             "the forms lagrange, energies, matrix and first-order have Euler's equations for it")
+        elif has_angles and not kinematics.graph.attitudes:
             fail("L0704", "--angles: no attitude is a coordinate of this scene", flat.span)
         if not any(row.balanced for row in constraints.all_rows):  # which numbers that others could set may be the reason of
             kinematics, constraints = _kinematics(flat, is_general=True)

@@ -68,8 +68,8 @@ class Book:
         return tuple(self.names[q] for q in self.equations.scene.q)
 
     def rate(self, k: int, marks: int = 1) -> Name:
-        """The k-th coordinate with so many dots."""
-        return replace(self.q[k], marks=marks)
+        """The k-th coordinate with so many dots; of angular velocities, which are no rates of names, with one less."""
+        return replace(self.q[k], marks=marks - (k in self.equations.scene.turned))
 
     def own(self, letter: str, sub: str = "") -> Name:
         """T, V, L and the like, of the forms' own."""
@@ -212,12 +212,19 @@ def names_block(book: Book) -> list[Block]:
     """s = guide.s, where the name on paper is not that of the model."""
     scene = book.equations.scene
     pairs: list[Inline] = []
-    for name, q in zip(scene.names, book.q, strict=True):
-        pairs += [", " if pairs else "", say("{0} is {1}", q, name)]
+    for k, (name, q) in enumerate(zip(scene.names, book.q, strict=True)):
+        pairs += [", " if pairs else "", say("{0} is {1}", q, name)] if k not in scene.turned else []
     for label, x in (*((p.name, p.symbol) for p in scene.parameters), *scene.inputs.items()):
         if x in book.names and not is_own(label, book.names[x]):
-            pairs += [", ", say("{0} is {1}", book.names[x], label)]
-    return [paragraph(*pairs, "."), *positive_block(book)]
+            pairs += [", " if pairs else "", say("{0} is {1}", book.names[x], label)]
+    return [*([paragraph(*pairs, ".")] if pairs else []), *_attitudes(book), *positive_block(book)]
+
+
+def _attitudes(book: Book) -> list[Block]:
+    """What tells the attitudes that are not written by angles."""
+    return [paragraph(say("Of the attitude {0}: {1} are its angular velocity, in the turned axes, {2} its unit quaternion, the "
+                          "real part first.", turning.name, _joined([book.q[k] for k in turning.places]),
+                          _joined([book.names[x] for x in turning.parts]))) for turning in book.equations.scene.turnings]
 
 
 def positive_block(book: Book) -> list[Block]:

@@ -55,6 +55,7 @@ class Equations:
     J: tuple[tuple[Expr, ...], ...]
     multipliers: tuple[Expr, ...]
     reactions: tuple[Expr, ...]  # J^T lambda
+    carried: tuple[Expr, ...]  # w x dT/dw of attitudes, which are told in axes that turn
 
     @property
     def n(self) -> int:
@@ -65,7 +66,7 @@ class Equations:
     def left(self) -> tuple[Expr, ...]:
         """M dv/dt + h, sums of what the steps gave."""
         tidy, n = self.ring.tidy, range(self.n)
-        return tuple(tidy(self.momentum_rates[k] - self.dT_dq[k] + self.dV_dq[k] + self.dD_dv[k]) for k in n)
+        return tuple(tidy(self.momentum_rates[k] + self.carried[k] - self.dT_dq[k] + self.dV_dq[k] + self.dD_dv[k]) for k in n)
 
     @property
     def terms(self) -> int:
@@ -75,7 +76,7 @@ class Equations:
 
 def derive(scene: SymbolicScene, most_products: int, most_terms: int | None = None) -> Equations:
     """Raises TooLarge when more than `most_products` products are needed, or T alone has more than `most_terms` terms."""
-    ring = Ring(most_products)
+    ring = ring_of(scene, most_products)
     tidy, energies, model = ring.tidy, scene.energies, scene.kinematics.graph.model
     T, D = (tidy(sum_of(terms)) for terms in (energies.kinetic, energies.dissipation))
     if most_terms is not None and len(T.args) > most_terms:
@@ -86,20 +87,37 @@ def derive(scene: SymbolicScene, most_products: int, most_terms: int | None = No
     def slopes(expression: Expr, of: tuple[Expr, ...]) -> tuple[Expr, ...]:
         return tuple(ring.slope(expression, x) for x in of)
 
+    def by_places(expression: Expr) -> tuple[Expr, ...]:
+        return tuple(ring.along(expression, scene.directions(k)) if k in scene.turned else ring.slope(expression, q)
+                     for k, q in enumerate(scene.q))
+
     momenta = slopes(T, scene.v)
     rates = tuple(ring.along(p, scene.rates) for p in momenta)
-    dT_dq, dV_dq, dVe_dq, dD_dv = slopes(T, scene.q), slopes(V, scene.q), slopes(elastic, scene.q), slopes(D, scene.v)
+    dT_dq, dV_dq, dVe_dq, dD_dv = by_places(T), by_places(V), by_places(elastic), slopes(D, scene.v)
+    carried = [sp.S.Zero] * len(scene.q)
+    for turning in scene.turnings:
+        carried[turning.first : turning.first + 3] = map(tidy, turning.crossed(scene.v, momenta))
     M = tuple(slopes(p, scene.v) for p in momenta)
     at_rest = dict.fromkeys(scene.a, sp.S.Zero)
-    h = tuple(tidy(rates[k].xreplace(at_rest) - dT_dq[k] + dV_dq[k] + dD_dv[k]) for k in range(len(scene.q)))
+    h = tuple(tidy(rates[k].xreplace(at_rest) + carried[k] - dT_dq[k] + dV_dq[k] + dD_dv[k]) for k in range(len(scene.q)))
     rows = tuple(tidy(row) for row in scene.rows)
-    J = tuple(slopes(row, scene.q if k < scene.holonomic else scene.v) for k, row in enumerate(rows))
+    J = tuple(by_places(row) if k < scene.holonomic else slopes(row, scene.v) for k, row in enumerate(rows))
     multipliers = tuple(sp.Symbol(f"multiplier {k + 1}", real=True) for k in range(len(rows)))  # no name of a quantity
     reactions = tuple(tidy(sum((x * row[k] for x, row in zip(multipliers, J, strict=True)), sp.S.Zero))
                       for k in range(len(scene.q)))
     f = generalised_force(scene, ring)
     slopes_of = dT_dq, dV_dq, dVe_dq, dD_dv
-    return Equations(scene, ring, T, elastic, field, D, momenta, rates, *slopes_of, f, M, h, rows, J, multipliers, reactions)
+    return Equations(scene, ring, T, elastic, field, D, momenta, rates, *slopes_of, f, M, h, rows, J, multipliers, reactions,
+                     tuple(carried))
+
+
+def ring_of(scene: SymbolicScene, most_products: int) -> Ring:
+    """For a scene's expressions; it knows that quaternions of attitudes have the norm 1."""
+    ring = Ring(most_products)
+    for turning in scene.turnings:
+        first, *others = turning.parts
+        ring.know_square(first, 1 - sp.Add(*(x**2 for x in others)))
+    return ring
 
 
 def without_rows(e: Equations, places: Collection[int]) -> Equations:
@@ -130,15 +148,18 @@ def split_potential(energies: Energies, model: FlatModel) -> tuple[tuple[Term, .
 
 def generalised_force(scene: SymbolicScene, ring: Ring) -> tuple[Expr, ...]:
     """f_k = sum_i F_i . dr_i/dq_k."""
-    return tuple(ring.tidy(sp.Add(*(load_force(load, q, v) for load in scene.energies.loads)))
-                 for q, v in zip(scene.q, scene.v, strict=True))
+    return tuple(ring.tidy(sp.Add(*(load_force(load, scene, k) for load in scene.energies.loads))) for k in range(len(scene.q)))
 
 
-def load_force(load: Load, q: Expr, v: Expr) -> Expr:
-    """The generalised force of a load on q: F . dr/dq; of a torque on an attitude M . dw/dv."""
+def load_force(load: Load, scene: SymbolicScene, k: int) -> Expr:
+    """The generalised force of a load on the k-th coordinate: F . dr/dq; of a torque on an attitude M . dw/dv."""
     moving, is_rate = load.moving
-    pairs = zip(load.force, moving, strict=True)
-    return sp.Add(*(exact_throughout(force) * exact_throughout(r).diff(v if is_rate else q) for force, r in pairs))
+    along = [(scene.v[k], sp.S.One)] if is_rate else scene.directions(k)
+
+    def moved(place: Expr) -> Expr:
+        return sp.Add(*(exact_throughout(place).diff(x) * dx for x, dx in along))
+
+    return sp.Add(*(exact_throughout(force) * moved(r) for force, r in zip(load.force, moving, strict=True)))
 
 
 def constants_of_motion(e: Equations) -> tuple[Constant, ...]:
@@ -151,12 +172,12 @@ def constants_of_motion(e: Equations) -> tuple[Constant, ...]:
     found = []
     L = tidy(e.T - e.V_elastic - e.V_field)
     for k, q in enumerate(scene.q):
-        is_free = e.f[k] == 0 and e.dD_dv[k] == 0 and e.reactions[k] == 0
+        is_free = e.f[k] == 0 and e.dD_dv[k] == 0 and e.reactions[k] == 0 and k not in scene.turned
         if is_free and e.ring.slope(L, q) == 0 and e.momenta[k] != 0:
             found.append(Constant("momentum", k, e.momenta[k], "cyclic"))
     driven = (x for g in scene.given for x in g.moving if g.value.has(scene.t))
-    moving = {*scene.q, *scene.v, scene.t, *scene.inputs.values(), *driven}
-    is_lossless = e.D == 0 and not any(x.free_symbols & moving for x in e.f)
+    moving = {*scene.placed, *scene.v, scene.t, *scene.inputs.values(), *driven}
+    is_lossless = e.D == 0 and not any(x.free_symbols & moving for x in e.f) and all(e.f[k] == 0 for k in scene.turned)
     holds = all(e.ring.along(row, scene.given_rates) == 0 for row in e.rows[: scene.holonomic])
     homogeneous = all(row.xreplace(dict.fromkeys(scene.v, sp.S.Zero)) == 0 for row in e.rows[scene.holonomic :])
     if is_lossless and holds and homogeneous and e.ring.along(L, scene.given_rates) == 0:

@@ -42,7 +42,7 @@ class ByAngles(Attitudes):
     def attitude_of(self, step: Step) -> str | None:
         """The attitude that a turn is by, if it is one of angles."""
         amount = step.amount
-        return amount.name if isinstance(amount, Ref) and amount.name in self.angles else None
+        return amount.name if isinstance(amount, Ref) and amount.name in self.angles else super().attitude_of(step)
 
     def turned_by_angles(self, pose: Pose, attitude: str, is_inverse: bool, level: int) -> Pose:
         """The pose after a turn by an attitude."""
@@ -62,7 +62,7 @@ class ByAngles(Attitudes):
         assert isinstance(omega, tuple)
         return tuple(Dual(0.0, x) for x in omega)
 
-    def attitude(self, name: str, level: int) -> Value:
+    def attitude_by_angles(self, name: str) -> Value:
         """Raises LagError L0901: no quaternion is written."""
         fail("L0901", "not supported yet: quaternions in equations by Euler's angles", self.graph.model.frames[name].span,
              "the elements of its matrix R are known there")

@@ -23,6 +23,7 @@ from lagrangia.paper.book import (
 )
 from lagrangia.paper.document import Block, Display, Document, Heading, display, paragraph, say
 from lagrangia.paper.equations import load_force, split_potential
+from lagrangia.paper.euler_equations import eulers_equations, kinematic_block, kinematic_lines
 from lagrangia.paper.layout import Grid, Name, Node, Relation, Total, added, product, total
 from lagrangia.paper.presentation import Presentation
 from lagrangia.paper.reduction import constants_and_rest
@@ -108,8 +109,7 @@ def force_blocks(book: Book) -> list[Block]:
     blocks: list[Block] = [Heading(say("Generalised forces"), 2)]
     several = len(e.scene.energies.loads) > 1
     for load in e.scene.energies.loads if several else ():
-        rates = enumerate(zip(e.scene.q, e.scene.v, strict=True))
-        parts = [(k, e.ring.tidy(load_force(load, q, v))) for k, (q, v) in rates]
+        parts = [(k, e.ring.tidy(load_force(load, e.scene, k))) for k in range(e.n)]
         shown = [equal(force_name(book, k), book.sum(x)) for k, x in parts if x != 0]
         blocks += [paragraph(say("Of {0}:", load.statement.component)), *display(shown)]
     return [*blocks, *([paragraph(say("In all:"))] if several else []), Display(tuple(lines))]
@@ -132,8 +132,10 @@ def equations_of(book: Book) -> list[Node]:
 
 def lagrange_form(book: Book) -> Document:
     """Lagrange's equations, first in general and then written out."""
-    return page(book, [paragraph(say("Lagrange's equations")), Display((generic(book),)), paragraph(say("give")),
-                       Display(tuple(equations_of(book))), *constraints_block(book), *where(book), *constants_and_rest(book)])
+    is_needed = len(book.equations.scene.turned) < book.equations.n
+    first: list[Block] = [paragraph(say("Lagrange's equations")), Display((generic(book),))] if is_needed else []
+    return page(book, [*first, *eulers_equations(book), paragraph(say("give")), Display(tuple(equations_of(book))),
+                       *kinematic_block(book), *constraints_block(book), *where(book), *constants_and_rest(book)])
 
 
 # -------------------------------------------------------------------- matrices
@@ -159,18 +161,20 @@ def matrix_blocks(book: Book) -> list[Block]:
 
 def matrix_form(book: Book) -> Document:
     """The equations as matrices: M, h, J."""
-    return page(book, [*matrix_blocks(book), *constraints_block(book), *where(book)])
+    return page(book, [*matrix_blocks(book), *kinematic_block(book), *constraints_block(book), *where(book)])
 
 
 def first_order_form(book: Book) -> Document:
-    """q' = v and v' = M^-1 (f - h); with several coordinates and a full M by its determinant, or M v' = f - h, as
-    where M is singular."""
+    """q' = v, or of attitudes Q' = Q (0, w)/2, and v' = M^-1 (f - h); with several coordinates and a full M by its determinant,
+    or M v' = f - h, as where M is singular."""
     e = book.equations
-    named = {v: Name("v", " ".join(filter(None, (q.base, q.sub)))) for v, q in zip(e.scene.v, book.q, strict=True)}
+    named = {v: q if k in e.scene.turned else Name("v", " ".join(filter(None, (q.base, q.sub))))
+             for k, (v, q) in enumerate(zip(e.scene.v, book.q, strict=True))}
     names = dict(book.presentation.symbols.names) | named
     p = replace(book.presentation, symbols=replace(book.presentation.symbols, names=names))
     rates = [replace(named[v], marks=1) for v in e.scene.v]
-    lines: list[Node] = [equal(book.rate(k), named[v]) for k, v in enumerate(e.scene.v)]
+    lines: list[Node] = [equal(book.rate(k), named[v]) for k, v in enumerate(e.scene.v) if k not in e.scene.turned]
+    lines += kinematic_lines(book)
     right = [e.ring.tidy(f - h - r) for f, h, r in zip(e.f, e.h, e.reactions, strict=True)]
     is_diagonal = all(e.M[i][j] == 0 for i in range(e.n) for j in range(i))
     if any(e.M[k][k] == 0 for k in range(e.n)):  # a place without mass has no acceleration that follows from forces

@@ -32,8 +32,11 @@ def structure_page(scene: SymbolicScene, names: Mapping[Expr, Name], large: TooL
         size = say("Coordinates: {0}; constraints: {1}; terms in the equations of motion: {2}.", *counts)
     else:
         size = say("Coordinates: {0}; constraints: {1}; terms in the equations of motion: more than {2}.", *counts)
-    told = say("That is too many to read. Here are the energies and the structure; --form linear gives the small motion, --force "
-               "writes everything.")
+    if scene.turnings:  # whose small motion is told by lag linearize alone
+        told = say("That is too many to read. Here are the energies and the structure; --force writes everything.")
+    else:
+        told = say("That is too many to read. Here are the energies and the structure; --form linear gives the small motion, "
+                   "--force writes everything.")
     blocks: list[Block] = [paragraph(f"{model.description}.")] if model.description else []
     blocks += [paragraph(size, " ", told), _coordinates(scene, names)]
     e = scene.energies
@@ -67,7 +70,7 @@ def _terms(scene: SymbolicScene, names: Mapping[Expr, Name], base: str, terms: t
 
 def _stated(scene: SymbolicScene, names: Mapping[Expr, Name], terms: list[Term]) -> Node:
     moving = frozenset({scene.t, *scene.inputs.values(), *(x for g in scene.given for x in g.moving)})
-    symbols = Symbols(names, ranks(scene), scene.q, scene.v, scene.a, (), moving, 0, {}, loads_of(scene), weights_of(scene))
+    symbols = Symbols(names, ranks(scene), scene.placed, scene.v, scene.a, (), moving, 0, {}, loads_of(scene), weights_of(scene))
     presentation = Presentation(symbols, _PRODUCTS_OF_A_TERM)
     values = [exact_throughout(term.value) for term in terms]
     try:

@@ -95,4 +95,4 @@ def _potential(e: Equations, load: Load) -> Expr:
 
 
 def _forces(e: Equations, loads: Sequence[Load]) -> tuple[Expr, ...]:
-    return tuple(e.ring.tidy(sp.Add(*(load_force(x, q, v) for x in loads))) for q, v in zip(e.scene.q, e.scene.v, strict=True))
+    return tuple(e.ring.tidy(sp.Add(*(load_force(x, e.scene, k) for x in loads))) for k in range(e.n))

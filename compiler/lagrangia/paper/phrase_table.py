@@ -22,6 +22,23 @@ PHRASES: Mapping[str, tuple[str, str, str, str]] = {
     "Derived by Lagrangia from the model's energies.": (
         "Deduzido pelo Lagrangia a partir das energias do modelo.", "Von Lagrangia aus den Energien des Modells hergeleitet.",
         "Établi par Lagrangia à partir des énergies du modèle.", "Deducido por Lagrangia a partir de las energías del modelo."),
+    # ---- attitudes
+    "Euler's equations of angular velocities, with small turns {0}, {1}, {2} about the axes that turn along,": (
+        "As equações de Euler das velocidades angulares, com pequenas rotações {0}, {1}, {2} em torno dos eixos que giram junto,",
+        "Die Eulerschen Gleichungen der Winkelgeschwindigkeiten, mit kleinen Drehungen {0}, {1}, {2} um die mitgedrehten Achsen,",
+        "Les équations d'Euler des vitesses angulaires, avec de petites rotations {0}, {1}, {2} autour des axes entraînés,",
+        "Las ecuaciones de Euler de las velocidades angulares, con pequeños giros {0}, {1}, {2} en torno a los ejes que giran,"),
+    "Of the attitude {0}: {1} are its angular velocity, in the turned axes, {2} its unit quaternion, the real part first.": (
+        "Da orientação {0}: {1} são sua velocidade angular, nos eixos girados, {2} seu quatérnio unitário, a parte real "
+        "primeiro.",
+        "Von der Drehlage {0}: {1} sind ihre Winkelgeschwindigkeit in den gedrehten Achsen, {2} ihr Einheitsquaternion, der "
+        "Realteil zuerst.",
+        "De l'orientation {0} : {1} sont sa vitesse angulaire, dans les axes tournés, {2} son quaternion unitaire, la partie "
+        "réelle d'abord.",
+        "De la orientación {0}: {1} son su velocidad angular, en los ejes girados, {2} su cuaternión unitario, primero la parte "
+        "real."),
+    "Attitudes follow by": ("As orientações seguem de", "Die Drehlagen folgen aus", "Les orientations suivent de",
+                            "Las orientaciones se siguen de"),
     # ---- the system
     "System": ("Sistema", "System", "Système", "Sistema"),
     "Assumed: gravity acts": ("Hipóteses: a gravidade atua", "Annahmen: Die Schwerkraft wirkt", "Hypothèses : la pesanteur agit",
@@ -382,6 +399,11 @@ PHRASES: Mapping[str, tuple[str, str, str, str]] = {
         "Koordinaten: {0}; Bindungen: {1}; Terme der Bewegungsgleichungen: mehr als {2}.",
         "Coordonnées : {0} ; liaisons : {1} ; termes dans les équations du mouvement : plus de {2}.",
         "Coordenadas: {0}; ligaduras: {1}; términos en las ecuaciones de movimiento: más de {2}."),
+    "That is too many to read. Here are the energies and the structure; --force writes everything.": (
+        "É demais para ler. Aqui estão as energias e a estrutura; --force escreve tudo.",
+        "Das ist zu viel zum Lesen. Hier sind die Energien und die Struktur; --force schreibt alles.",
+        "C'est trop pour être lu. Voici les énergies et la structure ; --force écrit tout.",
+        "Es demasiado para leer. Aquí están las energías y la estructura; --force lo escribe todo."),
     "That is too many to read. Here are the energies and the structure; --form linear gives the small motion, --force writes "
     "everything.": (
         "É demais para ler. Aqui estão as energias e a estrutura; --form linear dá os pequenos movimentos, --force escreve tudo.",

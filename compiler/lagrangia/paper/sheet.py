@@ -70,6 +70,11 @@ class Request:
     angles: str = ""  # the sequence of axes by whose angles attitudes are written
 
     @property
+    def has_quaternions(self) -> bool:
+        """Whether attitudes are known by their quaternions, and move by Euler's equations."""
+        return not self.angles and self.form in FORMS and self.format != "sympy"
+
+    @property
     def has_source_potentials(self) -> bool:
         """By themselves, numbered forms and the derivation have them."""
         return self.sources == "potential" or (self.sources == "auto" and self.form in (*NUMBERED, "worked", "exercise"))
@@ -92,7 +97,8 @@ def write_equations(path: Path, request: Request, model: str | None = None, stru
              "an exercise has no solution to compute with; --format sympy has all other forms")
     if request.is_fragment and request.format != "latex":
         fail("L0704", f"--fragment: there are no fragments of the format '{request.format}'", None, "--format latex has them")
-    kinematics, constraints = compile_energies(path, model, structural, request.parameters, bool(request.angles))
+    kinematics, constraints = compile_energies(path, model, structural, request.parameters, bool(request.angles),
+                                               request.has_quaternions)
     _check_size(kinematics, request)
     with deep_recursion():
         scene = build_symbolic(kinematics, constraints, request.form == "linear", request.angles)
@@ -170,7 +176,8 @@ def checked(path: Path, equation: str, request: Request, model: str | None = Non
 def page_of(path: Path, request: Request, model: str | None = None, structural: Mapping[str, Any] | None = None
             ) -> tuple[Book, Document]:
     """The page before it is printed, and what it was made of. Raises LagError, and TooLarge for what is too large to read."""
-    kinematics, constraints = compile_energies(path, model, structural, request.parameters, bool(request.angles))
+    kinematics, constraints = compile_energies(path, model, structural, request.parameters, bool(request.angles),
+                                               request.has_quaternions)
     with deep_recursion():
         scene = build_symbolic(kinematics, constraints, request.form == "linear", request.angles)
         begin = cache(lambda: start_of(request.parameters, path, model, structural, request.angles))

@@ -36,6 +36,7 @@ from lagrangia.language.mentions import nodes
 from lagrangia.language.tree import Ref
 from lagrangia.paper.euler_angles import Angles, ByAngles, angles_of
 from lagrangia.paper.parameter_symbols import GRAVITY, Parameter, ParameterTable, ReadableEvaluator, number_of
+from lagrangia.paper.turnings import Turning, turnings_of
 
 _PRODUCTS_OF_A_SIZE = 2000
 
@@ -87,6 +88,27 @@ class SymbolicScene:
     events: tuple[Event, ...] = ()
     positive: tuple[Expr, ...] = ()  # lengths that start positive, whose sizes were taken for themselves
     kept: tuple[Row, ...] = ()  # where the rows come from
+    turnings: tuple[Turning, ...] = ()  # attitudes that are not written by angles
+
+    @property
+    def turned(self) -> frozenset[int]:
+        """The places of coordinates that stand for small turns; their rates are angular velocities."""
+        return frozenset(k for turning in self.turnings for k in turning.places)
+
+    def directions(self, k: int) -> list[tuple[Expr, Expr]]:
+        """What the k-th coordinate changes, and by how much."""
+        mine = [turning.directions(k - turning.first) for turning in self.turnings if k in turning.places]
+        return mine[0] if mine else [(self.q[k], sp.S.One)]
+
+    @property
+    def placed(self) -> tuple[Expr, ...]:
+        """Coordinates, and parts of quaternions."""
+        return (*self.q, *(part for turning in self.turnings for part in turning.parts))
+
+    @property
+    def turns(self) -> list[tuple[Expr, Expr]]:
+        """Parts of quaternions and their rates."""
+        return [pair for turning in self.turnings for pair in turning.paced([self.v[k] for k in turning.places])]
 
     @property
     def given_rates(self) -> list[tuple[Expr, Expr]]:
@@ -97,7 +119,7 @@ class SymbolicScene:
     @property
     def rates(self) -> list[tuple[Expr, Expr]]:
         """All that changes, and how fast: (q, v), (v, a), and what is given."""
-        return [*zip(self.q, self.v, strict=True), *zip(self.v, self.a, strict=True), *self.given_rates]
+        return [*zip(self.q, self.v, strict=True), *zip(self.v, self.a, strict=True), *self.turns, *self.given_rates]
 
     def time_rate(self, expression: Expr) -> Expr:
         """d/dt along the motion: sum (d/dq) v + (d/dv) a + d/dt."""
@@ -108,14 +130,17 @@ def build_symbolic(kinematics: Kinematics, constraints: Constraints, is_small: b
     """The scene of `kinematics` (those that are left after the linear constraints) once more, in SymPy.
 
     For small motion the places of supports are given functions, too, and all rates of given functions symbols. `angles`: the
-    sequence of axes by whose angles attitudes are written. Raises LagError L0914 for forces that depend on a contact force.
+    sequence of axes by whose angles attitudes are written; "": by quaternions and angular velocities. Raises LagError L0914 for
+    forces that depend on a contact force.
     """
     pressing = place_of_contact_forces(kinematics.graph.model)
     if pressing is not None and not is_small:
         fail("L0914", "not supported yet: equations of forces that depend on a contact force", pressing,
              "lag simulate and FMUs know it")
-    known = angles_of(kinematics.graph.attitudes, angles, {*kinematics.graph.model.variables, *kinematics.symbols.positions})
-    symbolic = SymbolicKinematics(kinematics, is_small=is_small, angles=known)
+    attitudes, taken = kinematics.graph.attitudes, {*kinematics.graph.model.variables, *kinematics.symbols.positions}
+    known = angles_of(attitudes, angles, taken) if angles else {}
+    turnings = () if angles else turnings_of(attitudes, list(kinematics.symbols.positions), taken)
+    symbolic = SymbolicKinematics(kinematics, is_small=is_small, angles=known, turnings=turnings)
     symbolic = symbolic.reduced(constraints)
     energies = evaluate_energies(symbolic)
     kept = [row for row in constraints.rows if not row.balanced]  # a balance is Lagrange's equation of its place itself
@@ -125,9 +150,11 @@ def build_symbolic(kinematics: Kinematics, constraints: Constraints, is_small: b
     inputs = {label: x for v in kinematics.graph.model.variables.values() if v.kind == "input"
               for label, x in scalars(v.name, s.values[v.name])}
     q, v, a = (tuple(x.values()) for x in (s.positions, s.rates, s.accelerations))
-    return SymbolicScene(symbolic, tuple(s.positions), q, v, a, s.time, inputs, tuple(symbolic.table.parameters.values()),
+    told = {part: name for x in turnings for part, name in zip(parts_of(x.name), x.told, strict=True)}
+    names = tuple(told.get(name, name) for name in s.positions)
+    return SymbolicScene(symbolic, names, q, v, a, s.time, inputs, tuple(symbolic.table.parameters.values()),
                          tuple(symbolic.given.values()), symbolic.dependent_values(), energies, rows,
-                         sum(row.is_holonomic for row in kept), events, symbolic.positive(), tuple(kept))
+                         sum(row.is_holonomic for row in kept), events, symbolic.positive(), tuple(kept), turnings)
 
 
 def mapped(energies: Energies, change: Callable[[Expr], Expr]) -> Energies:
@@ -162,23 +189,26 @@ def _event(symbolic: "SymbolicKinematics", when: When) -> Event:
 
 @dataclass
 class SymbolicKinematics(ByAngles, Kinematics):
-    """The kinematics of a scene in SymPy; its algebra is a SympyAlgebra. Attitudes are by three angles each."""
+    """The kinematics of a scene in SymPy; its algebra is a SympyAlgebra. Attitudes are by three angles each, or quaternions."""
 
     given: dict[str, Given] = field(default_factory=dict)
     is_small: bool = False
     angles: Mapping[str, Angles] = field(default_factory=dict)
+    turnings: tuple[Turning, ...] = ()
 
     def __init__(self, base: Kinematics, positions: Iterable[str] | None = None, table: ParameterTable | None = None,
                  dependents: Mapping[str, Dependent] | None = None, given: dict[str, Given] | None = None,
-                 is_small: bool = False, angles: Mapping[str, Angles] | None = None) -> None:
+                 is_small: bool = False, angles: Mapping[str, Angles] | None = None, turnings: tuple[Turning, ...] = ()) -> None:
         algebra = SympyAlgebra()
         self.angles = angles or getattr(base, "angles", {})
+        self.turnings = turnings or getattr(base, "turnings", ())
         self.table = table or ParameterTable(base, algebra)
         names = list(base.symbols.positions) if positions is None else list(positions)
         written = {part: name for attitude, found in self.angles.items()
                    for part, name in zip(parts_of(attitude), found.names, strict=True)}
         names = [written.get(name, name) for name in names]
         symbols = _symbols(base, names, self.table)
+        symbols.attitudes.update({turning.name: turning.parts for turning in self.turnings})
         self.given = given if given is not None else {}
         self.is_small = is_small
         self.load_variables = _load_variables(base)
@@ -187,6 +217,7 @@ class SymbolicKinematics(ByAngles, Kinematics):
     def __post_init__(self) -> None:
         self.evaluator = _TimeEvaluator(self.graph.model, self.algebra, self)
         self.evaluator.kinematics = self
+        self.quaternions |= {turning.name: turning.parts for turning in self.turnings}  # of s = 0, where the reference is
 
     def without_accelerations(self) -> "SymbolicKinematics":
         """Itself: positions and rates are the same, and SymPy does not mind the rest."""
@@ -253,10 +284,17 @@ class SymbolicKinematics(ByAngles, Kinematics):
         return self.rates_of_angles(name, level) if name in self.angles else super().symbol(name, level)
 
     def _turned(self, pose: Any, attitude: str, is_inverse: bool, level: int) -> Any:
-        return self.turned_by_angles(pose, attitude, is_inverse, level)
+        if attitude in self.angles:
+            return self.turned_by_angles(pose, attitude, is_inverse, level)
+        return super()._turned(pose, attitude, is_inverse, level)
+
+    def attitude(self, name: str, level: int) -> Value:
+        """As of other kinematics. Raises LagError L0901 beside angles."""
+        return self.attitude_by_angles(name) if self.angles else super().attitude(name, level)
 
     def _is_given(self, value: Value) -> bool:
-        moving = {*self.symbols.positions.values(), *self.symbols.rates.values(), *self.symbols.accelerations.values()}
+        moving = {*self.symbols.positions.values(), *self.symbols.rates.values(), *self.symbols.accelerations.values(),
+                  *(part for turning in self.turnings for part in turning.parts)}
         return not any(sp.sympify(x).free_symbols & moving for x in scalars_of(value))
 
     def _load(self, name: str, value: Value, level: int) -> Value:

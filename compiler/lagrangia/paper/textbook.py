@@ -37,7 +37,7 @@ def used_symbols(scene: SymbolicScene) -> set[Expr]:
 def name_symbols(scene: SymbolicScene, chosen: Mapping[str, str]) -> Mapping[Expr, Name]:
     """The name on paper of every symbol that is used; `chosen` may have letters of pages too. Raises LagError L0711."""
     used = used_symbols(scene)
-    wanted = [Wanted(name) for name in scene.names]
+    wanted = [Wanted(name) for name in (*scene.names, *(name for turning in scene.turnings for name in turning.quaternion))]
     wanted += [Wanted(p.name) for p in scene.parameters if p.symbol in used]
     shown = [g for g in scene.given if used & {g.symbol, g.rate, g.acceleration}]
     wanted += [Wanted(g.name, g.what == "load", g.what != "coordinate" and g.value.has(scene.t)) for g in shown]
@@ -54,6 +54,10 @@ def name_symbols(scene: SymbolicScene, chosen: Mapping[str, str]) -> Mapping[Exp
     moving = [(name, symbols) for name, *symbols in zip(scene.names, scene.q, scene.v, scene.a, strict=True)]
     moving += [(g.name, list(g.moving)) for g in shown]
     found |= {x: replace(names[name], marks=marks) for name, symbols in moving for marks, x in enumerate(symbols)}
+    for turning in scene.turnings:
+        found |= {x: names[name] for x, name in zip(turning.parts, turning.quaternion, strict=True)}
+        for k in turning.places:  # the rates have the name
+            found |= {x: replace(found[scene.q[k]], marks=marks) for x, marks in ((scene.v[k], 0), (scene.a[k], 1))}
     return found
 
 
@@ -68,7 +72,7 @@ def presentation_of(e: Equations, names: Mapping[Expr, Name], most_products: int
     scene = e.scene
     named = dict(names) | {x: multiplier_name(k, len(e.multipliers)) for k, x in enumerate(e.multipliers)}
     moving = {scene.t, *scene.inputs.values(), *(x for g in scene.given for x in g.moving if g.value.has(scene.t))}
-    coordinates = scene.q, scene.v, scene.a
+    coordinates = scene.placed, scene.v, scene.a
     symbols = Symbols(named, ranks(scene), *coordinates, e.multipliers, frozenset(moving), digits,
                       _lengths(e, set(named.values())), loads_of(scene), weights_of(scene))
     presentation = Presentation(symbols, most_products, e.ring)

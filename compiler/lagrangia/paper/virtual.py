@@ -91,7 +91,7 @@ def load_pulls(book: Book, load: Load) -> list[Pull]:
     """Each component of a load and what it moves along; a torque on an attitude, which is along nothing, by coordinates."""
     scene, tidy = book.equations.scene, book.equations.ring.tidy
     if load.moving[1]:
-        shares = [(tidy(load_force(load, q, v)), q) for q, v in zip(scene.q, scene.v, strict=True)]
+        shares = [(tidy(load_force(load, scene, k)), q) for k, q in enumerate(scene.q)]
         return [Pull(force, q) for force, q in shares if force != 0]
     found = []
     for force, place in zip(load.force, load.position, strict=True):

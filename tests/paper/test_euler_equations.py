@@ -1,0 +1,139 @@
+"""Euler's equations of attitudes as they are printed: read back, they have the numbers of the compiled motion."""
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import lagrangia as lag
+from helpers.reading import Motion, read
+from helpers.symbolic_scenes import EXAMPLES
+from lagrangia.command.cli import main
+from lagrangia.paper.book import Book
+from lagrangia.paper.document import Display
+from lagrangia.paper.sheet import Request, page_of
+from lagrangia.paper.typeset import line
+
+PULLED = """
+model Pulled "A body on a ball joint, which is damped, pulled, turned and hung on a spring, with a hinge on it"
+  parameter Torque M[3] = {1, 2, 3};
+  parameter Force F = 4;
+  World world(gravity = {0, 0, -9.81});
+  Spherical joint(a = shift(world, {0.1, 0.2, 0}));
+  Body body(m = 2, I = {0.3, 0.4, 0.6}, center = shift(joint.b, {0.1, 0.2, 0.4}));
+  Revolute hinge(a = shift(body.center, {0.3, 0, 0}), axis = {0, 1, 0});
+  PointMass tip(m = 0.5, center = shift(hinge.b, {0, 0, 0.2}));
+  Spring spring(a = world, b = body.center, k = 30, s_rel0 = 0.2);
+energy
+  work M on body.center.attitude;
+  work {F, 0, 0} on tip.center.r;
+  dissipation 0.3*dot(joint.w, joint.w);
+end Pulled;
+"""
+TWO = """
+model Two "A body that floats, with another one on a ball joint"
+  World world(gravity = {0, 0, -9.81});
+  Body hull(m = 2, I = {0.3, 0.4, 0.6});
+  Spherical joint(a = hull.center);
+  Body arm(m = 1, I = {0.1, 0.1, 0.1}, center = joint.b);
+end Two;
+"""
+
+
+class Compiled:
+    """Numbers by printed names, and M v' + h + J^T lambda of the compiled scene, at a state at random."""
+
+    def __init__(self, path: Path, book: Book) -> None:
+        model, e, random = lag.load(path), book.equations, np.random.default_rng(5)
+        scene, names = e.scene, book.presentation.symbols.names
+        functions = model.functions()
+        n, turnings = e.n, scene.turnings
+        v, a, multipliers = (random.uniform(-2, 2, k) for k in (n, n, len(e.multipliers)))
+        q = dict(zip(scene.names, random.uniform(0.2, 1.2, n), strict=True))
+        told: dict[str, float] = {}
+        for turning in turnings:
+            quaternion = random.normal(size=4)
+            told |= zip((f"{turning.name}[{k}]" for k in (1, 2, 3, 4)), quaternion / np.linalg.norm(quaternion), strict=True)
+        positions = [told[name] if name in told else q[name] for name in model.position_names]
+        arguments = 0.3, positions, v, [], model.parameter_values()
+        self.wanted = np.array(functions["M"](*arguments)) @ a + np.array(functions["h"](*arguments)).ravel()
+        if len(multipliers):
+            self.wanted += np.array(functions["J"](*arguments)).T @ multipliers
+        self.size = 1 + np.abs(self.wanted).max()
+        self.turning = dict(zip(model.position_names, np.array(functions["turning"](*arguments)).ravel(), strict=True))
+        known = {p.symbol: book.values[p.name] for p in scene.parameters}
+        for symbols, numbers in ((scene.q, q.values()), (scene.v, v), (scene.a, a), (e.multipliers, multipliers)):
+            known |= dict(zip(symbols, numbers, strict=True))
+        self.parts = {line(names[x]): f"{turning.name}[{k}]" for turning in turnings for k, x in enumerate(turning.parts, 1)}
+        self.values = {line(names[x]): value for x, value in known.items() if x in names}
+        self.values |= {label: told[name] for label, name in self.parts.items()}
+
+    def number(self, text: str) -> float:
+        x = read(text, Motion({}, {}))
+        return float(x.evalf(30, subs={s: self.values[str(s)] for s in x.free_symbols}))
+
+
+def printed(path: Path, form: str = "lagrange") -> tuple[Book, list[str]]:
+    book, page = page_of(path, Request(form, is_forced=True))
+    return book, [line(x) for block in page.blocks if isinstance(block, Display) for x in block.formulas]
+
+
+def scene_file(tmp_path: Path, text: str) -> Path:
+    path = tmp_path / "scene.lag"
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+@pytest.mark.parametrize("text", [PULLED, TWO, "top", "satellite", "rolling_disc_space"],
+                         ids=["pulled", "two", "top", "satellite", "disc"])
+def test_printed_equations_have_the_numbers_of_the_motion(text: str, tmp_path: Path) -> None:
+    path = scene_file(tmp_path, text) if "\n" in text else EXAMPLES / f"{text}.lag"
+    book, lines = printed(path)
+    known = Compiled(path, book)
+    for name in map(line, book.presentation.symbols.lengths.values()):  # ell = sqrt(...)
+        known.values[name] = known.number(next(x for x in lines if x.startswith(f"{name} = ")).partition(" = ")[2])
+    equations = [x for x in lines if "∂" not in x and not x.startswith(("Φ", "ℓ", "E ", *known.parts))]
+    equations = [re.sub(r"(?<== )\W*(drive) .*", r"\1", x) for x in equations]  # before it stops
+    assert len(equations) == book.equations.n
+    for text_, wanted in zip(equations, known.wanted, strict=True):
+        left, _, right = text_.partition(" = ")
+        assert abs(known.number(left) - known.number(right) - wanted) < 1e-12 * known.size
+    rates = [x.split(" = ") for x in lines if re.match(r"Q\S*' = ", x)]
+    assert len(rates) == 4 * len(book.equations.scene.turnings)
+    for part, rate in rates:
+        assert known.number(rate) == pytest.approx(known.turning[known.parts[part.replace("'", "")]], abs=1e-14)
+
+
+def test_first_order_has_the_accelerations(tmp_path: Path) -> None:
+    path = EXAMPLES / "top.lag"
+    book, lines = printed(path, "first-order")
+    known = Compiled(path, book)
+    rates = {name: known.number(text) for name, text in (x.split(" = ") for x in lines if x.startswith("w"))}
+    M = np.array([[float(x.xreplace({p.symbol: book.values[p.name] for p in book.equations.scene.parameters})) for x in row]
+                  for row in book.equations.M])
+    a = np.array([known.values[f"{name}"] for name in rates])
+    assert np.allclose(M @ (a - list(rates.values())), known.wanted, rtol=1e-12, atol=1e-12 * known.size)
+
+
+def test_the_top_reads_as_in_books(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["equations", str(EXAMPLES / "top.lag"), "--names", "top.I[1]=A,top.I[3]=C"]) == 0
+    told = capsys.readouterr().out
+    for wanted in ("d/dt ∂T/∂w₁ + w₂ ∂T/∂w₃ − w₃ ∂T/∂w₂ + ∂V/∂θ₁ = 0", "C w₃' = 0", "Q₁' = − ½ Q₂ w₁ − ½ Q₃ w₂ − ½ Q₄ w₃",
+                   "(A + m l²) w₁' + (C − A − m l²) w₂ w₃ − 2 m g l Q₁ Q₂ − 2 m g l Q₃ Q₄ = 0"):
+        assert wanted in told
+
+
+@pytest.mark.parametrize("form", ["worked", "linear", "total"])
+def test_other_forms_are_refused_by_name(form: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["equations", str(EXAMPLES / "top.lag"), "--form", form]) == 2
+    told = capsys.readouterr().err
+    assert "tip.S" in told and "--angles zxz" in told and "Euler's equations" in told
+
+
+@pytest.mark.parametrize(("form", "format_"), [("energies", "latex"), ("matrix", "html"), ("lagrange", "markdown")])
+def test_pages_of_other_formats_and_languages(form: str, format_: str, capsys: pytest.CaptureFixture[str]) -> None:
+    options = ["--form", form, "--format", format_, "--language", "de"]
+    code = main(["equations", str(EXAMPLES / "satellite.lag"), *options])
+    told = capsys.readouterr()
+    assert code == 0 and "Einheitsquaternion" in told.out, told.err
