@@ -124,3 +124,54 @@ def test_what_modelica_has_no_component_for_is_refused(text: str, tmp_path: Path
     assert main(["export", str(tmp_path / "a.lag"), "--to", "modelica", "--components", "-o", "-"]) == 2
     told = capsys.readouterr().err
     assert "L0901" in told and "without --components writes the equations" in told
+
+
+def test_heat_ports_are_refused_by_name(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """What there is instead is told; a brake whose temperature would change how it brakes is told of, too."""
+    text = """within Modelica.Mechanics.Rotational.Examples;
+model Hot
+  Modelica.Mechanics.Rotational.Sources.EddyCurrentTorque eddy(
+    tau_nominal=100, w_nominal=10,
+    alpha20(displayUnit="1/K") = Modelica.Electrical.Machines.Thermal.Constants.alpha20Copper,
+    useHeatPort=true);
+  Components.Inertia inertia(J=1, w(fixed=true, start=20));
+  Components.Damper damper(d=0, useHeatPort=true);
+  Components.Fixed fixed;
+  Thermal.HeatTransfer.Components.HeatCapacitor heatCapacitor(C=1);
+equation
+  connect(eddy.flange, inertia.flange_a);
+  connect(inertia.flange_b, damper.flange_a);
+  connect(damper.flange_b, fixed.flange);
+  connect(eddy.heatPort, heatCapacitor.port);
+  connect(damper.heatPort, heatCapacitor.port);
+end Hot;
+"""
+    file = tmp_path / "hot.mo"
+    file.write_text(text, encoding="utf-8")
+    assert main(["import", str(file)]) == 1
+    told = capsys.readouterr().err.splitlines()
+    assert len(told) == 4 and "heatPort of eddy (its temperature stays T" in told[0]
+    assert "heat is not of this language: what a component turns into heat is a product" in told[1]
+    assert told[2].endswith("connect(eddy.heatPort, heatCapacitor.port);")
+    assert "3.92e-3" in (tmp_path / "hot.lag").read_text(encoding="utf-8")
+    x = lag.load(tmp_path / "hot.lag").simulate(at=[0.1], tolerance=1e-12)["inertia.w"][0] / 10
+    assert np.log(2 / x) + (4 - x**2) / 2 == pytest.approx(2, abs=1e-10)
+
+
+def test_sources_and_vehicles_are_imported(tmp_path: Path) -> None:
+    text = """within Modelica.Mechanics.Translational.Examples;
+model Push
+  Translational.Sources.Accelerate accelerate(s(fixed=true, start=2));
+  Components.Vehicle vehicle(m=100, J=0, R=0.25, A=1, Cd=0.5, vReg=1e-2, v(fixed=true));
+  Modelica.Blocks.Sources.Constant constantAcc(k=1);
+equation
+  connect(accelerate.flange, vehicle.flangeT);
+  connect(constantAcc.y, accelerate.a_ref);
+end Push;
+"""
+    found = imported(text)
+    assert not found.left_out and "vReg" not in found.text
+    file = tmp_path / "push.lag"
+    file.write_text(found.text, encoding="utf-8")
+    run = lag.load(file).simulate(at=[1.0], tolerance=1e-12)
+    assert [run["vehicle.s"][0], run["vehicle.v"][0]] == pytest.approx([2.5, 1], abs=1e-12)

@@ -149,3 +149,14 @@ def test_connections_are_left_out(scene: Write) -> None:
     run = scene(text).simulate(at=[1.0])
     assert run["p.s"][0] == 1.0
     assert run["q.s"][0] == pytest.approx(cos(2.0), abs=1e-7)
+
+
+def test_variables_with_conditions(scene: Write) -> None:
+    """What is not there has no value, and nothing is connected to it; its condition may name what stands further down."""
+    model = scene("""model Part Real u if uses; Real y = if uses then u else 2; parameter Boolean uses = false; end Part;
+      model M Part a(uses = true), b; Blocks.Constant k(k = 4); output Real y = a.y, z = b.y; coordinate Length x;
+      equation connect(k.y, a.u); connect(k.y, b.u); energy kinetic 1[kg]*der(x)^2/2; end M;""")
+    found = model.simulate(at=[1.0])
+    assert [found["y"][0], found["z"][0]] == [4, 2]
+    with pytest.raises(lag.LagError, match="its condition is false"):
+        scene("model M parameter Boolean p = false; Real x = 1 if p; output Real y = x; end M;")

@@ -107,6 +107,79 @@ def test_prescribed_shafts(scene: Scene) -> None:
         assert found["a.phi"] == pytest.approx(1 - 9 / 5 * np.cos(2 * t) + 4 / 5 * np.cos(3 * t), abs=1e-10)
 
 
+def test_accelerated_shafts(scene: Scene) -> None:
+    """Integrals of the acceleration, the torque that it takes, and no energy of its own; light and heavy shafts."""
+    for J in (1e-9, 1.0, 1e5):
+        found = run(scene, f"""Accelerate d(a_ref = 2[rad/s2]*sin(3[rad/s]*time), phi(start = 1), w(start = -1));
+          Inertia a(J = {J}, flange_a = d.flange), b(J = {J}); Spring s(c = {J}, flange_a = a.flange_b, flange_b = b.flange_a);
+          output Real tau = d.tau;""", [1.3])
+        assert found["d.phi"][0] == pytest.approx(1 - 1.3 / 3 - 2 / 9 * np.sin(3.9), abs=1e-10)
+        assert found["d.w"][0] == pytest.approx(-1 / 3 - 2 / 3 * np.cos(3.9), abs=1e-10)
+        assert found["tau"][0] == pytest.approx(J * (2 * np.sin(3.9) + found["d.phi"][0] - found["b.phi"][0]), rel=1e-6)
+        kinetic = J * (found["d.w"][0] ** 2 + found["b.w"][0] ** 2) / 2
+        assert found.energy.kinetic[0] == pytest.approx(kinetic, rel=1e-12)
+        assert np.abs(found.energy.residual).max() < 1e-9 * J
+
+
+def test_what_is_accelerated_against_a_housing(scene: Scene) -> None:
+    """By a signal; the housing is free, and takes what acts: momentum stays."""
+    found = run(scene, """Accelerate d(useSupport = true); Mass a(m = 1, flange_a = d.flange), b(m = 3, flange_a = d.support);
+      Blocks.Ramp r(height = 6, duration = 2); equation connect(r.y, d.a_ref);""", [2.0], T)
+    assert [found["a.s"][0], found["b.s"][0], found["a.v"][0]] == pytest.approx([3, -1, 4.5], abs=1e-11)
+    with pytest.raises(lag.LagError, match="moves no mass"):
+        run(scene, "Accelerate d(a_ref = 1); Spring s(c = 1, flange_a = d.flange); Mass a(m = 1, flange_a = s.flange_b);", [1], T)
+
+
+def test_brakes_by_eddy_currents(scene: Scene) -> None:
+    """J w' = -2 tau x/(1 + x^2): log x + x^2/2 falls as 2 tau t/(J w_nominal), hot discs have a higher w_nominal."""
+    for text, imports in (("EddyCurrentTorque e(tau_nominal = 50, w_nominal = 10, alpha20 = 0.004, T = 343.15); "
+                           "Inertia a(J = 2, w(start = 20), flange_a = e.flange);", R),
+                          ("EddyCurrentForce e(f_nominal = 50, v_nominal = 10, alpha20 = 0.004, T = 343.15); "
+                           "Mass a(m = 2, v(start = 20), flange_a = e.flange);", T)):
+        found = run(scene, f"{text} output Real loss = e.lossPower;", [0.7], imports)
+        x = found[f"a.{'w' if imports is R else 'v'}"][0] / 12
+        before = 20 / 12
+        assert np.log(before / x) + (before**2 - x**2) / 2 == pytest.approx(2 * 50 * 0.7 / (2 * 12), abs=1e-10)
+        assert found.energy.dissipated[0] == pytest.approx(144 * (before**2 - x**2), abs=1e-8)
+        assert found["loss"][0] == pytest.approx(100 * x**2 / (1 + x**2) * 12, rel=1e-9)
+    found = run(scene, """EddyCurrentTorque e(tau_nominal = 50, w_nominal = 10, useExcitationInput = true);
+      Blocks.Step r(startTime = 1); Inertia a(J = 1, w(start = 20), flange_a = e.flange);
+      equation connect(r.y, e.excitation);""", [1.0, 1.1])
+    assert found["a.w"][0] == 20 and found["a.w"][1] < 17
+
+
+def test_loads_that_turn_round_or_stay(scene: Scene) -> None:
+    """The torque of a fan turns round where TorqueDirection is false, as in the Modelica Standard Library."""
+    for name, speed in (("Linear", 0.5), ("Quadratic", 0.25)):
+        for stays in ("true", "false"):
+            found = run(scene, f"""ConstantSpeed d(w_fixed = -0.5); TorqueSensor s(flange_a = d.flange);
+              {name}SpeedDependentTorque l(tau_nominal = -1, w_nominal = 1, TorqueDirection = {stays}, flange = s.flange_b);
+              Inertia a(J = 1, flange_a = s.flange_b); output Real tau = s.tau;""", [1.0])
+            assert found["tau"][0] == pytest.approx(speed if stays == "true" else -speed, abs=1e-12)
+            found = run(scene, f"""ConstantSpeed d(v_fixed = -0.5); ForceSensor s(flange_a = d.flange);
+              {name}SpeedDependentForce l(f_nominal = -1, v_nominal = 1, ForceDirection = {stays}, flange = s.flange_b);
+              Mass a(m = 1, flange_a = s.flange_b); output Real f = s.f;""", [1.0], T)
+            assert found["f"][0] == pytest.approx(speed if stays == "true" else -speed, abs=1e-12)
+
+
+def test_a_vehicle_rolls_out(scene: Scene) -> None:
+    """M v' = -c - k v^2, until it stands; on a hill that is too flat it stays, and on a steep one it rolls back."""
+    found = run(scene, "Vehicle a(m = 100, J = 2, R = 0.25, v(start = 10)); output Real axle = a.flangeR.phi;", [1.0, 200.0], T)
+    c, k, M = 0.015 * 100 * 9.80665, 0.3, 132
+    v = np.sqrt(c / k) * np.tan(np.arctan(10 * np.sqrt(k / c)) - np.sqrt(c * k) / M)
+    assert found["a.v"] == pytest.approx([v, 0], abs=1e-9)
+    assert found["a.s"][1] == pytest.approx(M / (2 * k) * np.log(1 + k * 100 / c), abs=1e-8)
+    assert found["axle"][1] == pytest.approx(found["a.s"][1] / 0.25, rel=1e-12)
+    found = run(scene, """Vehicle a(m = 100, J = 0, R = 1, A = 0, useInclinationInput = true, useCrInput = true);
+      Vehicle b(m = 20, J = 0, R = 1, A = 0);
+      Blocks.Step r(height = 0.1, startTime = 1); Blocks.Constant cr(k = 0.03);
+      equation connect(a.inclination, r.y); connect(cr.y, a.cr); connect(a.flangeT, b.flangeT);""", [1.0, 2.0], T)
+    pull = 9.80665 * (100 * (0.1 - 0.03) / np.hypot(1, 0.1) - 20 * 0.015) / 120
+    assert found["b.s"] == pytest.approx([0, -pull / 2], abs=1e-10)
+    headwind = run(scene, "Vehicle a(m = 1, J = 0, R = 1, vWindConstant = -2, CrConstant = 0);", [1.0], T)["a.v"][0]
+    assert headwind == pytest.approx(1 / (0.5 + 0.3) - 2, abs=1e-10)  # 1/(v + 2) grows by 0.3 t
+
+
 def test_a_hinge_has_a_shaft(scene: Scene) -> None:
     """A pendulum that turns a rotor by a gear: small swings."""
     found = run(scene, """Revolute hinge(a = world, phi(start = -pi/2 + 1e-4)); Bar bar(m = 3, L = 2, a = hinge.b);

@@ -20,7 +20,8 @@ end DriveTrain;
 
 Rotational and Translational have the components of the Modelica Standard Library by their names, with its parameters:
 Inertia, Spring, Damper, ElastoBacklash, BearingFriction, Clutch, Brake, FreeWheel, OneWayClutch, IdealGear, LossyGear,
-IdealPlanetary, IdealRollingWheel, Torque, Position, Speed, sensors; Mass, Rod, ElastoGap, MassWithStopAndFriction and others.
+IdealPlanetary, IdealRollingWheel, Torque, Position, Speed, Accelerate, EddyCurrentTorque, sensors; Mass, Rod, ElastoGap,
+MassWithStopAndFriction, Vehicle and others.
 `lag help library` lists them. They are named in full, as Rotational.Inertia, or imported: import Rotational.*;
 import R = Rotational;
 
@@ -38,8 +39,10 @@ Planar       scenes have shafts by Rotational.HingeFlange(of = hinge.phi) and Tr
 Sensors      TorqueSensor, ForceSensor and MultiSensor stand between two flanges: what the first side does to the second.
 Modelica     lag import FILE.mo makes a .lag file of a model of Modelica.Mechanics.Rotational and Translational, Modelica.Blocks
              (Sources, Math, Continuous: those of the package Blocks) and Modelica.Units: names, parameters and comments stay,
-             what has no counterpart is left out as a comment, and the exit code is 1. Position and Speed move exactly.
-Not supported yet: accelerations that are prescribed (Accelerate)."""
+             what has no counterpart is left out as a comment, and the exit code is 1. Heat ports are left out: eddy.lossPower and
+             damper.tau*damper.w_rel are what becomes heat. A Vehicle stands still exactly, so that vReg has no meaning.
+Sources      Position, Speed and Accelerate move exactly. Accelerate starts where its phi and w (s and v) do: a(phi(start = 1)).
+             What it moves has inertia (a spring alone has none), and what moves it is acc.tau or acc.f."""
 
 
 def library_topic() -> str:

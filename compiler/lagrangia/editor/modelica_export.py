@@ -22,7 +22,8 @@ from lagrangia.language.tree import (
 from lagrangia.language.units_written import in_si
 
 _SOURCES = frozenset("""Torque Torque2 ConstantTorque TorqueStep LinearSpeedDependentTorque QuadraticSpeedDependentTorque Position
-    Speed ConstantSpeed Force Force2 ConstantForce ForceStep LinearSpeedDependentForce QuadraticSpeedDependentForce""".split())
+    Speed ConstantSpeed Accelerate Force Force2 ConstantForce ForceStep LinearSpeedDependentForce QuadraticSpeedDependentForce
+    EddyCurrentTorque EddyCurrentForce""".split())
 _OWN = frozenset(("FreeWheel", "HingeFlange", "SliderFlange"))  # which Modelica's library has not
 _BLOCKS = {name: part for part, names in {
     "Sources": "Constant Step Ramp Sine Cosine Pulse", "Nonlinear": "Limiter",

@@ -25,6 +25,7 @@ UNITS = {
     "ElectricCurrent": "Current", "ElectricPotential": "Voltage", "Temperature": "Temperature", "Momentum": "Momentum",
     "AngularMomentum": "AngularMomentum", "DimensionlessRatio": "Ratio", "Efficiency": "Ratio",
 }
+_WARMING = {"Copper": "3.92e-3", "Aluminium": "4e-3", "Brass": "1.1e-3", "Bronze": "0.8e-3", "Zero": "0"}  # of resistances, 1/K
 _FUNCTIONS = {"sin", "cos", "tan", "asin", "acos", "atan", "atan2", "sinh", "cosh", "tanh", "exp", "log", "log10"}
 _CONSTANTS = {"pi": "pi", "g_n": "9.80665", "e": "exp(1)"}
 _FLANGES = {"Flange_a": "Flange", "Flange_b": "Flange", "Support": "Flange"}
@@ -33,7 +34,7 @@ _OF_MECHANICS = ("Components", "Sources", "Sensors", "Interfaces")
 _OF_BLOCKS = ("Sources", "Math", "Continuous", "Nonlinear")
 # Arguments of the library's components without a meaning here:
 _IDLE = frozenset("useHeatPort stateSelect animation smoothness phi_nominal s_nominal nominal startForward startBackward mode "
-                  "stuck locked".split())
+                  "stuck locked vReg".split())
 _RENAMED = {"freqHz": "f"}  # arguments, as they were called before version 4
 _SECTIONS = ("equation", "algorithm", "public", "protected")
 _CLASSES = ("model", "class", "package", "block", "connector", "record")
@@ -41,7 +42,7 @@ _CLASSES = ("model", "class", "package", "block", "connector", "record")
 
 @dataclass(frozen=True)
 class Imported:
-    """The text, and what was left out of it: statements in one line each."""
+    """The text, and what was left out of it: statements in one line each, with what to write instead where that is known."""
 
     text: str
     left_out: tuple[str, ...]
@@ -63,12 +64,38 @@ def imported(text: str) -> Imported:
             out.append(_space(statement).rstrip(" \t"))
         elif any(name is None or _FLOW.search(name) for name in meant) or missing & set(_heads(statement)):
             missing |= set(_declared(statement, first))
-            left.append(told)
+            instead = _instead(told)  # which is told once
+            left.append(told if any(before.endswith(instead) for before in left) else told + instead)
             out.append(f"{_space(statement)}// left out: {told}")
         else:
             kept = [name for name in meant if name is not None]
+            left += _held_temperatures(kept)
             out.append("".join(_without_idle(kept) if is_of_library else kept))
     return Imported("".join(out).strip() + "\n", tuple(left))
+
+
+_INSTEAD = {  # what a statement names that has no counterpart, and what to write
+    r"\b(heatPort|internalHeatPort|Thermal)\b": "heat is not of this language: what a component turns into heat is a product as "
+    "damper.tau*damper.w_rel, brake.tau*brake.w, gear.tauLoss*gear.w_a or eddy.lossPower; the account of energies counts it "
+    "as dissipated, or as work",
+    r"\bMultiBody\b": "frames, bodies and joints in space have names of their own here: lag help space",
+    r"\bElectrical\b": "currents are not of this language: a torque or a force acts as a formula says, as Torque m(tau = k*i)",
+    r"\bCombiTimeTable\b": "a formula with table(time, ...) is a signal: lag help tables",
+}
+
+
+def _instead(told: str) -> str:
+    """What to write for a statement that was left out, in brackets; nothing where that is not known."""
+    return next((f" ({instead})" for name, instead in _INSTEAD.items() if re.search(name, told)), "")
+
+
+def _held_temperatures(statement: Sequence[str]) -> list[str]:
+    """That what brakes by eddy currents warms up, which changes how it brakes."""
+    told = [word for word in _told(statement) if _is_name(word)]
+    at = told.index("useHeatPort") if "useHeatPort" in told else len(told)
+    if told[at + 1 : at + 2] == ["true"] and told[0].rpartition(".")[2] in ("EddyCurrentTorque", "EddyCurrentForce"):
+        return [f"the heatPort of {told[1]} (its temperature stays T, which is 293.15 K unless it is given)"]
+    return []
 
 
 _FLOW = re.compile(r"\.(flange\w*|support)\.(tau|f)$")  # what flows there, which is no variable here
@@ -206,6 +233,8 @@ def _of_library(name: str) -> str | None:
         return UNITS.get(last, "Real")
     if parts[1] == "Math":
         return last if last in _FUNCTIONS else None
+    if parts[1:5] == ["Electrical", "Machines", "Thermal", "Constants"]:
+        return _WARMING.get(last.removeprefix("alpha20"))
     if parts[1] == "Constants":
         return _CONSTANTS.get(last)
     if (parts[1], len(parts)) not in (("Mechanics", 5), ("Blocks", 4)):

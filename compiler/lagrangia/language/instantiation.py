@@ -215,7 +215,12 @@ class Instantiation:
                         is_final=change.is_final, enumeration=base.definition.name if base.definition is not None else "")
             instance.members[declaration.name] = slot
             slots.append((slot, base.dimensions))
+        for slot, _ in slots:
+            if not self._is_there(slot.declaration, scope):
+                del instance.members[slot.declaration.name]
         for slot, more_sizes in slots:
+            if slot.declaration.name not in instance.members:
+                continue
             if slot.declaration.dimensions or more_sizes:
                 slot.dimensions = self._dimensions(slot.declaration, scope, slot.binding, more_sizes)
             elif slot.declaration.annotation and (form := form_of(slot.declaration)):
@@ -281,15 +286,21 @@ class Instantiation:
 
     def _add_component(self, instance: Instance, declaration: Declaration, change: Modification) -> None:
         scope = Scope(instance)
-        condition = declaration.condition
-        if condition is not None and not self.values.boolean(condition, scope, f"the condition of '{declaration.name}'"):
-            instance.absent.add(declaration.name)
+        if not self._is_there(declaration, scope):
             return
         self._refuse_roles(declaration)
         sizes = self._dimensions(declaration, scope)
         if self.count + prod(sizes) > _MOST_COMPONENTS:
             fail("L0209", f"more than {_MOST_COMPONENTS} components", outside(self.table, declaration.name_span, instance))
         instance.members[declaration.name] = self._elements(instance, declaration, change, sizes, ())
+
+    def _is_there(self, declaration: Declaration, scope: Scope) -> bool:
+        """Whether its condition is true, or it has none. What is not there is kept in mind."""
+        condition = declaration.condition
+        if condition is None or self.values.boolean(condition, scope, f"the condition of '{declaration.name}'"):
+            return True
+        scope.instance.absent.add(declaration.name)
+        return False
 
     def _refuse_roles(self, declaration: Declaration) -> None:
         roles = declaration.prefixes & _ROLES
