@@ -2,6 +2,7 @@
 
 import json
 import math
+import re
 from collections.abc import Callable
 from pathlib import Path
 
@@ -349,3 +350,50 @@ def test_where_forces_bend_is_said(text: str, tmp_path: Path, capsys: pytest.Cap
     file.write_text(f"model M Block b(m = 1, base = world, s(start = 1)); {text} end M;")
     assert main(["explain", str(file)]) == 0
     assert f"({CORNERS[text]}), held in each step" in " ".join(capsys.readouterr().out.split())
+
+
+ARM = """
+model Arm
+  parameter Real e[3] = {0, 1, 0};
+  World world(gravity = {0, 0, -9.81});
+  Revolute one(a = world, axis = AXIS);
+  Revolute two(a = shift(one.b, {0, 0.3, 0}), axis = AXIS2);
+  Revolute three(a = two.b, axis = AXIS);
+  Body b1(m = 1, I = MOMENTS, center = one.b);
+  Body b3(m = 1, I = MOMENTS, center = shift(three.b, {0.1, 0, 0}));
+end Arm;
+"""
+
+
+def test_what_special_axes_save_is_counted(tmp_path: Path) -> None:
+    """As many operations as the same scene with parameters has more: axes in space, and products of inertia."""
+    def needs(*changes: str) -> dict[str, Need]:
+        text = ARM
+        for before, after in zip(("AXIS2", "AXIS", "MOMENTS"), changes, strict=True):
+            text = text.replace(before, after)
+        path = tmp_path / "arm.lag"
+        path.write_text(text, encoding="utf-8")
+        return needs_of(compile_file(path))
+
+    def operations(found: dict[str, Need]) -> int:
+        return int(re.findall(r"tree (\d+)", found["M as a matrix"].why)[0])
+
+    special = needs("{1, 0, 0}", "{0, 0, 1}", "{0.1, 0.2, 0.25}")
+    skipped = special["tilted axes"]
+    assert not skipped.is_needed and special["centres beside axes"].place.endswith("arm.lag:7:12")
+    assert "two.phi" in special["offsets of joints"].why and "2 of 3 are without" in special["offsets of joints"].why
+    any_axes = needs("e", "e", "{0.1, 0.2, 0.25}")
+    assert any_axes["tilted axes"].is_needed and any_axes["tilted axes"].why.startswith("one.phi, two.phi, three.phi; ")
+    special_count = operations(special)
+    saved, whole = map(int, re.findall(r"\d+", skipped.saving))
+    assert saved == whole - special_count and saved > 100
+    matrix = "{{0.1, 0.01, 0.01}, {0.01, 0.2, 0.01}, {0.01, 0.01, 0.25}}"
+    whole_matrix = operations(needs("{1, 0, 0}", "{0, 0, 1}", matrix))
+    saved, whole = map(int, re.findall(r"\d+ of \d+", special["products of inertia"].saving)[0].split(" of "))
+    assert whole == whole_matrix and saved == whole - special_count
+
+
+def test_references_of_attitudes_are_no_time() -> None:
+    found = example("top")
+    assert not found["explicit time"].is_needed and not found["time events"].is_needed
+    assert not found["products of inertia"].is_needed

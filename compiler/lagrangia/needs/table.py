@@ -9,6 +9,7 @@ from functools import cached_property
 
 import casadi as ca
 
+from lagrangia.algebra.with_casadi import Mode
 from lagrangia.base.diagnostics import Span
 from lagrangia.base.records import dataclass
 from lagrangia.constraints.initial import InitialConditions
@@ -22,6 +23,7 @@ from lagrangia.frames.kinematics import Kinematics
 from lagrangia.frames.planes import Plane
 from lagrangia.language.moving_inputs import rate_inputs
 from lagrangia.language.observables import observe
+from lagrangia.needs.along_axes import Skipped, skipped_along_axes
 from lagrangia.needs.conditions import find_corners
 from lagrangia.needs.dependence import changes
 from lagrangia.needs.islands import MOST_COORDINATES, find_islands
@@ -58,7 +60,12 @@ class _Parts:
 
     @property
     def symbols_of_time(self) -> ca.SX:
-        return ca.vertcat(self.motion.t, *[mode.symbol for mode in self.kinematics.algebra.modes])
+        return ca.vertcat(self.motion.t, *[mode.symbol for mode in self.modes])
+
+    @property
+    def modes(self) -> list[Mode]:
+        """What changes at times: references of attitudes, which steps move along, do not."""
+        return [mode for mode in self.kinematics.algebra.modes if not mode.of_attitude]
 
     @cached_property
     def moved(self) -> list[tuple[str, Span]]:
@@ -119,6 +126,22 @@ def _space(parts: _Parts) -> Iterable[Need]:
                    "the equations are those of the plane", _line(plane.span), saving="three of six numbers a body")
     elif plane is not None:
         yield Need("motion across a plane", True, plane.why, _line(plane.span))
+    if parts.scene.n <= _MOST_COUNTED:
+        yield from map(_along_axes, skipped_along_axes(parts.kinematics, parts.energies, parts.motion, parts.count))
+
+
+def _along_axes(skipped: Skipped) -> Need:
+    """What products of zeros save where axes, centres and inertias are special, beside a tree that could have any."""
+    whole, general = skipped.operations
+    saved = f"{max(0, general - whole)} of {general} operations"
+    needing, count = [name for name, _ in skipped.needing], skipped.count
+    if not needing:
+        return Need(skipped.what, False, f"all {count} are {skipped.otherwise}" if count > 1 else f"it is {skipped.otherwise}",
+                    saving=saved)
+    others = count - len(needing)
+    why = f"; {others} of {count} {'is' if others == 1 else 'are'} {skipped.otherwise}" if others else ""
+    why += f"; what falls away all the same saves {saved}" if general > whole else ""
+    return Need(skipped.what, True, _few(needing) + why, _line(skipped.needing[0][1]))
 
 
 def _forces(parts: _Parts) -> Iterable[Need]:
@@ -262,7 +285,7 @@ def _time(parts: _Parts) -> Iterable[Need]:
     timed = ca.depends_on(parts.motion.acceleration, parts.symbols_of_time)
     yield Need("explicit time", timed, "t stands in the accelerations" if timed else "t does not stand in the accelerations",
                _line(place_of_time(parts.kinematics)) if timed else "")
-    modes = parts.kinematics.algebra.modes
+    modes = parts.modes
     conditions, delays = _counted(parts.scene.sizes["n_events"], "condition"), parts.kinematics.graph.model.delays
     told = [f"{conditions} on time"] * bool(modes) + ["what breaks at an event breaks again a delay later"] * bool(delays)
     place = place_of_time(parts.kinematics, is_event=True) if modes else delays[0].span if delays else None
