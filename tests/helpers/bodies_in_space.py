@@ -49,8 +49,8 @@ Body = tuple[float, Array, Moving]  # mass, inertia about the centre of mass in 
 Look = Callable[[Array, Array], tuple[list[Body], Array]]  # q, v -> bodies, and what constraints say of v
 
 
-def accelerations(look: Look, q: Array, v: Array, gravity: Array) -> Array:
-    """(n,)."""
+def accelerations(look: Look, q: Array, v: Array, gravity: Array, pushed: Array | float = 0.0) -> Array:
+    """(n,); `pushed`: generalised forces beside those of gravity."""
     n = len(q)
     ways = [look(q, e) for e in np.eye(n)]
     moved = look(q + 1j * _STEP * v, v.astype(complex))
@@ -64,7 +64,7 @@ def accelerations(look: Look, q: Array, v: Array, gravity: Array) -> Array:
         h += Jv.T @ (m * (a - gravity)) + Jw.T @ (I @ alpha + cross(w, I @ w))
     A = np.array([rates for _, rates in ways]).T.reshape(-1, n)
     table = np.block([[M, A.T], [A, np.zeros((len(A),) * 2)]])
-    return np.linalg.solve(table, -np.concatenate([h, moved[1].imag / _STEP]))[:n]
+    return np.linalg.solve(table, -np.concatenate([h - pushed, moved[1].imag / _STEP]))[:n]
 
 
 def slip_of_disc(center: Moving, axis: Sequence[float], r: float) -> Array:

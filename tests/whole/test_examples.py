@@ -18,6 +18,7 @@ from helpers.reference import Array, integrate, linear_response
 from helpers.spatial_examples import REFERENCES as SPATIAL
 from whole.test_loop_examples import REFERENCES as LOOPS
 from whole.test_space_examples import REFERENCES as SPACE
+from whole.test_space_loop_examples import REFERENCES as SPACE_LOOPS
 
 FOLDER = Path(__file__).parents[2] / "models" / "examples"
 EXAMPLES = sorted(FOLDER.glob("*.lag"))
@@ -369,6 +370,7 @@ REFERENCES: dict[str, Callable[[Array], Columns]] = {
     **LOOPS,
     **SPATIAL,
     **SPACE,
+    **SPACE_LOOPS,
 }
 
 # ---------------------------------------------------------------- the tests

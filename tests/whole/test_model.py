@@ -16,7 +16,7 @@ from lagrangia.run.request import Experiment
 
 EXAMPLES = sorted((Path(__file__).resolve().parents[2] / "models" / "examples").glob("*.lag"))
 FOLDER = EXAMPLES[0].parent
-SAMPLED = ("crane", "satellite", "top", "rolling_disc_space")
+SAMPLED = ("crane", "satellite", "top", "rolling_disc_space", "spatial_four_bar", "hexapod")
 # of whose accelerations q and v alone do not tell: held values, attitudes
 STATES = 20
 CONSTRAINED = {"Phi", "J", "bias", "lambda"}
