@@ -8,7 +8,9 @@ import pytest
 import yaml
 
 import lagrangia as lag
+from lagrangia.algebra.with_casadi import CasadiAlgebra
 from lagrangia.constraints.parameters import default_parameters
+from lagrangia.frames.spatial_joints import triad
 from lagrangia.model import Model
 
 SPATIAL = Path(__file__).parents[1] / "whole" / "spatial"
@@ -52,6 +54,15 @@ def test_gaps_and_their_rates_agree(kind: str) -> None:
     q = [run[name][-1] for name in c.kinematics.symbols.positions]
     phi, slopes, J = (x.full() for x in look(q, values))
     assert np.abs(phi).max() < 1e-12 and slopes == pytest.approx(J, abs=1e-11)
+
+
+@pytest.mark.parametrize("axis", [(1, 0, 0), (0, -1, 0), (0, 0, 1), (0, 0, -1), (0.6, 0, -0.8), (-0.48, 0.64, 0.6)])
+def test_axes_that_are_parameters_may_point_anywhere(axis: tuple[float, ...]) -> None:
+    x, algebra = ca.SX.sym("axis", 3), CasadiAlgebra(ca.SX.sym("t"), ca.SX.sym("x"))
+    rows = ca.vertcat(*[ca.horzcat(*row) for row in triad(x.elements(), algebra)])
+    R = ca.Function("triad", [x], [rows])(ca.DM(axis)).full()
+    assert R @ R.T == pytest.approx(np.eye(3), abs=1e-15) and np.linalg.det(R) == pytest.approx(1)
+    assert R[2] == pytest.approx(axis)
 
 
 RSSR = """

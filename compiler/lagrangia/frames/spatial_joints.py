@@ -23,6 +23,7 @@ from lagrangia.frames.quaternions import Quaternion, conjugate, quaternion_produ
 from lagrangia.frames.spatial import HERE, Matrix, Pose, Vector, cross, product, times_matrix, transposed
 
 UNIT = HERE.axes
+_LIKE_NO_AXIS = 0.7320508, 1.4142136, 0.5772157  # along which no axis is that is a parameter, as those along x, y or z are
 
 
 @dataclass(frozen=True)
@@ -80,7 +81,8 @@ def triad(axis: Sequence[Scalar], algebra: Algebra) -> Matrix:
         k, side = along[0], float(axis[along[0]])
         return UNIT[(k + 1) % 3], tuple(times(side, x) for x in UNIT[(k + 2) % 3]), tuple(axis)
     sizes = [abs(x) if isinstance(x, float | int) else 0.5 for x in axis]
-    across = cross(axis, UNIT[sizes.index(min(sizes))])
+    any_known = any(isinstance(x, float | int) for x in axis)
+    across = cross(axis, UNIT[sizes.index(min(sizes))] if any_known else _LIKE_NO_AXIS)
     length = algebra.call("sqrt", dot(across, across))
     first = tuple(0.0 if is_zero(x) else x / length for x in across)
     return first, cross(axis, first), tuple(axis)
