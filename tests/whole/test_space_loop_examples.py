@@ -13,7 +13,10 @@ Columns = dict[str, Array]
 
 
 def cardan_shaft(t: Array) -> Columns:
-    """The shaft turns about its own axis k(phi) times as fast as motor and wheel: (J + Js k^2) phi'' + Js k k_phi phi'^2 = drive - c phi'."""
+    """The shaft turns about its own axis k(phi) times as fast as motor and wheel:
+
+    (J + Js k^2) phi'' + Js k k_phi phi'^2 = drive - c phi'
+    """
     bend, drive, c, J, Js = np.radians(35), 0.5, 0.02, 0.02 + 0.05, 0.01
 
     def ratio(phi: Array) -> tuple[Array, Array]:
@@ -30,8 +33,9 @@ def cardan_shaft(t: Array) -> Columns:
 
 
 def spatial_four_bar(t: Array) -> Columns:
-    """The rocker follows the crank by q_x cos phi - q_z sin phi = (q q + b^2 - c^2)/(2 b), q from its axis to the crank's pin; the rod
-    does not turn about itself.
+    """The rod does not turn about itself; the rocker follows the crank, whose pin is at q from the rocker's axis:
+
+    q_x cos phi - q_z sin phi = (q q + b^2 - c^2)/(2 b)
     """
     a, b, c, D = 0.3, 0.6, 1.1, np.array([0.9, 0.5, 0.2])
 
@@ -84,7 +88,7 @@ def bricard(t: Array) -> Columns:
 
 
 def hexapod(t: Array) -> Columns:
-    """Newton and Euler in numbers, with the place of the plate and angles zyx as coordinates: legs follow the points that they carry."""
+    """Newton and Euler in numbers, with the place and the angles zyx of the plate; legs follow the points that they carry."""
     R, r, k, s0 = 1, 0.5, 4000, 1.1
     low, high = np.radians([-10, 70, 110, 190, 230, 310]), np.radians([20, 40, 140, 160, 260, 280])
     feet, tops = (np.array([size * cos(x), size * sin(x), 0 * x]).T for size, x in ((R, low), (r, high)))
