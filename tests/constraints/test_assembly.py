@@ -43,6 +43,8 @@ def test_the_run_time_and_the_compiler_assemble_alike(file: Path, name: str) -> 
         pytest.skip("nothing to assemble")
     x, worst = assembly.begin(made.kinematics, made.initial, made.functions.table).assemble()
     assert worst == -1
+    if any(c.attitude for c in made.graph.coordinates):
+        pytest.skip("the run tells quaternions, not what is solved for: test_attitude_coordinates.py")
     start = begin(lag.Model(file, name))
     names = [c.name for c in (*made.graph.coordinates, *made.initial.lost)]
     found = [start[name] for name in (*names, *(f"der({name})" for name in names))]

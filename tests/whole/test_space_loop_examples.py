@@ -87,45 +87,45 @@ def bricard(t: Array) -> Columns:
     return {f"p{k}.phi": x for k, x in zip(range(1, 7), [theta, phi] * 3, strict=True)} | {"p1.w": w, "p4.w": slope * w}
 
 
+def plate(q: Array, v: Array) -> Moving:
+    """The plate of the hexapod from its place and its angles zyx."""
+    x, y, z, *angles = zip(q, v, strict=True)
+    place = GROUND.slid([1, 0, 0], *x).slid([0, 1, 0], *y).slid([0, 0, 1], *z)
+    return place.turned([0, 0, 1], *angles[0]).turned([0, 1, 0], *angles[1]).turned([1, 0, 0], *angles[2])
+
+
+def leg(foot: Array, end: Moving) -> list[Body]:
+    """Its tube and its rod, which follow the point that they carry."""
+    d = end.r - foot
+    s = np.sqrt(d @ d)
+    u, rate = d / s, d @ end.v / s
+    du = (end.v - u * rate) / s
+    stand = GROUND.shifted(foot).turned([1, 0, 0], -np.arctan(u[1] / u[2]), (u[1] * du[2] - du[1] * u[2]) / (u[1]**2 + u[2]**2))
+    stand = stand.turned([0, 1, 0], np.arcsin(u[0]), du[0] / np.sqrt(1 - u[0]**2))
+    places = stand.shifted([0, 0, 0.2]), stand.slid([0, 0, 1], s, rate).shifted([0, 0, -0.2])
+    return [(0.5, np.diag([0.01, 0.01, 0.001]), place) for place in places]
+
+
 def hexapod(t: Array) -> Columns:
-    """Newton and Euler in numbers, with the place and the angles zyx of the plate; legs follow the points that they carry."""
+    """Newton and Euler in numbers, with the place and the angles zyx of the plate as coordinates."""
     R, r, k, s0 = 1, 0.5, 4000, 1.1
     low, high = np.radians([-10, 70, 110, 190, 230, 310]), np.radians([20, 40, 140, 160, 260, 280])
     feet, tops = (np.array([size * cos(x), size * sin(x), 0 * x]).T for size, x in ((R, low), (r, high)))
     across, level = 10 * (r**2 / 4 + 0.05**2 / 12), 10 * r**2 / 2
 
-    def plate(q: Array, v: Array) -> Moving:
-        x, y, z, *angles = zip(q, v, strict=True)
-        place = GROUND.slid([1, 0, 0], *x).slid([0, 1, 0], *y).slid([0, 0, 1], *z)
-        return place.turned([0, 0, 1], *angles[0]).turned([0, 1, 0], *angles[1]).turned([1, 0, 0], *angles[2])
-
     def look(q: Array, v: Array) -> tuple[list[Body], Array]:
         carried = plate(q, v)
-        bodies: list[Body] = [(10, np.diag([across, across, level]), carried)]
-        for foot, top in zip(feet, tops, strict=True):
-            end = carried.shifted(top)
-            d = end.r - foot
-            s = np.sqrt(d @ d)
-            u, rate = d / s, d @ end.v / s
-            du = (end.v - u * rate) / s
-            b, a = np.arcsin(u[0]), -np.arctan(u[1] / u[2])
-            stand = GROUND.shifted(foot).turned([1, 0, 0], a, -(du[1] * u[2] - u[1] * du[2]) / (u[1] ** 2 + u[2] ** 2))
-            stand = stand.turned([0, 1, 0], b, du[0] / cos(b))
-            slid = stand.slid([0, 0, 1], s, rate)
-            bodies += [(0.5, np.diag([0.01, 0.01, 0.001]), x) for x in (stand.shifted([0, 0, 0.2]), slid.shifted([0, 0, -0.2]))]
-        return bodies, np.zeros(0)
+        legs = [body for foot, top in zip(feet, tops, strict=True) for body in leg(foot, carried.shifted(top))]
+        return [(10, np.diag([across, across, level]), carried), *legs], np.zeros(0)
 
     def lengths(q: Array) -> Array:
         at = plate(q, 0 * q)
         d = at.r + tops @ at.R.T - feet
         return np.sqrt((d * d).sum(axis=1))
 
-    def pushed(q: Array) -> Array:
-        slopes = np.array([lengths(q + 1j * 1e-40 * e).imag / 1e-40 for e in np.eye(6)])
-        return -k * slopes @ (lengths(q) - s0)
-
     def acceleration(t: float, q: Array, v: Array) -> Array:
-        return accelerations(look, q, v, np.array([0, 0, -g]), pushed(q))
+        slopes = np.array([lengths(q + 1j * 1e-40 * e).imag / 1e-40 for e in np.eye(6)])
+        return accelerations(look, q, v, np.array([0, 0, -g]), -k * slopes @ (lengths(q) - s0))
 
     q, v = integrate(acceleration, [0.05, 0, 0.9, np.radians(10), np.radians(5), 0], np.zeros(6), t)
     s = np.array([lengths(x) for x in q.T])
