@@ -1,6 +1,7 @@
 """Scenes in space whose parts move in parallel planes run with the equations of the plane."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -154,6 +155,92 @@ def test_what_lies_in_no_plane_is_told(name: str) -> None:
                       f"Body b(m = 1, I = {{1, 1, 1}}, center = shift(h.b, {{0, 1, 0}})); {parts} {more} end M;")
     plane = plane_of(model)
     assert isinstance(plane, NoPlane) and plane.why.startswith(why)
+
+
+def in_space(model: Model) -> Model:
+    """The same with the equations of space."""
+    return model._in(replace(model.formulas, in_space=True))
+
+
+HINGE = "model M World world; {before} Revolute h(a = {base}, axis = {{0, 0, 1}}, phi(start = 2.5)); " \
+        "Body b(m = 1, I = {{0.01, 0.01, 0.01}}, center = shift(h.b, {{0.5, 0, {rise}}})); end M;"
+CORNERS = {
+    "a cam": ("", "world", "0.4[m]*max(0, h.phi - 2)"),
+    "time": ("", "shift(world, {0, 0, max(0, (time - 2)*1[m/s])})", "0"),
+    "a branch": ("", "shift(world, {0, 0, if time < 2 then 0 else (time - 2)*1[m/s]})", "0"),
+    "an input": ("input Length up;", "shift(world, {0, 0, max(up, 5[m])})", "0"),
+    "a parameter": ("parameter Real k = 1;", "world", "0.4[m]*max(0, k - 2)*h.phi"),
+    "steep": ("", "world", "0.1[m]*tanh(1e6*(h.phi - 2))"),
+    "small": ("", "world", "1e-13[m]*exp(20*h.phi)"),
+    "tilted": ("", "turn(world, max(0, (time - 2)*1[rad/s]), {1, 0, 0})", "0"),
+}
+
+
+@pytest.mark.parametrize("name", CORNERS)
+def test_what_leaves_the_plane_elsewhere_is_seen(name: str) -> None:
+    """Where slopes are 0 at most places, or too small there."""
+    before, base, rise = CORNERS[name]
+    assert isinstance(plane_of(lag.loads(HINGE.format(before=before, base=base, rise=rise))), NoPlane)
+
+
+def test_a_cam_across_the_plane_runs_in_space() -> None:
+    model = lag.loads(HINGE.format(before="", base="world", rise="0.4[m]*max(0, h.phi - 2)"))
+    assert model.simulate(stop=1, interval=1, tolerance=1e-10)["h.phi"][-1] == pytest.approx(6.4206567, abs=1e-6)
+
+
+@pytest.mark.parametrize("way", ["{max(0, h.phi - 2)*1[m], 0.3*sin(h.phi)*1[m], 0}",
+                                 "{h.phi/3*1[m], (if h.phi > 2 then 0.1 else 0.2*h.phi)*1[m], 0}"])
+def test_corners_in_a_tilted_plane_stay_there(way: str) -> None:
+    """Their rounding along the normal is no change."""
+    back = rotation(TILT, -0.9)
+    shift = " + ".join(f"{curly(back[:, k])}*({part})" for k, part in enumerate(way[1:-1].rsplit(", ", 2)))
+    base = f"turn(h.b, 0.9, {curly(TILT)})"
+    text = HINGE.format(before="", base=f"turn(world, 0.7, {curly(TILT)})", rise="0")
+    model = lag.loads(text.replace("shift(h.b, {0.5, 0, 0})", f"shift({base}, {shift})"))
+    assert isinstance(plane_of(model), Plane)
+
+
+FOUR_BAR = """model M World world(gravity = {{0, -9.81, 0}});
+  Revolute h1(a = world, axis = {{0, 0, 1}}, phi(start = 1));
+  Body b1(m = 1, I = {{0.01, 0.01, 0.01}}, center = shift(h1.b, {{0.5, 0, 0}}));
+  Revolute h2(a = shift(h1.b, {{1, 0, 0}}), axis = {{0, 0, -1}}, phi(start = 1.2));
+  Body b2(m = 1, I = {{0.01, 0.01, 0.01}}, center = shift(h2.b, {{0.5, 0, 0}}));
+  Revolute h3(a = shift(h2.b, {{1, 0, 0}}), axis = {{0, 0, 1}}, phi(start = 1));
+  Body b3(m = 1, I = {{0.01, 0.01, 0.01}}, center = shift(h3.b, {{-0.4, 0, 0}}));
+  {closed} end M;"""
+LAST = "Revolute h4(a = turn(shift(world, {1.2, 0, 0}), 0.7, {1, 0, 0}), axis = {0, AXIS}, " \
+       "b = turn(shift(h3.b, {-0.8, 0, 0}), 0.7, {1, 0, 0})); energy potential 30*(h4.phi - 1)^2/2;"
+
+
+@pytest.mark.parametrize("axis", ["sin(0.7), cos(0.7)", "-sin(0.7), -cos(0.7)"])
+def test_a_cut_hinge_turns_about_its_own_axis(axis: str) -> None:
+    """Its angle, and the force of it, where the axis is told by an expression."""
+    model = lag.loads(FOUR_BAR.format(closed=LAST.replace("AXIS", axis)))
+    assert isinstance(plane_of(model), Plane)
+    a, b = (x.simulate(stop=0.5, interval=0.25, tolerance=1e-10) for x in (model, in_space(model)))
+    for name in ("h1.phi", "h4.phi", "der(h4.phi)"):
+        assert a[name] == pytest.approx(b[name], abs=1e-7), name
+
+
+ACROSS = {
+    "a hinge": ("Revolute h4(a = shift(world, {1.2, 0, 0}), axis = {1, 0, 0}, b = shift(h3.b, {-0.8, 0, 0}));",
+                "'h4.phi' turns", 0),
+    "a slider": ("Prismatic h4(a = shift(world, {1.2, 0, 0}), along = {0, 0, 1}, b = shift(h3.b, {-0.8, 0, 0}));",
+                 "'h4.s' shifts", 0),
+    "a fifth bar": ("Revolute h4(a = shift(h3.b, {-0.8, 0, 0}), axis = {0, 0, 1}, phi(start = 1)); "
+                    "Body b4(m = 1, I = {0.01, 0.01, 0.01}, center = shift(h4.b, {0.3, 0, 0})); "
+                    "Revolute h5(a = shift(world, {1.2, 0, 0}), axis = {1, 0, 0}, b = shift(h4.b, {0.6, 0, 0}));",
+                    "'h5.phi' turns", 1),
+}
+
+
+@pytest.mark.parametrize("name", ACROSS)
+def test_a_cut_joint_across_the_plane_leaves_it(name: str) -> None:
+    closed, why, count = ACROSS[name]
+    model = lag.loads(FOUR_BAR.format(closed=closed))
+    plane = plane_of(model)
+    assert isinstance(plane, NoPlane) and plane.why.startswith(why)
+    assert model.freedom["degrees_of_freedom"] == count
 
 
 def test_reactions_at_rest_are_those_of_space() -> None:

@@ -6,15 +6,18 @@ asked for, or felt by friction, the scene is run in space.
 
 from collections.abc import Sequence
 from dataclasses import replace
-from math import sqrt
+from math import isfinite, sqrt
 
 import casadi as ca
 import numpy as np
 
-from lagrangia.algebra.duals import Scalar, dot, times
+from lagrangia.algebra.duals import Scalar, dot, minus, times
 from lagrangia.base.diagnostics import LagError, Span
+from lagrangia.constraints.changes import changes_of
 from lagrangia.constraints.parameters import default_parameters
 from lagrangia.frames import spatial
+from lagrangia.frames.closure_frames import way_of_shift
+from lagrangia.frames.edges import Closure
 from lagrangia.frames.graph import build_graph
 from lagrangia.frames.in_plane import along_normal
 from lagrangia.frames.kinematics import Kinematics, build_kinematics
@@ -28,7 +31,8 @@ from lagrangia.language.tree import Flat, FrameRef, Ref
 from lagrangia.run.scene import ALL_REACTIONS
 
 _TILTED = 1e-9  # of the cosine of an angle between planes that a loop joins
-_NEGLIGIBLE = 1e-12  # of a slope
+_NEGLIGIBLE = 1e-12  # of a part along the normal
+_ROUNDING = 1e-14  # of numbers that are about 1
 _UNIT: Matrix = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 
 
@@ -48,6 +52,12 @@ def _find_plane(kinematics: Kinematics, outputs: Sequence[str], is_general: bool
         return found or _Look(kinematics, is_general).look()
     except LagError:  # which is told, with its place, where poses are made
         return NoPlane("something turns about no axis", None)
+    except _NoNumber:
+        return NoPlane("where an axis points follows from the motion", None)
+
+
+class _NoNumber(Exception):
+    """Of what parameters alone do not give, or no finite number."""
 
 
 def _reads_reactions(model: FlatModel, outputs: Sequence[str]) -> NoPlane | None:
@@ -107,7 +117,7 @@ class _Look:
             here = own[edge.parent]
             for step in (step for step in edge.steps if step.kind == "turn"):
                 axis, angle = self._axis(step), self._amount(step)
-                if self._changes(angle):
+                if self._changes((1.0,), (angle,)):
                     return here, axis, edge.span
                 here = self._turned(here, step, axis, angle)
             own[edge.child] = here
@@ -123,25 +133,38 @@ class _Look:
                 return found
             own[edge.child] = found
         for cut in graph.closures:
-            found = self._along(own[cut.a], cut.steps_a, (), cut.span)
-            if isinstance(found, NoPlane):
-                return found
-            if abs(dot(found[2], own[cut.b][2]) - 1) > _TILTED:
+            a, b = self._along(own[cut.a], cut.steps_a, (), cut.span), self._along(own[cut.b], cut.steps_b, (), cut.span)
+            if isinstance(a, NoPlane) or isinstance(b, NoPlane):
+                return a if isinstance(a, NoPlane) else b if isinstance(b, NoPlane) else None
+            if abs(dot(a[2], b[2]) - 1) > _TILTED:
                 return NoPlane("the two sides of a loop are tilted against each other", cut.span)
+            if cut.freedom is not None and (leaves_it := self._freed(a, cut, cut.freedom)) is not None:
+                return leaves_it
         return None
+
+    def _freed(self, own: Matrix, cut: Closure, freedom: Step) -> NoPlane | None:
+        """What a cut joint leaves free, if that is not in the plane."""
+        if freedom.kind == "turn":
+            is_free = bool(along_normal(spatial.times_matrix(own, self._axis(freedom))))
+            return None if is_free else NoPlane(f"'{cut.kept}' turns about an axis that is not parallel to others", cut.span)
+        origin, ahead = way_of_shift(self.kinematics, freedom, cut.kept)
+        way = [minus(y, x) for x, y in zip(origin, ahead, strict=True)]
+        size = max(abs(self._value(x)) for x in way)
+        is_free = abs(self._number(dot(own[2], way))) <= _NEGLIGIBLE * size
+        return None if is_free else NoPlane(f"'{cut.kept}' shifts along an axis about which others turn", cut.span)
 
     def _along(self, own: Matrix, steps: Sequence[Step], coordinates: Sequence[str], span: Span) -> Matrix | NoPlane:
         moved = f"'{coordinates[0]}'" if coordinates else f"'{span.text}'"
         for step in steps:
             amount = self._amount(step)
             if step.kind == "shift":
-                if self._changes(dot(own[2], amount)):
+                if self._changes(own[2], amount):
                     return NoPlane(f"{moved} shifts along an axis about which others turn", span)
                 continue
             axis = self._axis(step)
             if along_normal(spatial.times_matrix(own, axis)):
                 continue
-            if self._changes(amount):
+            if self._changes((1.0,), (amount,)):
                 return NoPlane(f"{moved} turns about an axis that is not parallel to others", span)
             own = self._turned(own, step, axis, amount)
         return own
@@ -161,27 +184,33 @@ class _Look:
         numbers = tuple(map(self._number, self.kinematics.evaluator.value(step.axis)))
         return spatial.unit_axis(step, numbers, self.kinematics.algebra)
 
-    def _changes(self, value: Scalar) -> bool:
-        """Whether the motion, time or inputs change it."""
-        if not isinstance(value, ca.SX):
-            return False
-        moving = [x for x in ca.symvar(value) if x.__hash__() not in self.values]
-        if not moving:
-            return False
-        slopes = ca.jacobian(value, ca.vertcat(*moving))
-        symbols = ca.symvar(slopes)
-        numbers = np.random.default_rng(1).uniform(0.3, 1.7, len(symbols))
-        found = ca.evalf(ca.substitute(slopes, ca.vertcat(*symbols), ca.DM(numbers))) if symbols else ca.evalf(slopes)
-        return bool(np.abs(found.full()).max(initial=0.0) > _NEGLIGIBLE)
+    def _changes(self, along: Sequence[float], value: Sequence[Scalar]) -> bool:
+        """Whether the motion, time or inputs change what a value has along a direction."""
+        changes = changes_of(value, self.values)
+        if not np.isfinite(changes).all():
+            return bool(np.isinf(changes[np.array(along) != 0]).any())
+        return bool(np.abs(np.array(along) @ changes).max() > _NEGLIGIBLE * np.abs(changes).max() + _ROUNDING)
 
     def _number(self, value: Scalar) -> float:
-        """With the parameters as they are declared, which it takes note of."""
-        if not isinstance(value, ca.SX):
-            return float(value)
-        symbols = list(ca.symvar(value))
-        self.used |= {self.names[x.__hash__()] for x in symbols}
+        """With the parameters as they are declared, which it takes note of. Raises _NoNumber."""
+        found = self._value(value)
+        self.used |= {self.names[x.__hash__()] for x in self._symbols(value)}
+        return found
+
+    def _value(self, value: Scalar) -> float:
+        """With the parameters as they are declared. Raises _NoNumber."""
+        symbols = self._symbols(value)
+        if any(x.__hash__() not in self.values for x in symbols):
+            raise _NoNumber
         numbers = ca.DM([self.values[x.__hash__()] for x in symbols])
-        return float(ca.evalf(ca.substitute(value, ca.vertcat(*symbols), numbers)) if symbols else ca.evalf(value))
+        found = float(ca.evalf(ca.substitute(value, ca.vertcat(*symbols), numbers)) if symbols else value)
+        if not isfinite(found):
+            raise _NoNumber
+        return found
+
+    @staticmethod
+    def _symbols(value: Scalar) -> list[ca.SX]:
+        return list(ca.symvar(value)) if isinstance(value, ca.SX) else []
 
     def _numbers(self) -> dict[str, tuple[float | None, ...]] | NoPlane:
         """Of the parameters that it takes note of, and of those that they follow."""

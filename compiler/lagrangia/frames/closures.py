@@ -45,16 +45,15 @@ def cut_coordinate(frames: Frames, closure: Closure, level: int) -> Scalar:
     """The coordinate of the cut joint, read off the frames."""
     assert closure.freedom is not None
     a, b = _ends(frames, closure, level)
-    is_inverse = closure.freedom.is_inverse != _is_turned_back(frames, closure.freedom, a)
-    return planar_joints.coordinate(a, _alike(frames, a, b), _slide(frames, closure, a), is_inverse)
+    return planar_joints.coordinate(a, _alike(frames, a, b), _slide(frames, closure, a), _is_inverse(frames, closure.freedom, a))
 
 
 def wrench_on_b(frames: Frames, closure: Closure, forces: Sequence[Scalar], drive: Scalar) -> list[Scalar]:
     """What holds the frame b: `forces` push the gaps shut, `drive` takes from what acts on the joint's coordinate."""
     if frames.geometry.by_rates:
         return spatial_closures.wrench_on_b(frames, closure, forces)
-    is_inverse = closure.freedom is not None and closure.freedom.is_inverse
     a = _ends(frames, closure, 0)[0]
+    is_inverse = closure.freedom is not None and _is_inverse(frames, closure.freedom, a)
     return planar_joints.wrench_on_b(closure.kind, a, _slide(frames, closure, a), is_inverse, forces, drive)
 
 
@@ -79,12 +78,14 @@ def _alike(frames: Frames, a: Pose, b: Pose) -> Pose:
     return in_plane.seen_alike(a, b, frames.evaluator.algebras[0]) if frames.geometry.by_poses else b
 
 
-def _is_turned_back(frames: Frames, freedom: Step, a: Pose) -> bool:
-    """Whether a hinge's axis points to the other side of the plane."""
+def _is_inverse(frames: Frames, freedom: Step, a: Pose) -> bool:
+    """Whether a's side of a hinge turns ahead of b's: by the way that it is written, or as its axis points down the normal."""
     if freedom.kind != "turn" or not frames.geometry.by_poses:
-        return False
+        return freedom.is_inverse
     axis = frames.evaluator.value(freedom.axis) if freedom.axis is not None else None
-    return in_plane.along_normal(a.in_plane(unit_axis(freedom, axis, frames.algebra))) < 0
+    side = in_plane.along_normal(a.in_plane(unit_axis(freedom, axis, frames.algebra)))
+    assert side, "found_plane.py has seen that the axis is along the normal, and compiled its numbers in"
+    return freedom.is_inverse != (side < 0)
 
 
 def _beside(frames: Frames, a: Pose, b: Pose, slide: Slide | None) -> Sequence[Scalar]:

@@ -91,7 +91,8 @@ def _constrained(rows: ConstraintRows, motion: Motion) -> list[list[int]]:
     """The coordinates of each constraint, in the order of the rows."""
     n, m = motion.q.numel(), rows.rate.numel()
     found: list[set[int]] = [set() for _ in range(m)]
-    pattern = ca.jacobian_sparsity(ca.vertcat(rows.rate, rows.bias), ca.vertcat(motion.q, motion.v))
+    # Those of gaps as well: in space what vanishes for the turns of a loop has rates that are known to others where it is closed.
+    pattern = ca.jacobian_sparsity(ca.vertcat(rows.rate, rows.bias, rows.phi), ca.vertcat(motion.q, motion.v))
     for row, column in zip(*pattern.get_triplet(), strict=True):
         found[row % m].add(column % n)
     return [sorted(among) for among in found]
