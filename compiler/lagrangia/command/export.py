@@ -26,7 +26,7 @@ _MEANT = dict.fromkeys(("fmi", "kind", "platforms", "sources", "engine", "output
 def _refuse_idle(options: Namespace) -> None:
     """Raises LagError L0704 for an option that would change nothing."""
     for name, targets in _MEANT.items():
-        if getattr(options, name) not in (None, [], False) and options.to not in targets and options.to in ("fmu", *TARGETS):
+        if getattr(options, name) not in (None, []) and options.to not in targets and options.to in ("fmu", *TARGETS):
             fail("L0704", f"an export to {options.to} has no --{name}", None, f"it is for {', '.join(targets)}")
 
 
