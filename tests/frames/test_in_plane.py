@@ -243,6 +243,24 @@ def test_a_cut_joint_across_the_plane_leaves_it(name: str) -> None:
     assert model.freedom["degrees_of_freedom"] == count
 
 
+SLIDERS = """model M World world(gravity = {{0, 0, -9.81}}); Revolute h(a = world, axis = {{1, 0, 0}}, phi(start = 0.3));
+  Body b(m = 1, I = {{0.1, 0.1, 0.1}}, center = shift(h.b, {{0, 0.2, 0}}));
+  Prismatic p(a = h.b, along = {{0, 1, 0}}, s(start = 0.3)); Body c(m = 1, I = {{0.1, 0.1, 0.1}}, center = p.b);
+  Prismatic q(a = p.b, along = {{0, 0, 1}}, s(start = 0.4)); Body d(m = 1, I = {{0.1, 0.1, 0.1}}, center = q.b);
+  Spring spring(k = 20, s_rel0 = 0.5, a = world, b = q.b); Prismatic r(a = h.b, along = {{{along}}}, b = q.b); end M;"""
+
+
+def test_a_cut_slider_keeps_to_the_plane_or_leaves_it() -> None:
+    """A loop of sliders alone; that which is cut points anywhere in the plane."""
+    model, other = (lag.loads(SLIDERS.format(along=along)) for along in ("0, 0.6, 0.8", "0.1, 0.6, 0.8"))
+    assert isinstance(plane_of(model), Plane) and model.compilation.graph.closures[0].kind == "slider"
+    a, b = (x.simulate(stop=0.5, interval=0.25, tolerance=1e-10) for x in (model, in_space(model)))
+    for name in ("h.phi", "p.s", "r.s"):
+        assert a[name] == pytest.approx(b[name], abs=1e-8), name
+    left = plane_of(other)
+    assert isinstance(left, NoPlane) and left.why == "'r.s' shifts along an axis about which others turn"
+
+
 def test_reactions_at_rest_are_those_of_space() -> None:
     """Across the plane, the hinge carries what gravity has there."""
     hinge = """Revolute h(a = world, axis = {1, 0, 0}, phi(start = -0.4));
