@@ -413,6 +413,7 @@ stiffness is rigid-body motion; one that runs away tells its rate. An equilibriu
 neutral or unstable. Where nothing can move it is fixed, and there are no modes. Where constraints are less independent than
 elsewhere several ways of moving may meet: each is named by the coordinates that move, with modes of its own, and the equilibrium
 is as stable as the least stable of them; matrices of several are refused. Ways that no linear motion tells are called singular.
+Where motion moves no mass at one of several equilibria, its stability is unknown.
 
 What holds at rest is among the constraints, and told with its force: contacts that press (a stop, a rope as `when r > L`), which
 only push, and friction that sticks, up to its limit. Friction holds the start, if it can; other positions of rest are found as if

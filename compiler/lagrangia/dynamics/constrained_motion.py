@@ -100,7 +100,8 @@ def constrain(
     `for_any_mass`: formulas that hold where parameters make M singular or uneven, too.
     """
     J = ca.jacobian(rows.rate, free.v)
-    own, small = find_own_rows(kinematics, J), SMALL_IN_SPACE if kinematics.geometry.by_rates else SMALL
+    own = find_own_rows(kinematics, J, free.momentum, free.v)
+    small = SMALL_IN_SPACE if kinematics.geometry.by_rates else SMALL
     evenness = _evenness(kinematics, free, J, own)
     is_robust = for_any_mass or not is_even(kinematics, evenness)
     if free.tree is not None and not is_robust:

@@ -50,7 +50,8 @@ class Rest:
 @dataclass(frozen=True)
 class StaticEquations:
     """`static`: q -> R at rest without multipliers (n,), Phi (m_h,), V; `stiffness`: q, lambda -> dR/dq (n, n), dPhi/dq (m_h, n),
-    rows of the rates (m, n). `reach`: natural sizes of the coordinates. `is_angle`: those that may go round."""
+    rows of the rates (m, n). `reach`: natural sizes of the coordinates. `is_angle`: those that may go round. `closes`: whether a
+    position at which Phi vanishes is one of this scene, and not one of joints put together the wrong way round."""
 
     static: Callable[[Vector], tuple[Vector, Vector, float]]
     stiffness: Callable[[Vector, Vector], tuple[Vector, Vector, Vector]]
@@ -58,6 +59,7 @@ class StaticEquations:
     is_angle: NDArray[np.bool_]
     is_rolling: bool = False  # there are constraints on rates
     turned: tuple[tuple[int, ...], ...] = ()  # of each attitude, the places of its s: 4 tan(angle/4) along the axis
+    closes: Callable[[Vector], bool] = lambda q: True
 
 
 def find_rest(equations: StaticEquations, start: Vector) -> Rest | None:
@@ -379,7 +381,11 @@ class _Newton:
         return None
 
     def onto(self, q: Vector, is_free: NDArray[np.bool_] | None = None) -> Vector | None:
-        """Onto the constraints, by the shortest corrections."""
+        """Onto the constraints, by the shortest corrections; None where that is no position of the scene."""
+        found = self._onto_rows(q, is_free)
+        return found if found is not None and self.e.closes(found) else None
+
+    def _onto_rows(self, q: Vector, is_free: NDArray[np.bool_] | None) -> Vector | None:
         reach = self.reach if is_free is None else self.reach * is_free
         last, before = np.inf, q
         for _ in range(_MOST_RETURNS):

@@ -33,17 +33,21 @@ class OwnRows:
         return J[list(self.rows), list(self.others)]
 
 
-def find_own_rows(kinematics: Kinematics, J: ca.SX) -> OwnRows | None:
-    """None where cut joints keep nothing, or something else moves by it, too."""
+def find_own_rows(kinematics: Kinematics, J: ca.SX, momentum: ca.SX, v: ca.SX) -> OwnRows | None:
+    """None where cut joints keep nothing, or all that they keep moves masses, as an energy of the model says, or something else
+    moves by it, too. `momentum` (n,) of the rates v (n,)."""
     names = {name: k for k, name in enumerate(kinematics.symbols.positions)}
     (m, n), pattern = J.shape, J.sparsity()
     users: dict[int, list[int]] = {}
     for row, k in zip(*pattern.get_triplet(), strict=True):
         users.setdefault(k, []).append(row)
-    pairs = []
+    pairs, heavy = [], set[int]()
+    if kinematics.graph.kept_coordinates:
+        for pair in zip(*ca.jacobian_sparsity(momentum, v).get_triplet(), strict=True):
+            heavy.update(pair)
     for name in sorted(kinematics.graph.kept_coordinates):
         k = names.get(name)
-        if k is not None and len(users.get(k, ())) == 1 and J[users[k][0], k].is_constant():
+        if k is not None and k not in heavy and len(users.get(k, ())) == 1 and J[users[k][0], k].is_constant():
             pairs.append((users[k][0], k))
     if not pairs:
         return None

@@ -215,7 +215,9 @@ class Study(Beginning):
         full = self.equations((), (*outputs, *asked)) if asked else e
         most = starts if starts is not None else (_FROM if self.scene.n <= _LARGE else 3)
         found, is_reached = self.all_rests(e, pace, most)
-        if found and (linears := self.linears_at(e, *found[0], pace)):
+        if len(found) == 1:
+            self.linears_at(e, *found[0], pace)  # there is nothing else to tell where it fails
+        if found and (linears := self._linears_told(e, *found[0], pace)[0]):
             notes += [x for x in self._timely(next(iter(linears.values())), e).notes if x.startswith("warning")]
         units = {name: (rate if name != own.name else own).unit for name, own, rate in
                  zip(self.signals.names, self.scene.coordinates, self.scene.rates, strict=True)}
@@ -230,14 +232,23 @@ class Study(Beginning):
         position = {k: x for k, x in position.items() if k not in self.scene.turned} | self.turned.told(rest.q, self.references)
         position |= dict(zip(e.outputs[:n_given], map(float, y[:n_given]), strict=True))
         reactions = dict(zip(e.outputs[n_given:], map(float, y[n_given:]), strict=True))
-        linears = self.linears_at(e, rest, grip, pace)
-        kind, growth = ("singular", math.nan) if linears is None else stability_of_ways(list(linears.values()))
+        linears, untold = self._linears_told(e, rest, grip, pace)
+        kind, growth = ("unknown" if untold else "singular", math.nan) if linears is None else \
+            stability_of_ways(list(linears.values()))
         eigenvalues = [complex(x) for linear in (linears or {}).values() for x in linear.eigenvalues]
         R = self.call(e.static, rest.q, rest.multipliers, pace, self.signals.steady(rest.q))[0]
         ways = tuple(name for name in linears or () if name)
         reactions = {} if rest.ways is not None and rest.ways.is_rigid else reactions  # these have no bound
         return Equilibrium(position, rest.V, kind, growth, tuple(eigenvalues), rest.n_neutral, reactions,
-                           float(np.abs(R).max(initial=0.0)), ways, *forces_of_grip(e, grip), told_grip(e, grip))
+                           float(np.abs(R).max(initial=0.0)), ways, *forces_of_grip(e, grip), (*told_grip(e, grip), *untold))
+
+    def _linears_told(self, e: SmallMotion, rest: Rest, grip: Grip | None, pace: float
+                      ) -> tuple[dict[str, Linearization] | None, tuple[str, ...]]:
+        """As `linears_at`, and the word of why there is no small motion at this position, as where motion moves no mass."""
+        try:
+            return self.linears_at(e, rest, grip, pace), ()
+        except RunError as error:
+            return None, (f"no small motion is told here: {error}",)
 
     def linears_at(self, e: SmallMotion, rest: Rest, grip: Grip | None, pace: float) -> dict[str, Linearization] | None:
         """About a position of rest, one of each way of moving, by their names; one without a name at an ordinary position. None

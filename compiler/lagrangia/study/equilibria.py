@@ -13,7 +13,8 @@ from lagrangia.language.frame_attributes import WRENCH_HEADINGS
 class Equilibrium:
     """`position`: all coordinates, those that constraints give too, m and rad. `stability` after the linearised motion:
     asymptotically stable, stable (it oscillates without damping), neutral (some motion costs nothing), unstable; fixed, where
-    nothing can move; singular, where constraints are less independent than elsewhere and the linearised motion says nothing.
+    nothing can move; singular, where constraints are less independent than elsewhere and the linearised motion says nothing;
+    unknown, where there is no linearised motion, as where motion moves no mass: `holding` says why.
     Where ways of moving meet it is that of the least stable one."""
 
     position: Mapping[str, float]

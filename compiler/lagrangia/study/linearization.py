@@ -25,6 +25,7 @@ from lagrangia.base.result_files import Target, write_text
 
 Matrix = NDArray[np.float64]
 _RANK, _TIED = 1e-9, 1e-9
+_NO_ROW = 1e-11  # of the longest constraint
 _ROUNDING = 1e-14  # of the terms that cancel in an output
 PREFERRED = 0.1  # weight in the choice of dependent coordinates of those that the model starts itself
 _NO_MASS = 1e-14  # of the mass matrix, scaled to a diagonal of 1: eigenvalues
@@ -89,9 +90,15 @@ def tangent_of(x: TangentParts, is_preferred: Sequence[bool], reach: Matrix, pla
 
 def pivots(J: Matrix, weight: Matrix) -> list[int]:
     """Columns that span all others: Gram and Schmidt, the longest remainder first."""
-    lengths = np.linalg.norm(J * weight, axis=1)
-    rows = J * weight / np.where(lengths > 0, lengths, 1.0)[:, None]
+    lengths = lengths_of_rows(J * weight)
+    rows = J * weight * np.divide(1.0, lengths, out=np.zeros_like(lengths), where=lengths > 0)[:, None]
     return sorted(independent_columns(rows, _RANK, _last_of_the_longest).tolist())
+
+
+def lengths_of_rows(rows: Matrix) -> Matrix:
+    """In natural sizes, (m,); 0 of what is rounding beside the longest, which holds nothing."""
+    lengths = np.linalg.norm(rows, axis=1)
+    return np.where(lengths > _NO_ROW * lengths.max(initial=0.0), lengths, 0.0)
 
 
 def _last_of_the_longest(norms: Matrix) -> int:

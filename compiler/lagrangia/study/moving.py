@@ -14,9 +14,10 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from lagrangia.base.diagnostics import fail
+from lagrangia.base.diagnostics import RunError, fail
 from lagrangia.base.records import dataclass
 from lagrangia.constraints.initial import FREE
+from lagrangia.dynamics.equilibrium import onto_constraints
 from lagrangia.study.linearization import (
     PREFERRED,
     Given,
@@ -26,12 +27,14 @@ from lagrangia.study.linearization import (
     TangentParts,
     inputs_of,
     inverse_mass,
+    lengths_of_rows,
     observation,
     pivots,
 )
 from lagrangia.study.small_motion import SmallMotion
 
 _RANK, _STEADY = 1e-9, 1e-9
+_NO_MASS = 1e-13  # of the heaviest, in natural sizes
 _SEEN = ("attitudes turn, and small turns are told in the turned axes: frequencies are as they are seen from there, those of the "
          "world less or more by what it turns")
 _LATER = (0.0123, 1.71)  # s: moments at which steady motion is as it was
@@ -47,6 +50,12 @@ class Study(Protocol):
 
     def advanced(self, q: Matrix, v: Matrix, moment: float) -> "tuple[Study, Matrix]":
         """The same after so many seconds at these rates, where attitudes are told against those there, and the position."""
+
+    def centred(self, q: Matrix) -> "tuple[Study, Matrix]":
+        """The same where attitudes are told against those of a position, and the position."""
+
+    def resting(self, e: SmallMotion, pace: float) -> Any:
+        """The equations at rest in numbers."""
 
     def point(self, q: Matrix, v: Matrix) -> dict[str, float]:
         """Positions by their names."""
@@ -85,13 +94,24 @@ class Held:
     Tx: Matrix  # (n, f)
 
 
-def held_changes(parts: TangentParts, turned: Matrix, second: tuple[Matrix, Matrix], weights: tuple[Matrix, Matrix]) -> Held:
-    """`turned` (m, n): d rate/dq; `second`: of the second rates by q and by v; `weights` (n,) each, of the choice of dependent
-    coordinates and rates: what weighs little stays free."""
-    n = parts.M.shape[0]
+@dataclass(frozen=True)
+class Choice:
+    """The places of the coordinates and of the rates that follow from the others."""
+
+    dependent: list[int]
+    followers: list[int]
+
+
+def choose(parts: TangentParts, weights: tuple[Matrix, Matrix]) -> Choice:
+    """`weights` (n,) each, of coordinates and rates: what weighs little stays free."""
     dependent = pivots(parts.J, weights[0])
     rolls = parts.rates.shape[0] > parts.J.shape[0]
-    followers = pivots(parts.rates, weights[1]) if rolls else dependent
+    return Choice(dependent, pivots(parts.rates, weights[1]) if rolls else dependent)
+
+
+def held_changes(parts: TangentParts, turned: Matrix, second: tuple[Matrix, Matrix], choice: Choice) -> Held:
+    """`turned` (m, n): d rate/dq; `second`: of the second rates by q and by v."""
+    n, dependent, followers = parts.M.shape[0], choice.dependent, choice.followers
     coordinates = tuple(k for k in range(n) if k not in dependent)
     rates = tuple(k for k in range(n) if k not in followers)
     N, P = np.eye(n)[:, list(coordinates)], np.eye(n)[:, list(rates)]
@@ -109,14 +129,18 @@ def _follow(rows: Matrix, dependent: list[int], free: Matrix) -> Matrix:
     return np.asarray(-np.linalg.pinv(rows[:, dependent], rcond=_RANK) @ rows @ free)
 
 
-def accelerations(M: Matrix, rows: Matrix, force: Matrix, bias: Matrix) -> tuple[Matrix, Matrix]:
-    """a (n,) and multipliers (m,): M a + force + A^T lambda = 0, A a + bias = 0; the least ones where rows repeat each other."""
-    weigh = 1 / np.sqrt(np.maximum(np.abs(np.diag(M)), 1e-300))
-    A = rows * weigh
-    sizes = np.maximum(np.linalg.norm(A, axis=1), 1e-300)
-    A, n = A / sizes[:, None], M.shape[0]
+def accelerations(M: Matrix, rows: Matrix, force: Matrix, bias: Matrix, reach: Matrix) -> tuple[Matrix, Matrix]:
+    """a (n,) and multipliers (m,): M a + force + A^T lambda = 0, A a + bias = 0; the least ones where rows repeat each other.
+    `reach` (n,): natural sizes, in which what moves no mass counts as the heaviest, and rows of rounding hold nothing."""
+    masses, n = np.abs(np.diag(M)) * reach**2, M.shape[0]
+    heaviest = float(masses.max(initial=0.0)) or 1.0
+    weigh = reach / np.sqrt(np.where(masses > _NO_MASS * heaviest, masses, heaviest))
+    there = lengths_of_rows(rows * reach) > 0
+    A = np.where(there[:, None], rows * weigh, 0.0)
+    sizes = np.where(there, np.linalg.norm(A, axis=1), 1.0)
+    A = A / sizes[:, None]
     table = np.block([[M * np.outer(weigh, weigh), A.T], [A, np.zeros((A.shape[0],) * 2)]])
-    found = np.linalg.lstsq(table, -np.concatenate([force * weigh, bias / sizes]), rcond=1e-12)[0]
+    found = np.linalg.lstsq(table, -np.concatenate([force * weigh, np.where(there, bias, 0.0) / sizes]), rcond=1e-12)[0]
     return found[:n] * weigh, found[n:] / sizes
 
 
@@ -162,10 +186,12 @@ def about_motion(study: Study, e: SmallMotion, state: tuple[Matrix, Matrix, Matr
         fail("L0916", f"not supported yet: {what} in small motion of a scene that moves while constraints hold it",
              study.c.flat.span, "linearise about the equilibrium found from there: --about equilibrium")
     q, v, free = state
-    moved = [study.advanced(q, v, moment) for moment in (0.0, *_LATER)]
-    here, *later = [_at(there, e, (position, v, free)) for there, position in moved]
+    centred, position = study.advanced(q, v, 0.0)
+    choice = choose(study.tangent(e, q, free, pace, v)[0], _weights(study))
+    here = _at(centred, e, (position, v, free), choice)
     size = _STEADY * float(np.abs(here.A).max(initial=1e-300))
-    stays = all(np.abs(other.A - here.A).max(initial=0.0) <= size for other in later)
+    later = (_later(study, e, state, choice, moment) for moment in _LATER)
+    stays = all(other is not None and np.abs(other.A - here.A).max(initial=0.0) <= size for other in later)
     is_steady = stays and float(np.abs(here.drift).max(initial=0.0)) <= size
     word = ("the motion there is steady: free rates stay as they are" if is_steady else "the motion there is not steady: the "
             "matrices are of that moment, and eigenvalues do not tell whether it is stable")
@@ -181,11 +207,31 @@ def _weights(study: Study) -> tuple[Matrix, Matrix]:
     return places, rates
 
 
-def _at(study: Study, e: SmallMotion, state: tuple[Matrix, Matrix, Matrix]) -> Linearization:
+def _later(study: Study, e: SmallMotion, state: tuple[Matrix, Matrix, Matrix], choice: Choice, moment: float
+           ) -> Linearization | None:
+    """After so many seconds at these free rates, the others following; None where the scene does not come there."""
+    q, v, free = state
+    there, position = study.advanced(q, v, moment)
+    if choice.dependent:
+        follows = np.isin(np.arange(e.n), choice.dependent)
+        closed = onto_constraints(there.resting(e, 1.0).statics(), position, follows)
+        if closed is None:
+            return None
+        there, position = there.centred(closed)
+    rates, held = there.call(e.static, position, free, 1.0, v)[2].ravel(), choice.followers
+    v = v.copy()
+    v[held] -= np.linalg.pinv(there.tangent(e, position, free, 1.0, v)[0].rates[:, held], rcond=_RANK) @ rates
+    try:
+        return _at(there, e, (position, v, free), choice)
+    except RunError:  # some motion moves no mass there
+        return None
+
+
+def _at(study: Study, e: SmallMotion, state: tuple[Matrix, Matrix, Matrix], choice: Choice) -> Linearization:
     q, v, free = state
     R, bias = (study.call(function, q, free, 1.0, v)[0].ravel() for function in (e.static, e.second))
     first, _ = study.tangent(e, q, free, 1.0, v)
-    a, lam = accelerations(first.M, first.rates, R, bias)
+    a, lam = accelerations(first.M, first.rates, R, bias, study.reach)
     lam = np.concatenate([lam, free[e.m:]])
     parts, _ = study.tangent(e, q, lam, 1.0, v, a)
     if parts.pushed.any():
@@ -193,7 +239,7 @@ def _at(study: Study, e: SmallMotion, state: tuple[Matrix, Matrix, Matrix]) -> L
              study.c.flat.span, "name what else excites with --from")
     turned = study.slopes(e, e.slopes, ("q",), q, lam, 1.0, v, a)["q"][2]
     second = study.slopes(e, e.second_slopes, ("q", "v"), q, lam, 1.0, v, a)
-    held = held_changes(parts, turned, (second["q"][0], second["v"][0]), _weights(study))
+    held = held_changes(parts, turned, (second["q"][0], second["v"][0]), choice)
     given = Given(study.scene.name, study.names, tuple(p.name for p in e.probes), e.outputs,
                   study.point(q, v), R, False, study.observed(e, q, lam, 1.0, v, a))
     names = tuple(rate.name for rate in study.scene.rates)

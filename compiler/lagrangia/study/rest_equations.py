@@ -19,6 +19,8 @@ Vector = NDArray[np.float64]
 Call = Callable[[ca.Function, Vector, Vector], list[Vector]]  # of a function at q and all multipliers
 Slopes = Callable[[Sequence[str], Vector, Vector], dict[str, list[Vector]]]  # of `slopes` by directions
 
+_WRONG = 0.1
+
 
 @dataclass(frozen=True)
 class Resting:
@@ -57,7 +59,15 @@ class Resting:
             places = np.vstack([by["q"][1], by["q"][3][list(pressing)]])
             return by["q"][0], places, self._rows(by, pressing, sticking) if "v" in by else places
 
-        return StaticEquations(static, stiffness, self.reach, self.is_angle, e.m > own or bool(sticking), self.turned)
+        return StaticEquations(static, stiffness, self.reach, self.is_angle, e.m > own or bool(sticking), self.turned,
+                               self.closes)
+
+    def closes(self, q: Vector) -> bool:
+        """Whether joints are put together the right way round where constraints hold: those that are not are half a turn off,
+        for which what vanishes at the start is about 2."""
+        if self.e.begins is None:
+            return True
+        return bool(np.abs(self.call(self.e.begins, q, self.e.multipliers())[0]).max(initial=0.0) < _WRONG)
 
     def multipliers(self, q: Vector) -> Vector:
         """Nothing presses; friction is half way, or where it slips at rest already, as on a belt, at its limit."""

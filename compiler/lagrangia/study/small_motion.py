@@ -61,6 +61,7 @@ class SmallMotion:
     contacts and the shares of friction:
     static:   R (n,), Phi (m_h,), rates of all rows (m,), V
     touching: gaps and guards of contacts (c,), slips of friction (f,)
+    begins:   what vanishes where loops are closed, and nowhere else, of the rows that vanish elsewhere as well
     unsteady: R without loads, Phi and rates: what tells whether time matters
     observed: y
     slopes:   and of a direction of (q, v, a, lambda, s, s', s''): the derivatives of R, Phi, the rates, the gaps, the slips
@@ -78,6 +79,12 @@ class SmallMotion:
     def static(self) -> ca.Function:
         """-> R, Phi, the rates of the rows, V."""
         return self._parts.function("static", [self._parts.R, self._parts.phi, self._parts.rate, self._parts.V])
+
+    @cached_property
+    def begins(self) -> ca.Function | None:
+        """-> what vanishes at the start (rows.py) of loops whose rows vanish for joints put together the wrong way round, too;
+        None where there are none."""
+        return self._parts.function("begins", [self._parts.begins]) if self._parts.begins.numel() else None
 
     @property
     def holds(self) -> Holds:
@@ -197,6 +204,12 @@ class _Parts:
         rolling = ca.vertcat(ca.SX(0, 1), *[ca.SX(row.rate(free)) for row in rows if not row.is_holonomic])
         if rolling.numel() and ca.depends_on(rolling, ca.vertcat(*s)):
             fail("L0916", "not supported yet: an excitation of a constraint on velocities", free.graph.model.span)
+
+    @cached_property
+    def begins(self) -> ca.SX:
+        """What vanishes at the start of the rows that have such a thing beside their values."""
+        rows = (*self.constraints.rows, *self.constraints.repeated)
+        return ca.vertcat(ca.SX(0, 1), *[ca.SX(row.start(self.free)) for row in rows if row.start is not None])
 
     @cached_property
     def second(self) -> ca.SX:

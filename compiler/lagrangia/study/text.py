@@ -48,6 +48,8 @@ def _verdict(item: "Equilibrium") -> str:
         return f"unstable: it runs away as exp({item.growth:.4g} t)"
     if item.stability == "singular":
         return "at rest in a singular position, where ways of moving meet: the linearised motion says nothing"
+    if item.stability == "unknown":
+        return "at rest, and whether it is stable is unknown"
     if item.stability == "fixed":
         return "fixed: nothing can move, so it stands as it is"
     if item.stability == "neutral":
