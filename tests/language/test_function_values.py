@@ -1,6 +1,7 @@
 """Functions of arrays and records, with several results, defaults and while loops: values and derivatives."""
 
 from collections.abc import Callable
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -73,3 +74,26 @@ def test_energies_may_be_made_of_them(scene: Write) -> None:
     """A spring of a function of two distances: k (x^2 + y^2)/2 by its length."""
     text = MODEL.replace("STATED", "energy potential 1[N/m]*length_of({b.s, 0*b.s, 0*b.s})^2/2;")
     assert scene(text).simulate(at=[0.0, np.pi], stop=3.2)["b.s"][1] == pytest.approx(-3, abs=1e-7)
+
+
+def test_calls_with_known_values_are_evaluated_once_each(scene: Write) -> None:
+    """Of functions that call each other twice there would be 2^25 evaluations."""
+    functions = ["function f0 input Integer x; output Integer y; algorithm y := x + 1; end f0;"] + [
+        f"function f{k} input Integer x; output Integer y; algorithm y := mod(f{k - 1}(x) + f{k - 1}(x + 1), 7); end f{k};"
+        for k in range(1, 26)]
+    wanted = [x + 1 for x in range(1, 27)]
+    for _ in range(25):
+        wanted = [(a + b) % 7 for a, b in pairwise(wanted)]
+    model = scene("\n".join(functions) + "model M constant Integer k = f25(1); "
+                  "Block b(m = 1, base = world); output Real y = k; end M;")
+    assert model.simulate(at=[0.0])["y"][0] == wanted[0]
+
+
+def test_the_evaluation_of_calls_is_bounded(scene: Write, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each of other values than all before: 2^12 of them."""
+    monkeypatch.setattr("lagrangia.language.loops._MOST_OPERATIONS", 3000)
+    functions = ["function f0 input Integer x; output Integer y; algorithm y := x; end f0;"] + [
+        f"function f{k} input Integer x; output Integer y; algorithm y := f{k - 1}(2*x) + f{k - 1}(2*x + 1); end f{k};"
+        for k in range(1, 13)]
+    with pytest.raises(lag.LagError, match=r"L0209.*the calls of functions whose values are needed"):
+        scene("\n".join(functions) + "model M constant Integer k = f12(1); Block b[k](each m = 1, each base = world); end M;")

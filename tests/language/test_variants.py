@@ -151,6 +151,45 @@ def test_connections_are_left_out(scene: Write) -> None:
     assert run["q.s"][0] == pytest.approx(cos(2.0), abs=1e-7)
 
 
+def test_several_connections_are_left_out(scene: Write) -> None:
+    text = """model A Block p(m = 1, base = world, s(start = 1)), q(m = 1, base = world, s(start = 1)); Spring spring(k = 4);
+    equation connect(world, spring.a); connect(spring.b, p.center); end A;
+    model M extends A(break connect(world, spring.a), break connect(spring.b, p.center));
+    equation connect(p.center, spring.a); connect(spring.b, q.center); end M;"""
+    run = scene(text).simulate(at=[1.0])
+    assert [run["p.s"][0], run["q.s"][0]] == [1.0, 1.0]
+    with pytest.raises(lag.LagError, match="given twice"):
+        scene(text.replace("connect(world, spring.a), break", "connect(spring.b, p.center), break"))
+
+
+def test_constants_that_are_records(scene: Write) -> None:
+    """Their fields are parameters, or variables, and no constants by themselves."""
+    values = {"P.small.k": 3.0, "P.big.l": 6.0, "P.more[2].k": 8.0, "P.w": 4.0, "m.y": 6.0, "n.y": 30.0, "P.v.u[2]": 4.0,
+              "P.vs[2].u[1]": 5.0, "Q.small.k": 3.0, "P.deep.d.k": 9.0}
+    text = """package P
+      record Data parameter Real k = 1; parameter Real l = 2; end Data;
+      record V Real u[2]; end V;
+      record Deep Data d; end Deep;
+      constant Data small(k = 3), big = Data(k = 5, l = 6), more[2](k = {7, 8});
+      constant Deep deep(d(k = 9));
+      constant V v = V({3, 4}), vs[2] = {V({3, 4}), V({5, 6})};
+      constant Real w = small.k + 1;
+      model Motor parameter Data d = small; Real y = d.k*d.l; end Motor;
+    end P;
+    package Q = P(w = 1);
+    model M Block b(m = 1, base = world); P.Motor m, n(d = P.big); %s end M;"""
+    run = scene(text % outputs(values)).simulate(at=[0.0])
+    assert {name: run[f"y{k}"][0] for k, name in enumerate(values)} == values
+
+
+@pytest.mark.parametrize("classes", [
+    "package A extends A(k = 2); end A;", "package A extends B(k = 2); end A; package B extends A; end B;",
+    "package A extends B(k = 2); end A; package B extends C(k = 3); end B; package C extends B(k = 4); end C;"])
+def test_packages_in_a_circle_with_other_constants(classes: str, scene: Write) -> None:
+    with pytest.raises(lag.LagError, match=r"L0206.*extends itself"):
+        scene(f"package Q {classes} end Q; model M Block b(m = 1, base = world); output Real y = Q.A.k; end M;")
+
+
 def test_variables_with_conditions(scene: Write) -> None:
     """What is not there has no value, and nothing is connected to it; its condition may name what stands further down."""
     model = scene("""model Part Real u if uses; Real y = if uses then u else 2; parameter Boolean uses = false; end Part;

@@ -10,7 +10,7 @@ from lagrangia.base.records import dataclass
 from lagrangia.language.component_library import library_package
 from lagrangia.language.plain_tree import PlainClasses
 from lagrangia.language.scoping import Finder, Scopes, has_scopes, lifted, nowhere
-from lagrangia.language.tree import Argument, ClassDefinition, Declaration, Expression, Extends, Section, Syntax
+from lagrangia.language.tree import Argument, Array, ClassDefinition, Declaration, Expression, Extends, Section, Syntax
 from lagrangia.language.variants import COMPONENTS, Variants
 
 _FOREIGN = {"double": "Real", "float": "Real", "int": "Integer", "long": "Integer", "bool": "Boolean", "string": "String"}
@@ -314,6 +314,8 @@ def _check_arguments(arguments: tuple[Argument, ...], report: Report, given: dic
     given = {} if given is None else given
     for argument in arguments:
         name = f"{path}{argument.name}"
+        if argument.is_left_out and isinstance(argument.value, Array):  # a connection, which has no name but its text
+            name += f"({', '.join(map(str, argument.value.items))})"
         if argument.value is not None and name in given:
             first = given[name].name_span
             report.error("L0202", f"'{argument.name}' is given twice", argument.name_span, f"the first is at {first}")

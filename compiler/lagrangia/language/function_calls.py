@@ -5,8 +5,9 @@ from typing import Any, Protocol
 from lagrangia.base.diagnostics import Span, fail, suggest
 from lagrangia.language.classes import ClassTable
 from lagrangia.language.folding import fold, folded
-from lagrangia.language.function_variables import Built, FlatFunction, Given, Tree, dealt, flat_of, part_of
+from lagrangia.language.function_variables import Built, Given, Tree, dealt, flat_of, part_of
 from lagrangia.language.instances import Scope
+from lagrangia.language.known_calls import MadeFunctions
 from lagrangia.language.matrices import shape_of
 from lagrangia.language.tree import (
     Call,
@@ -29,7 +30,7 @@ class OwnCalls(Protocol):
     """What names.py does with calls of people's own functions."""
 
     table: ClassTable
-    made: dict[str, FlatFunction]
+    made: MadeFunctions
 
     def define_function(self, definition: ClassDefinition, given: Given, span: Span) -> Built:
         """The function for what a call gives it. Raises LagError for one that is wrong."""
@@ -57,7 +58,7 @@ class OwnCalls(Protocol):
                       self._record_shape(given[name], inputs[name], scope)) for name in inputs if name in given}
         constants = _constants(own, inputs, values)
         built = self.define_function(own, Given(shapes, constants), call.span)
-        self.made |= built.functions
+        self.made.functions |= built.functions
         cells: list[Flat] = []
         for name, tree in built.inputs.items():
             cells += self._cells(given[name], values.get(name), tree, scope, f"'{name}' of {own.name}")

@@ -88,7 +88,7 @@ class Instantiation:
         own = [m for m in members if not add_outer(self.table, self.report, instance, *m)]
         instance.inner |= {declaration.name for declaration, _ in own if "inner" in declaration.prefixes}
         self._add_variables(instance, [m for m in own if self._is_scalar(m[0])], roles)
-        components = [m for m in own if not self._is_scalar(m[0])]
+        components = [(replace(d, prefixes=d.prefixes | roles), change) for d, change in own if not self._is_scalar(d)]
         for declaration, change in sorted(components, key=lambda m: "inner" not in m[0].prefixes):  # what is inside may name them
             self._add_component(instance, declaration, change)
         self.stack.pop()
@@ -117,7 +117,7 @@ class Instantiation:
                 given = modification.children.get(element.name, NOTHING)
                 if given.is_left_out:
                     scope.instance.absent.add(element.name)
-                elif self.is_package and "constant" not in element.prefixes:
+                elif self.is_package and scope.instance.parent is None and "constant" not in element.prefixes:
                     continue
                 elif "redeclare" not in element.prefixes:
                     yield self._modified(element, given, scope)

@@ -9,6 +9,7 @@ from lagrangia.language.instances import Scope, StructuralValues
 from lagrangia.language.tree import Array, Expression, Iterator, Range, Reference
 
 _OF_NUMBERS = "numbers in equal distances: linspace(0, 2, 5), or {0.5*i for i in 0:4}"
+_UNROLLED = "the loops and sums of this model unroll to"
 _MOST_ITERATIONS = 100_000  # of one loop
 _MOST_OPERATIONS = 300_000  # of all loops of a model, each times the clauses in it: some 10 us each
 
@@ -19,11 +20,11 @@ class Work:
 
     operations: int = 0
 
-    def spend(self, count: int, span: Span) -> None:
+    def spend(self, count: int, span: Span, how: str = _UNROLLED) -> None:
         """Raises TooMuchError L0209 before more is unrolled than can be looked at in good time."""
         self.operations += count
         if self.operations > _MOST_OPERATIONS:
-            what = f"the loops and sums of this model unroll to more than {_MOST_OPERATIONS} operations"
+            what = f"{how} more than {_MOST_OPERATIONS} operations"
             raise TooMuchError([Diagnostic("error", "L0209", what, span, "", ("those inside each other multiply",))])
 
 

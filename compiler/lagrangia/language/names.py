@@ -13,10 +13,10 @@ from lagrangia.language.elements import element, length
 from lagrangia.language.folding import fold, folded
 from lagrangia.language.frame_attributes import PLANE, REACTIONS, SPATIAL_ONLY, Space, frame_shape
 from lagrangia.language.frame_words import attribute_of
-from lagrangia.language.function_variables import Built, FlatFunction, Given
+from lagrangia.language.function_variables import Built, Given
 from lagrangia.language.functions import CONSTANTS, DIMENSIONS
 from lagrangia.language.instances import Bound, FrameSlot, Instance, Member, Scope, Slot, held_port
-from lagrangia.language.known_calls import with_known_calls
+from lagrangia.language.known_calls import MadeFunctions
 from lagrangia.language.lookups import Lookup
 from lagrangia.language.loops import Work
 from lagrangia.language.matrices import EACH, each, matrix_power, product, shape_of, side_by_side
@@ -64,7 +64,7 @@ class Names(Calls):
     root: Instance | None = None
     space: Space = PLANE
     work: Work = field(default_factory=Work)
-    made: dict[str, FlatFunction] = field(default_factory=dict)  # functions, for what they were given
+    made: MadeFunctions = field(default_factory=MadeFunctions)
     lookups: dict[Lookup, Span] = field(default_factory=dict)  # tables of files, and where they are asked for first
     delays: dict[str, Call[Flat]] = field(default_factory=dict)  # what acts late, by the names of what stands for it
     packages: dict[str, Instance] = field(default_factory=dict)  # of the constants of each
@@ -99,7 +99,7 @@ class Names(Calls):
         return value
 
     def _constant(self, expression: Expression, scope: Scope, what: str, *hints: str) -> float | bool:
-        value = fold(with_known_calls(self.flatten(expression, scope), self.made))
+        value = fold(self.made.with_known_calls(self.flatten(expression, scope), self.work))
         if value is None:
             fail("L0210", f"{what} must be known when the scene is compiled", expression.span,
                  "use numbers, constants and Integer or Boolean parameters", *hints)
@@ -115,7 +115,7 @@ class Names(Calls):
             fail("L0212", f"'{slot.path}' depends on itself", slot.declaration.name_span, " > ".join([*self._pending, slot.path]))
         self._pending.append(slot.path)
         try:
-            value = folded(with_known_calls(self.flatten_bound(slot.binding), self.made))
+            value = folded(self.made.with_known_calls(self.flatten_bound(slot.binding), self.work))
         finally:
             self._pending.pop()
         if value is None:
@@ -167,7 +167,7 @@ class Names(Calls):
 
     def known(self, bound: Bound) -> Expression | None:
         """The value of what is bound, where it is known when the scene is compiled."""
-        return cast("Expression | None", folded(with_known_calls(self.flatten_bound(bound), self.made)))
+        return cast("Expression | None", folded(self.made.with_known_calls(self.flatten_bound(bound), self.work)))
 
     def shape(self, bound: Bound) -> tuple[int, ...]:
         """The sizes of what is bound."""

@@ -98,6 +98,7 @@ class Variants:
 
     def _with_copies(self, definition: ClassDefinition, name: str) -> ClassDefinition:
         """With classes of its own in the place of arguments that redeclare some, and copies of what it extends."""
+        self._refuse_circle(name, (), set())
         own = {inner.name: inner for inner in definition.classes}
         elements: list[Declaration | Extends] = []
         bases: list[str] = []
@@ -123,6 +124,17 @@ class Variants:
                 self._extend_inherited(inner, (f"{name}.{inner.name}",), [copies[f".{base}"][1:] for base in bases])
         return replace(definition, classes=tuple(own.values()), elements=tuple(
             replace(e, type_name=copies.get(e.type_name, e.type_name)) if isinstance(e, Extends) else e for e in elements))
+
+    def _refuse_circle(self, name: str, heirs: tuple[str, ...], clear: set[str]) -> None:
+        """Of a class that is among what it extends no copy would be the last. Raises LagError L0206."""
+        if name in heirs:
+            definition = self.scopes.classes[name]
+            fail("L0206", f"{definition.name} extends itself", definition.name_span, " > ".join((*heirs, name)))
+        if name not in clear:
+            for element in self.scopes.classes[name].elements if name in self.scopes.classes else ():
+                if (base := self._base(element, name)) is not None:
+                    self._refuse_circle(base, (*heirs, name), clear)
+            clear.add(name)
 
     def _base(self, element: Declaration | Extends, name: str) -> str | None:
         if not isinstance(element, Extends) or element.type_name in self.builtin:
