@@ -182,6 +182,31 @@ def test_constants_that_are_records(scene: Write) -> None:
     assert {name: run[f"y{k}"][0] for k, name in enumerate(values)} == values
 
 
+RECORDS = """record R parameter Real k = 1; parameter Real l = 2*k; end R;
+  record Less parameter Real k = 1; end Less;
+  model A replaceable record Q = R; Q r; Q s[2](k = {3, 4}); Real y = r.l + s[2].l; end A;
+  model F replaceable record Q = R; Q r; function f input Q q; output Real y; algorithm y := q.l; end f; Real y = f(r); end F;
+  model B extends A; Q t; Real z = t.k; end B;
+  model M Block b(m = 1, base = world); parameter Real u = 6; %s end M;"""
+
+
+def test_records_of_components_take_parameters(scene: Write) -> None:
+    """u may be changed after it is compiled; what functions name has to be known then."""
+    model = scene(RECORDS % """A a(redeclare record Q = R(k = u)); B b2(redeclare record Q = R(k = u));
+        A c[2](redeclare record Q = R(each k = u)); F f(redeclare record Q = R(k = 5));
+        output Real ya = a.y, yb = b2.y, zb = b2.z, yc = c[2].y, yf = f.y;""")
+    run = model.simulate(at=[0.0], parameters={"u": 7})
+    assert {name: run[name][0] for name in ("ya", "yb", "zb", "yc", "yf")} == {"ya": 22, "yb": 22, "zb": 7, "yc": 22, "yf": 10}
+
+
+@pytest.mark.parametrize(("given", "code"), [
+    ("A a(redeclare record Q = Less);", "L0235"), ("A a(redeclare record Q = A);", "L0235"),
+    ("F a(redeclare record Q = R(k = u));", "L0210")])
+def test_records_that_cannot_take_the_place(given: str, code: str, scene: Write) -> None:
+    with pytest.raises(lag.LagError, match=code):
+        scene(RECORDS % f"{given} output Real y = a.y;")
+
+
 @pytest.mark.parametrize("classes", [
     "package A extends A(k = 2); end A;", "package A extends B(k = 2); end A; package B extends A; end B;",
     "package A extends B(k = 2); end A; package B extends C(k = 3); end B; package C extends B(k = 4); end C;"])

@@ -73,8 +73,11 @@ def with_redeclared_classes(table: ClassTable, values: StructuralValues, definit
     class is given has to be known when the scene is compiled. Raises LagError."""
     arguments, left = [], dict(change.children)
     for name, given in change.children.items():
-        if given.redeclared is not None and "class" in given.redeclared.declaration.prefixes and (
-                table.takes_class(definition, name)):
+        if given.redeclared is None or "class" not in given.redeclared.declaration.prefixes:
+            continue
+        if not table.takes_class(definition, name):
+            table.variants.check_record(definition.name, name, given.redeclared.declaration, given.redeclared.span)
+        else:
             new = given.redeclared.declaration
             inner = tuple(_settled_argument(values, key, one) for key, one in given.children.items())
             arguments.append(Argument(frozenset(), name, (), None, given.redeclared.span, new.name_span,

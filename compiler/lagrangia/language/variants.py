@@ -75,6 +75,28 @@ class Variants:
                     return owner, definition
         return None
 
+    def is_of_components(self, name: str, record: ClassDefinition) -> bool:
+        """Whether a record in a class is the type of some of its components, and is named nowhere else in it: neither by a
+        function or another class in it, nor as a constructor. It is redeclared where these components are made, then."""
+        lineage = [self.scopes.classes[owner] for owner in self.scopes.lineage(name)]
+        if sum(inner.name == record.name for one in lineage for inner in one.classes) != 1 or (
+                record.constraining is not None and record.constraining.arguments):
+            return False
+        for one in lineage:
+            behind = max((k for k, e in enumerate(one.elements) if isinstance(e, Extends)), default=-1)
+            elements = tuple(replace(e, type_name="") if isinstance(e, Declaration) and e.type_name == record.name and k > behind
+                             else e for k, e in enumerate(one.elements))
+            if _names((elements, one.sections, tuple(c for c in one.classes if c is not record)), record.name):
+                return False
+        return True
+
+    def check_record(self, owner: str, name: str, new: Declaration, span: Span) -> None:
+        """Raises LagError L0234, L0235 where a record in a class cannot be redeclared so."""
+        found = self.inner(owner, name) if owner in self.scopes.classes else None
+        if found is not None and found[1].kind == "record":
+            taken = self.table.lookup(new.type_name, new.type_span)
+            self._check_place(found[1], f"{found[0]}.{name}", taken, new.type_span, span)
+
     @property
     def scopes(self) -> Scopes:
         """Where names are looked up."""
@@ -250,6 +272,15 @@ def _named_classes(definition: ClassDefinition, prefix: str) -> Iterator[tuple[s
     for inner in definition.classes:
         yield f"{prefix}.{inner.name}", inner
         yield from _named_classes(inner, f"{prefix}.{inner.name}")
+
+
+def _names(node: Any, name: str) -> bool:
+    """Whether a name stands in a piece of syntax, or is a part of one that does."""
+    if isinstance(node, str):
+        return name in node.split(".")
+    if isinstance(node, tuple):
+        return any(_names(item, name) for item in node)
+    return is_dataclass(node) and not isinstance(node, Span) and any(_names(getattr(node, f.name), name) for f in fields(node))
 
 
 def _moved(node: Any, source: Source) -> Any:
