@@ -1,5 +1,6 @@
 """`lag import`: Modelica files become .lag files that run; what has no counterpart is told."""
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -124,6 +125,24 @@ def test_what_modelica_has_no_component_for_is_refused(text: str, tmp_path: Path
     assert main(["export", str(tmp_path / "a.lag"), "--to", "modelica", "--components", "-o", "-"]) == 2
     told = capsys.readouterr().err
     assert "L0901" in told and "without --components writes the equations" in told
+
+
+@pytest.mark.parametrize("text, told", [
+    ("parameter Real c = 1; Rotational.Inertia J(J = 1); Rotational.Damper d(d = 2) if c > 1;", "L0210"),
+    ("Rotational.Inertia J(J = nope);", "L0204"), ("parameter Real flow = 2; Rotational.Inertia J(J = 1, w(start = flow));",
+                                                  "L0901.*the name 'flow', which is a word of Modelica")])
+def test_what_is_wrong_is_not_written(text: str, told: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "a.lag").write_text(f"model A {text} end A;", encoding="utf-8")
+    assert main(["export", str(tmp_path / "a.lag"), "--to", "modelica", "--components", "-o", "-"]) == 2
+    said = capsys.readouterr()
+    assert re.search(told, said.err) and not said.out
+
+
+def test_a_pi_of_ones_own_stays(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    text = "model B parameter Real pi = 3; end B;\nmodel A extends B; Rotational.Inertia J(J = 1, w(start = pi)); end A;\n"
+    (tmp_path / "a.lag").write_text(text, encoding="utf-8")
+    assert main(["export", str(tmp_path / "a.lag"), "--to", "modelica", "--components", "-o", "-"]) == 0
+    assert "w(start = pi)" in capsys.readouterr().out
 
 
 def test_heat_ports_are_refused_by_name(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

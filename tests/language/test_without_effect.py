@@ -83,6 +83,28 @@ def test_what_has_an_effect_is_not(scene: Write, text: str) -> None:
     assert scene(f"model M {BODY} {text} end M;").warnings == []
 
 
+def test_what_others_read_is_no_number_for_nothing(scene: Write) -> None:
+    """A sibling that is not in the scene reads L; a function inside the class reads k."""
+    text = """package P
+      model Base parameter Length L = 1; constant Real k = 2; Real z = f(1);
+        function f input Real x; output Real y; algorithm y := k*x; end f; end Base;
+      model One extends Base; output Real y = z; end One;
+      model Two extends Base; output Length q = L; end Two;
+    end P; """
+    assert scene(f"{text} model M {BODY} P.One one; end M;").warnings == []
+
+
+@pytest.mark.parametrize("head, inside", [
+    ("type E = enumeration(a, b annotation(foo = 1));", "parameter E e = E.a; output Real y = if e == E.a then 1 else 2;"),
+    ("package A model B Real y = 1; end B; end A;", "import A.B annotation(foo = 1); B x;"),
+    ("package A model B Real y = 1; end B; end A;", "import A.* annotation(foo = 1); B x;"),
+    ("package A model B Real y = 1; end B; end A;", "import A.{B} annotation(foo = 1); B x;"),
+    ("package A model B Real y = 1; end B; end A;", "import C = A.B annotation(foo = 1); C x;")])
+def test_annotations_of_values_and_imports_that_nobody_knows(scene: Write, head: str, inside: str) -> None:
+    (told,) = scene(f"{head} model M {inside} {BODY} end M;").warnings
+    assert "L0224" in told and "the annotation 'foo' has no effect here" in told
+
+
 def test_inputs_of_functions_that_nothing_reads(scene: Write) -> None:
     text = "function f input Real x; input Real y; output Real z; protected Real w, v; algorithm w := x; z := w; end f;"
     told = scene(f"{text} function g input Real x; output Real z = x; end g; "

@@ -4,7 +4,7 @@ import sys
 from argparse import Namespace
 from pathlib import Path
 
-from lagrangia.base.diagnostics import fail
+from lagrangia.base.diagnostics import LagError, fail
 from lagrangia.base.result_files import write_text
 from lagrangia.command.arguments import (
     assignments,
@@ -34,10 +34,15 @@ def _export_components(options: Namespace) -> int:
     """A drive train in the words of the Modelica Standard Library, as it stands in its file."""
     from lagrangia.compile.sources import read_source
     from lagrangia.editor.modelica_export import drive_train
+    from lagrangia.editor.reading import read_text
 
     if idle := [f"--{name}" for name in ("model", "names", "force", "parameter") if getattr(options, name)]:
         fail("L0704", f"{idle[0]} has no effect beside --components", None, "the file is written as it stands")
     text = drive_train(read_source(options.file))
+    wrong = [one for one in read_text(options.file, read_source).diagnostics
+             if one.severity == "error" and one.code != "L0211"]  # a value that only who uses a component can give
+    if wrong:
+        raise LagError(wrong)
     if options.output == "-":
         sys.stdout.write(text)
         return 0

@@ -18,6 +18,7 @@ from lagrangia.language.tree import (
     Extends,
     Number,
     Reference,
+    Syntax,
 )
 from lagrangia.language.units_written import in_si
 
@@ -32,6 +33,8 @@ _BLOCKS = {name: part for part, names in {
 _TYPES = {own: f"Modelica.Units.SI.{name}" for name, own in reversed(UNITS.items())}
 _FUNCTIONS = frozenset("""sin cos tan asin acos atan atan2 sinh cosh tanh exp log log10 abs sqrt sign min max sum floor ceil mod
     div rem der noEvent smooth fill zeros ones size pre connect assert""".split())
+_WORDS = frozenset("""assert block break class connector constrainedby discrete elsewhen encapsulated enumeration expandable
+    external flow impure in inner operator outer pure redeclare replaceable return stream while within""".split())
 _INSTEAD = "lag export --to modelica without --components writes the equations of motion"
 
 
@@ -41,7 +44,7 @@ def drive_train(source: Source) -> str:
     if syntax.imports:
         _refuse("an imported file", syntax.imports[0].span)
     own = {definition.name for definition in syntax.classes}
-    edits = dict(edit for definition in syntax.classes for edit in _edits(definition, own))
+    edits = dict(edit for definition in syntax.classes for edit in _edits(definition, own, _names(definition, syntax)))
     text, at = list[str](), 0
     for (start, end), new in sorted(edits.items()):
         text += [source.text[at:start], new]
@@ -53,7 +56,25 @@ def _refuse(what: str, span: Span) -> None:
     fail("L0901", f"not supported yet: {what} among components of the Modelica Standard Library", span, _INSTEAD)
 
 
-def _edits(definition: ClassDefinition, own: set[str]) -> Iterator[tuple[tuple[int, int], str]]:
+def _names(definition: ClassDefinition, syntax: Syntax) -> set[str]:
+    """What a class declares, or inherits of the classes of its file. Raises LagError L0901 for words of Modelica."""
+    found: set[str] = set()
+    pending, seen = [definition], {definition.name}
+    for one in pending:
+        for element in one.elements:
+            if isinstance(element, Declaration):
+                found.add(element.name)
+                if element.name in _WORDS:
+                    _refuse(f"the name '{element.name}', which is a word of Modelica,", element.name_span)
+            elif element.type_name not in seen:
+                seen.add(element.type_name)
+                pending += (base for base in syntax.classes if base.name == element.type_name)
+    if definition.name in _WORDS:
+        _refuse(f"the name '{definition.name}', which is a word of Modelica,", definition.name_span)
+    return found
+
+
+def _edits(definition: ClassDefinition, own: set[str], names: set[str]) -> Iterator[tuple[tuple[int, int], str]]:
     """Places of the text with what stands there in Modelica."""
     if definition.kind not in ("model", "block", "type") or definition.classes:
         _refuse(f"the {definition.kind} '{definition.name}'", definition.name_span)
@@ -69,7 +90,7 @@ def _edits(definition: ClassDefinition, own: set[str]) -> Iterator[tuple[tuple[i
                 _refuse(f"'{element.type_name}'", element.span)
         elif element.type_name not in own | (BUILTIN_TYPES - {"Frame"}) or "coordinate" in element.prefixes:
             yield (element.type_span.start, element.type_span.end), _type(element)
-    yield from _inside((definition.elements, definition.sections))
+    yield from _inside((definition.elements, definition.sections), "pi" in names)
 
 
 def _type(element: Declaration) -> str:
@@ -87,15 +108,15 @@ def _type(element: Declaration) -> str:
     return found
 
 
-def _inside(part: Any) -> Iterator[tuple[tuple[int, int], str]]:
-    """Of expressions: numbers with units in SI units, pi by its place, and functions that Modelica has, too."""
+def _inside(part: Any, has_pi: bool) -> Iterator[tuple[tuple[int, int], str]]:
+    """Of expressions: numbers with units in SI units, pi by its place unless it is one's own, functions that Modelica has."""
     if isinstance(part, tuple):
         for item in part:
-            yield from _inside(item)
+            yield from _inside(item, has_pi)
     elif isinstance(part, Number):
         if part.unit is not None:
             yield (part.span.start, part.span.end), repr(in_si(part).value)
-    elif isinstance(part, Reference) and str(part) == "pi":
+    elif isinstance(part, Reference) and str(part) == "pi" and not has_pi:
         yield (part.span.start, part.span.end), "Modelica.Constants.pi"
     elif is_dataclass(part) and not isinstance(part, Span):
         if isinstance(part, Call) and part.function not in _FUNCTIONS:
@@ -103,4 +124,4 @@ def _inside(part: Any) -> Iterator[tuple[tuple[int, int], str]]:
         if isinstance(part, Argument) and part.redeclared is not None:
             _refuse("a redeclaration", part.span)
         for field in fields(part):
-            yield from _inside(getattr(part, field.name))
+            yield from _inside(getattr(part, field.name), has_pi)

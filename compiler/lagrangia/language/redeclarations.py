@@ -19,6 +19,7 @@ from lagrangia.language.instances import (
 )
 from lagrangia.language.modifications import merge, modification_of
 from lagrangia.language.tree import Argument, Array, Call, CallEquation, ClassDefinition, Clause, Declaration, Extends
+from lagrangia.language.variants import check_kind, limit_of
 
 _KEPT = frozenset({"parameter", "constant", "input", "output", "coordinate", "final", "inner", "protected"})
 
@@ -59,6 +60,7 @@ def redeclared(table: ClassTable, report: Report, element: Declaration, given: M
     wanted = (constraining.type_name, constraining.span) if constraining else (element.type_name, element.type_span)
     if not _fits(table, report, (new.type_name, new.type_span), wanted, f"'{element.name}'"):
         return element, own
+    check_constraint(table, report, new)
     declaration = replace(
         new, name=element.name, prefixes=(element.prefixes & _KEPT) | (new.prefixes & (_KEPT | {"replaceable"})),
         dimensions=new.dimensions or element.dimensions, condition=element.condition, name_span=element.name_span,
@@ -107,6 +109,7 @@ def replace_local_classes(table: ClassTable, report: Report, definition: ClassDe
     for local in definition.classes:
         given = modification.children.get(local.name)
         if given is None or local.name in instance.classes:
+            _check_limit(table, report, local)
             continue
         if given.redeclared is None or "class" not in given.redeclared.declaration.prefixes:
             report.error("L0234", f"'{local.name}' is a class: it cannot be modified", given.span,
@@ -117,13 +120,24 @@ def replace_local_classes(table: ClassTable, report: Report, definition: ClassDe
             report.error("L0234", f"'{local.name}' cannot be redeclared: it is not replaceable", given.redeclared.span,
                          f"write `replaceable` before it, at {local.name_span}")
             continue
-        base = next((e for e in local.elements if isinstance(e, Extends)), None)
-        wanted = local.constraining or (base if len(local.elements) == 1 else None)
-        if wanted is not None and not _fits(table, report, (new.type_name, new.type_span), (wanted.type_name, wanted.span),
-                                            f"'{local.name}'"):
+        check_kind(new, local)
+        limit = limit_of(local)
+        wanted = (limit.type_name, limit.span) if limit is not None else (local.name, local.name_span)
+        keeps = limit is None and "redeclare" in local.prefixes  # the limit of what it has taken the place of
+        if not keeps and not _fits(table, report, (new.type_name, new.type_span), wanted, f"'{local.name}'"):
             continue
+        check_constraint(table, report, new)
+        said = modification_of(limit.arguments, Scope(instance), None, limit.span) if limit is not None else NOTHING
+        whole = merge(replace(given, redeclared=None), said)
         instance.classes[local.name] = ReplacedClass(new.type_name, new.type_span, Modification(None, {
-            name: replace(change, is_each=True) for name, change in given.children.items()}))
+            name: replace(change, is_each=True) for name, change in whole.children.items()}))
+
+
+def _check_limit(table: ClassTable, report: Report, local: ClassDefinition) -> None:
+    """Of a replaceable class in another one that is not replaced."""
+    base = next((e for e in local.elements if isinstance(e, Extends)), None)
+    if (wanted := local.constraining) is not None and base is not None:
+        _fits(table, report, (base.type_name, base.span), (wanted.type_name, wanted.span), f"'{local.name}'")
 
 
 def check_constraint(table: ClassTable, report: Report, element: Declaration) -> None:

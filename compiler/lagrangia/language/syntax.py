@@ -37,6 +37,7 @@ from lagrangia.language.tree import (
     WhenBlock,
     WhileBlock,
     WorkTerm,
+    over,
 )
 
 _DEEPEST = 100  # brackets in brackets, conditions in conditions, loops in loops
@@ -137,23 +138,24 @@ class _Nodes(_ExpressionNodes):
         return ImportFile(text_of(children[0]), self._span(meta))
 
     def import_name(self, meta: Place, children: list[Any]) -> Import:
-        *names, _, _ = children
-        return Import(((str(names[-1]), ".".join(names)),), self._span(meta))
+        *names, _, annotation = children
+        return Import(((str(names[-1]), ".".join(names)),), self._span(meta), annotation[1] if annotation else ())
 
     def import_all(self, meta: Place, children: list[Any]) -> Import:
-        *names, star, _, _ = children
+        *names, star, _, annotation = children
         if star != ".*":
             self.report.error("L0103", f"unexpected '{star}'", self._span(star), f"write: import {'.'.join(names)}.*;")
-        return Import((("*", ".".join(names)),), self._span(meta))
+        return Import((("*", ".".join(names)),), self._span(meta), annotation[1] if annotation else ())
 
     def import_some(self, meta: Place, children: list[Any]) -> Import:
         text = self._span(meta).text
         package = "".join(text[len("import") : text.index("{")].split())
         count = len(package.rstrip(".").split("."))
-        return Import(tuple((str(name), f"{package}{name}") for name in children[count:-2]), self._span(meta))
+        return Import(tuple((str(name), f"{package}{name}") for name in children[count:-2]), self._span(meta),
+                      children[-1][1] if children[-1] else ())
 
     def import_as(self, meta: Place, children: list[Any]) -> Import:
-        return Import(((str(children[0]), ".".join(children[1:-2])),), self._span(meta))
+        return Import(((str(children[0]), ".".join(children[1:-2])),), self._span(meta), children[-1][1] if children[-1] else ())
 
     def class_extension(self, meta: Place, children: list[Any]) -> ClassDefinition:
         """redeclare model extends M: extends what M is in what is inherited."""
@@ -194,7 +196,8 @@ class _Nodes(_ExpressionNodes):
         *words, base, dimensions, arguments, constraining, description, annotation = children
         at = next(k for k, word in enumerate(words) if word.type == "NAME")
         prefixes, is_partial, (kind, name) = _head(words[: at + 1])
-        extends = Extends(base[0], arguments or (), self._span(meta), dimensions or (), frozenset(map(str, words[at + 1 :])))
+        extends = Extends(base[0], _over_limit(arguments or (), constraining), self._span(meta), dimensions or (),
+                          frozenset(map(str, words[at + 1 :])))
         return ClassDefinition(_KINDS.get(kind, str(kind)), is_partial, name_of(name), text_of(description), (extends,), (),
                                annotation[1] if annotation else (), self._span(meta), self._span(name), prefixes=prefixes,
                                constraining=constraining)
@@ -211,8 +214,8 @@ class _Nodes(_ExpressionNodes):
                                self._span(meta), self._span(name), prefixes=prefixes, literals=literals)
 
     def literal(self, meta: Place, children: list[Any]) -> LiteralDefinition:
-        name, description, _ = children
-        return LiteralDefinition(name_of(name), text_of(description), self._span(name))
+        name, description, annotation = children
+        return LiteralDefinition(name_of(name), text_of(description), self._span(name), annotation[1] if annotation else ())
 
     def visibility(self, meta: Place, children: list[Any]) -> tuple[str, str]:
         return "visibility", str(children[0])
@@ -263,10 +266,11 @@ class _Nodes(_ExpressionNodes):
                         declared)
 
     def class_redeclaration(self, meta: Place, children: list[Any]) -> Argument:
-        *prefixes, _, name, (type_name, type_span), arguments, constraining, description = children
+        *prefixes, kind, name, (type_name, type_span), arguments, constraining, description = children
         words = frozenset(map(str, prefixes))
-        declared = Declaration(words | {"class"}, type_name, type_span, name_of(name), (), arguments or (), None, None,
-                               text_of(description), self._span(meta), self._span(name), (), constraining)
+        declared = Declaration(words | {"class"}, type_name, type_span, name_of(name), (),
+                               _over_limit(arguments or (), constraining), None, None, text_of(description), self._span(meta),
+                               self._span(name), (), constraining, _KINDS.get(kind, str(kind)))
         return Argument(words, declared.name, declared.arguments, None, self._span(meta), declared.name_span, declared)
 
     def left_out(self, meta: Place, children: list[Any]) -> Argument:
@@ -367,5 +371,11 @@ def _head(words: Sequence[Word]) -> tuple[frozenset[str], bool, list[Word]]:
 def _declared(prefixes: frozenset[str], type_name: str, type_span: Span, dimensions: tuple[Expression, ...] | None,
               declarator: tuple[Any, ...]) -> Declaration:
     name, own, arguments, binding, condition, description, span, name_span, annotation, constraining = declarator
-    return Declaration(prefixes, type_name, type_span, name, (*(own or ()), *(dimensions or ())), arguments or (), binding,
-                       condition, description, span, name_span, annotation, constraining)
+    return Declaration(prefixes, type_name, type_span, name, (*(own or ()), *(dimensions or ())),
+                       _over_limit(arguments or (), constraining), binding, condition, description, span, name_span, annotation,
+                       constraining)
+
+
+def _over_limit(arguments: tuple[Argument, ...], limit: Constraining | None) -> tuple[Argument, ...]:
+    """What modifies something, with what the constraining clause behind it says under that (Modelica 3.6, section 7.3.2)."""
+    return over(arguments, limit.arguments) if limit is not None else arguments

@@ -4,6 +4,7 @@ Operators, calls, conditions and arrays are generic in their children: an `Expre
 are resolved, whose loops are unrolled and whose structural values are put in (names.py).
 """
 
+from dataclasses import replace
 from typing import Generic, Literal, TypeAlias, TypeVar
 
 from lagrangia.base.diagnostics import Source, Span
@@ -290,6 +291,7 @@ class Declaration:
     name_span: Span
     annotation: tuple[Argument, ...] = ()
     constraining: Constraining | None = None
+    kind: str = ""  # "model", "package", ... of a class that a redeclaration puts in the place of another one
 
 
 @dataclass(frozen=True, slots=True)
@@ -407,6 +409,7 @@ class LiteralDefinition:
     name: str
     description: str
     span: Span
+    annotation: tuple[Argument, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -443,6 +446,7 @@ class Import:
 
     names: tuple[tuple[str, str], ...]
     span: Span
+    annotation: tuple[Argument, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -454,3 +458,13 @@ class Syntax:
     classes: tuple[ClassDefinition, ...]
     named: tuple[Import, ...] = ()  # imports of names, for all its classes
     within: str | None = None  # the package that it belongs to
+
+
+def over(first: tuple[Argument, ...], second: tuple[Argument, ...]) -> tuple[Argument, ...]:
+    """Arguments of one modification where those of another one stand under them: what the first says wins."""
+    below = {argument.name: argument for argument in second}
+    given = {argument.name for argument in first}
+    merged = tuple(argument if (under := below.get(argument.name)) is None or argument.redeclared or under.redeclared else
+                   replace(argument, arguments=over(argument.arguments, under.arguments),
+                           value=argument.value if argument.value is not None else under.value) for argument in first)
+    return merged + tuple(argument for argument in second if argument.name not in given)

@@ -12,7 +12,7 @@ from typing import Any, Protocol
 from lagrangia.base.diagnostics import Source, Span, fail
 from lagrangia.base.records import dataclass
 from lagrangia.language.scoping import Copy, Scopes
-from lagrangia.language.tree import Argument, ClassDefinition, Declaration, Extends, Number
+from lagrangia.language.tree import Argument, ClassDefinition, Constraining, Declaration, Extends, Number, over
 
 COMPONENTS = ("model", "block")  # classes that are redeclared with what modifies them, where they are used (redeclarations.py)
 
@@ -95,7 +95,9 @@ class Variants:
         found = self.inner(owner, name) if owner in self.scopes.classes else None
         if found is not None and found[1].kind == "record":
             taken = self.table.lookup(new.type_name, new.type_span)
-            self._check_place(found[1], f"{found[0]}.{name}", taken, new.type_span, span)
+            check_kind(new, found[1])
+            self._check_replaceable(found[1], span)
+            self._check_place(found[1], f"{found[0]}.{name}", taken, new.type_span)
 
     @property
     def scopes(self) -> Scopes:
@@ -212,14 +214,25 @@ class Variants:
         found = self.inner(heir, argument.name)
         assert found is not None
         _, target = found
-        limit = target.constraining
-        given = {a.name for a in new.arguments}
-        more = tuple(a for a in limit.arguments if a.name not in given) if limit is not None else ()
+        check_kind(new, target)
+        limit = limit_of(target)
+        arguments = over(new.arguments, limit.arguments) if limit is not None else new.arguments
+        self._check_replaceable(target, argument.span)
         if new.type_name not in self.builtin or target.kind != "type":
-            self._check_place(target, f"{found[0]}.{target.name}", self.table.lookup(new.type_name, new.type_span), new.type_span,
-                              argument.span)
+            taking = self.table.lookup(new.type_name, new.type_span)
+            self._check_place(target, f"{found[0]}.{target.name}", taking, new.type_span)
+            if new.constraining is not None:
+                wanted = self.table.lookup(new.constraining.type_name, new.constraining.span)
+                self._check_has(target.name, wanted, taking, new.type_span)
+        elif target.is_partial:
+            fail("L0235", f"'{target.name}' is any enumeration: {new.type_name}, which is none, cannot take its place",
+                 new.type_span)
+        if new.constraining is not None:
+            limit = replace(new.constraining, arguments=over(new.constraining.arguments, limit.arguments if limit else ()))
+        elif limit is not None and limit.type_name in self.builtin:
+            limit = None
         return ClassDefinition(target.kind, False, argument.name, target.description,
-                               (Extends(self._named(new), (*new.arguments, *more), new.type_span),), (), (), argument.span,
+                               (Extends(self._named(new), arguments, new.type_span),), (), (), argument.span,
                                argument.name_span, prefixes=new.prefixes & {"replaceable"}, constraining=limit)
 
     def _named(self, new: Declaration) -> str:
@@ -233,20 +246,27 @@ class Variants:
         if found is None:
             fail("L0234", f"nothing is inherited that '{inner.name}' could take the place of", span,
                  "leave `redeclare` out: this is a class of its own")
-        self._check_place(found[1], f"{found[0]}.{inner.name}", self.scopes.classes[full], span, span)
+        self._check_replaceable(found[1], span)
+        self._check_place(found[1], f"{found[0]}.{inner.name}", self.scopes.classes[full], span)
 
-    def _check_place(self, target: ClassDefinition, old: str, new: ClassDefinition, new_span: Span, span: Span) -> None:
+    def _check_replaceable(self, target: ClassDefinition, span: Span) -> None:
+        if "replaceable" not in target.prefixes:
+            fail("L0234", f"'{target.name}' cannot be redeclared: it is not replaceable", span,
+                 f"write `replaceable` before it, at {target.name_span}")
+
+    def _check_place(self, target: ClassDefinition, old: str, new: ClassDefinition, new_span: Span) -> None:
         """Raises LagError where a class cannot take the place of another one, by what it has."""
         name = target.name
-        if "replaceable" not in target.prefixes:
-            fail("L0234", f"'{name}' cannot be redeclared: it is not replaceable", span,
-                 f"write `replaceable` before it, at {target.name_span}")
         if new.kind != target.kind and not {new.kind, target.kind} <= {"model", "block"}:
             fail("L0235", f"'{name}' is a {target.kind}: the {new.kind} {new.name} cannot take its place", new_span)
         if target.kind == "type" and target.is_partial and not any(base.literals for base in self.table.lineage(new)):
             fail("L0235", f"'{name}' is any enumeration: {new.name}, which is none, cannot take its place", new_span)
         limit = target.constraining
         wanted = self.scopes.classes[old] if limit is None else self.table.lookup(limit.type_name, limit.span)
+        self._check_has(name, wanted, new, new_span)
+
+    def _check_has(self, name: str, wanted: ClassDefinition, new: ClassDefinition, new_span: Span) -> None:
+        """Raises LagError where a class lacks something that another one has."""
         lineage = self.table.lineage(new) if "extends" not in new.prefixes else []
         if not lineage or wanted.name in [base.name for base in lineage]:
             return
@@ -260,6 +280,21 @@ class Variants:
         """What others see of a class: declarations and classes."""
         return [item.name for one in self.table.lineage(definition) for item in (*one.elements, *one.classes)
                 if not isinstance(item, Extends) and "protected" not in item.prefixes]
+
+
+def check_kind(new: Declaration, target: ClassDefinition) -> None:
+    """Raises LagError L0235 where a redeclaration says another kind than that of the class whose place it takes."""
+    if new.kind != target.kind and not {new.kind, target.kind} <= {*COMPONENTS}:
+        fail("L0235", f"'{target.name}' is a {target.kind}, no {new.kind}", new.span,
+             f"write: redeclare {target.kind} {target.name} = ...")
+
+
+def limit_of(target: ClassDefinition) -> Constraining | None:
+    """What limits what may take the place of a class, and modifies it: the constraining clause, or what a short class is."""
+    base = target.elements[0] if len(target.elements) == 1 else None
+    if target.constraining is None and isinstance(base, Extends) and base.span == target.span:
+        return Constraining(base.type_name, base.arguments, base.span)
+    return target.constraining
 
 
 def _signature(argument: Argument) -> tuple[Any, ...]:

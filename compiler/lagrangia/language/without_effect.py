@@ -64,6 +64,8 @@ def find_without_effect(model: FlatModel, root: Instance, table: ClassTable) -> 
             _look_at_each(element, report)
     _look_at_attributes(instances, model, table, report)
     _look_at_parameters(own, table, {id(c) for c in table.lineage(root.definition)}, report)
+    for literal in (x for c in table.user.values() for x in c.literals):
+        _look_at_annotation(literal.annotation, (), report)
     called = dict.fromkeys(name.partition("(")[0] for name in model.functions)
     _look_at_functions([table.user[name] for name in called if name in table.user], report)
     _look_at_joints(model, table, report)
@@ -87,6 +89,7 @@ def find_unused_imports(syntax: Syntax, files: Sequence[tuple[ImportFile, Sequen
             report.warning(CODE, f"nothing uses '{item.path}'", item.span, "leave it out")
         seen.add(id(brought[0]))
     for named in (*syntax.named, *(item for c in _all_classes(syntax.classes) for item in c.imports)):
+        _look_at_annotation(named.annotation, (), report)
         for short, _ in named.names:
             if short != "*" and short not in mentioned:
                 report.warning(CODE, f"nothing uses '{short}'", named.span, "leave it out")
@@ -192,7 +195,8 @@ def _look_at_attributes(instances: Iterable[Instance], model: FlatModel, table: 
 
 def _look_at_parameters(own: Sequence[ClassDefinition], table: ClassTable, of_root: set[int], report: Report) -> None:
     """Constants and parameters whose names stand nowhere; idle.py tells of the others of the scene itself."""
-    mentioned = {word for definition in own for word in _words((definition.elements, definition.sections))}
+    mentioned = {word for definition in (*own, *_all_classes(table.user.values()))
+                 for word in _words((definition.elements, definition.sections))}
     for definition in own:
         for element in definition.elements:
             is_looked_at = isinstance(element, Declaration) and "inner" not in element.prefixes and (

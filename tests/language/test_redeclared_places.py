@@ -1,0 +1,57 @@
+"""What a redeclaration says beside the name of a class, and what a constraining clause says of it (Modelica 3.6, 7.3.2)."""
+
+from collections.abc import Callable
+
+import pytest
+
+import lagrangia as lag
+
+Write = Callable[[str], lag.Model]
+
+HEAD = "Block b(m = 1, base = world);"
+CLASSES = """
+package P
+  package A constant Real k = 1; end A;
+  package Z constant Real k = 4; end Z;
+  model Q parameter Real k = 1; output Real y = k; end Q;
+  model Q2 parameter Real k = 7; output Real y = k; end Q2;
+  model T1 replaceable package M = A constrainedby A(k = 9); output Real y = M.k; end T1;
+  model T2 replaceable package M = A(k = 2); output Real y = M.k; end T2;
+  model T3 replaceable Q q constrainedby Q(k = 3); output Real y = q.y; end T3;
+  model T4 replaceable model QQ = Q(k = 2); QQ q; output Real y = q.y; end T4;
+  model T5 replaceable model QQ = Q constrainedby Q(k = 3); QQ q; output Real y = q.y; end T5;
+  model T6 replaceable model QQ Real y = 5; Real z = y; end QQ; QQ q; end T6;
+  model Again extends T2(redeclare replaceable package M = Z(k = 5)); end Again;
+end P;
+"""
+GIVEN = {  # what is y of each
+    "P.T1 t;": 9, "P.T1 t(redeclare package M = P.Z);": 9, "P.T1 t(redeclare package M = P.Z(k = 8));": 8, "P.T2 t;": 2,
+    "P.T2 t(redeclare package M = P.Z);": 2, "P.Again t;": 5, "P.Again t(redeclare package M = P.A);": 2,
+    "P.T3 t;": 3, "P.T3 t(redeclare P.Q2 q);": 3, "P.T3 t(redeclare P.Q2 q(k = 8));": 8, "P.T4 t;": 2,
+    "P.T4 t(redeclare model QQ = P.Q2);": 2, "P.T5 t;": 3, "P.T5 t(redeclare model QQ = P.Q2);": 3,
+    "P.T5 t(redeclare model QQ = P.Q2(k = 8));": 8, "P.T4 t(redeclare model QQ = P.Q2 constrainedby P.Q(k = 6));": 6}
+
+
+def test_limits_modify_what_takes_a_place(scene: Write) -> None:
+    texts = [text.replace(" t", f" t{k}", 1) for k, text in enumerate(GIVEN)]
+    read = " ".join(f"output Real y{k} = t{k}.y;" for k in range(len(GIVEN)))
+    run = scene(f"{CLASSES} model M {HEAD} {' '.join(texts)} {read} end M;").simulate(at=[0.0])
+    assert {text: run[f"y{k}"][0] for k, text in enumerate(GIVEN)} == GIVEN
+
+
+WRONG = {
+    "P.T1 t(redeclare package M = P.A constrainedby Nope(k = 7));": "L0201.*'Nope'",
+    "P.T5 t(redeclare model QQ = P.Q constrainedby Nope);": "L0201.*'Nope'",
+    "P.T3 t(redeclare P.Q q constrainedby Nope);": "L0201.*'Nope'",
+    "model C replaceable model X = P.Q constrainedby Nope; X x; end C; C t;": "L0201.*'Nope'",
+    "P.T1 t(redeclare model M = P.A);": "L0235.*'M' is a package, no model",
+    "P.T5 t(redeclare function QQ = P.Q);": "L0235.*'QQ' is a model, no function",
+    "P.T6 t(redeclare model QQ = P.Q);": "L0235.*lacks 'z' of",
+    "model C replaceable type T = enumeration(:); parameter T x; end C; C t(redeclare type T = Real, x = 2);":
+        "L0235.*'T' is any enumeration: Real"}
+
+
+@pytest.mark.parametrize("text", WRONG)
+def test_what_a_redeclaration_says_is_looked_at(scene: Write, text: str) -> None:
+    with pytest.raises(lag.LagError, match=WRONG[text]):
+        scene(f"{CLASSES} model M {HEAD} {text} end M;")
