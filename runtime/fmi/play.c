@@ -174,7 +174,7 @@ int lag_play_step(LagPlayer *player, double h)
             answer = lag_instance_step(s, vital->t, vital->stop - vital->t, &result);
         vital->has_stop = 0;
     }
-    if (answer == LAG_ANSWER_OK && end > vital->t)
+    if (answer <= LAG_ANSWER_WARNING && end > vital->t)
         answer = lag_instance_step(s, vital->t, end - vital->t, &result);
     show_inputs(player);
     return (int)(answer <= LAG_ANSWER_WARNING && vital->is_over ? LAG_ANSWER_DISCARD : answer);

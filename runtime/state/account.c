@@ -97,9 +97,12 @@ void lag_account_note(LagRun *run, double t, const double *y, double *entries)
 /* By what the unit of errors of quadratures is larger than the tolerance of all energy. */
 static double looseness(const LagRun *run) { return run->methods.table->weighs_work ? 1 : LOOSE; }
 
+/* The energies that are behind the present unit, which another method may have loosened. */
+static double seen_energy(const LagMotion *m) { return m->looseness > 0 ? m->energy / m->looseness : m->energy; }
+
 void lag_account_glance(LagRun *run)
 {
-    const double seen = looseness(run) * look(run).largest;
+    const double seen = run->motion.looseness * look(run).largest;
     if (run->motion.energy > 0)
         run->motion.energy = lag_max(run->motion.energy, seen);
 }
@@ -110,10 +113,11 @@ void lag_account_weigh(LagRun *run)
     const LagStatistics *statistics = &run->statistics;
     const int counts = run->model->n_power > 0, slides = counts && run->sliding.count > 0;
     const int weighs = run->methods.table->weighs_work && !slides;
-    double energy = weighs ? motion->energy : lag_max(statistics->energy_scale, statistics->energy_stored);
+    double energy = weighs ? seen_energy(motion) : lag_max(statistics->energy_scale, statistics->energy_stored);
     if (slides || energy == 0)
         energy = counts ? lag_max(look(run).largest, energy) : 0;
-    motion->energy = counts ? (slides ? 1 : looseness(run)) * energy : 0;
+    motion->looseness = slides ? 1 : looseness(run);
+    motion->energy = counts ? motion->looseness * energy : 0;
     motion->strength = slides ? run->sliding.energy : 0;
 }
 

@@ -10,11 +10,11 @@ enum { LAG_ACCOUNT_SIZE = 5 };
  * whether the tolerance explains by how much it misses. */
 void lag_account_note(LagRun *run, double t, const double *y, double *entries);
 
-/* Notes how large the energies are in the present state: rows may all lie where there is none. */
 /* What errors of the quadratures in an attempt at a step of length h, in units, count of them: nothing from where on they are those of
  * rounding, of stiff forces or of a jump, which shorter steps do not make as much smaller as the order says, until the next segment. */
 double lag_account_count(LagMotion *motion, double h, double error);
 
+/* Notes how large the energies are in the present state: rows may all lie where there is none. */
 void lag_account_glance(LagRun *run);
 
 /* Where friction holds what supports draw at, the work of these alone tells how long steps may be; and methods that begin at a low

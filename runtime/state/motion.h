@@ -27,6 +27,7 @@ typedef struct {
     double *other, *other_carry; /* the state at t_old, or the new one while a step is tried */
     double *slope;               /* dy/dt where a segment begins */
     double *point, *sum;         /* scratch */
+    double looseness;            /* by what `energy` is larger than energies that were seen */
     double energy, strength;     /* its size, at any time and by the square of a step, where errors of its quadratures limit
                                   * steps; 0: they do not */
     double work_error, work_step, work_time; /* of the quadratures in the latest attempt, in units; its length, and where it began */

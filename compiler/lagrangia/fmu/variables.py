@@ -5,7 +5,6 @@ The groups of value references, and their order, are those of runtime/fmi/fmu.h.
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 from lagrangia.base.records import dataclass
 from lagrangia.fmu.exportable import Exportable
@@ -14,10 +13,6 @@ from lagrangia.language.units import per_second
 from lagrangia.native.tapes import Tape
 from lagrangia.run.request import check_values
 from lagrangia.run.scene import Scene
-
-if TYPE_CHECKING:
-
-    pass
 
 _CONSTANTS = ("real", "integer", "boolean", "string")
 GROUPS = ("time", "state", "slope", "output", "energy", "input", "parameter", "indicator", *_CONSTANTS)
