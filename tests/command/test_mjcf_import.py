@@ -96,6 +96,26 @@ def test_names_and_limits_stay(folder: Path) -> None:
     assert "potential 4*(hip.phi - 0.3490658503988659)^2/2;" in text
 
 
+FRAMES = """<mujoco>
+  <default><general gear="5"/><default class="c"><joint damping="7"/></default></default>
+  <worldbody><body name="a" pos="0 0 1">
+    <frame pos="0 0.1 0.2" euler="90 0 0" childclass="c"><frame pos="0.1 0 0" euler="0 30 0">
+      <joint name="j" axis="0 0 1" pos="0 0.1 0" ref="20" actuatorfrcrange="-2 3"/></frame>
+      <joint name="k" axis="0 1 0" pos="0 0 0.3" class="main"/></frame>
+    <geom type="box" size="0.1 0.2 0.3" contype="0" conaffinity="0"/>
+  </body></worldbody>
+  <actuator><motor name="mo" joint="j"/></actuator>
+</mujoco>"""
+
+
+def test_joints_stand_in_frames_and_motors_have_the_defaults_of_all(folder: Path) -> None:
+    """That it moves so in MuJoCo 4.0.0 was looked at, to 3e-16."""
+    text = imported_text(FRAMES)
+    assert "axis = {0.4999999999999999, -0.8660254037844386, 0}, phi(start = 0.3490658503988659))" in text
+    assert '"motors from -2 to 3 N.m";' in text and "b = a_at2, axis = {0, 0, 1});" in text
+    assert "work 5*mo on j.phi;" in text and "dissipation 7*j.w^2/2;" in text and "k.w" not in text
+
+
 def test_a_joint_follows_another(folder: Path) -> None:
     follows = '<equality><joint joint1="hip" joint2="sway" polycoef="0.1 2 0 -1"/></equality></mujoco>'
     text = imported_text(SCENE.replace("</mujoco>", follows))
@@ -131,6 +151,7 @@ def test_what_has_no_counterpart_is_told(folder: Path, capsys: pytest.CaptureFix
     (('mass="0.8"', 'mass="heavy"'), "'mass' of <inertial> is a number"),
     (("<freejoint/>", '<freejoint/><joint type="hinge"/>'), "a free joint is the only one of its body"),
     (('size="0.06"', 'size="0"'), "a capsule has sizes above zero"),
+    (('size="0.06"', 'size="1e150"'), "beyond all numbers"),
     (("<worldbody>", '<include file="nothing.xml"/><worldbody>'), "there is no file 'nothing.xml' to include"),
     (('<mujoco model="two legs">', "<model>"), "this is no XML"),
     (('eulerseq="zyx"', 'eulerseq="zzz1"'), "'eulerseq' is three of the letters"),

@@ -21,11 +21,7 @@ def begin(model: lag.Model, **options: object) -> dict[str, float]:
     """All coordinates and rates at the start."""
     run = model.simulate(stop=1e-9, interval=1e-9, **options)
     names = [c.name for c in (*model.scene.coordinates, *model.scene.rates, *model.scene.outputs)]
-    found = {name: float(run[name][0]) for name in names}
-    for name, parts in model.scene.notes.get("attitudes", {}).items():  # against the reference that they begin with
-        found |= {part: 0.0 for part in parts}
-        found |= {f"der({part})": float(run[f"der({name})[{k}]"][0]) for k, part in enumerate(parts, 1)}
-    return found
+    return {name: float(run[name][0]) for name in names}
 
 
 # ---------------------------------------------------------------- with and without a compiler

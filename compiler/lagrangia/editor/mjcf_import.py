@@ -11,7 +11,7 @@ from collections.abc import Callable, Sequence
 from lagrangia.base.diagnostics import Span, fail
 from lagrangia.editor.mjcf_inertia import Mass, shape_mass, together, written_mass
 from lagrangia.editor.mjcf_motors import motor_lines
-from lagrangia.editor.mjcf_reading import SINGLE, Angles, Defaults, Joint, Written, turned, turned_moments, with_included
+from lagrangia.editor.mjcf_reading import SINGLE, Angles, Defaults, Joint, Vector, Written, turned, turned_moments, with_included
 from lagrangia.editor.modelica_import import Imported
 from lagrangia.editor.robot_text import Names, Place, counted, difference, inertia_matrix, number, quoted, radians, row
 from lagrangia.fmu.xmltree import Element
@@ -24,7 +24,9 @@ _MEDIUM = ("wind", "density", "viscosity", "magnetic")
 _FLAGS = frozenset({"gravity", "contact", "constraint", "limit", "energy", "warmstart", "filterparent", "midphase", "nativeccd",
                     "island", "eulerdamp", "autoreset", "sensor", "clampctrl", "refsafe"})
 _MAIN = Place("world")
-_Geom = tuple[Element, str | None, Sequence[Element]]
+_ROUNDING = 1e-15  # of components of turned axes
+_Part = tuple[Element, str | None, Sequence[Element]]
+_JOINTS, _SHAPES, _INERTIAL = frozenset({"joint", "freejoint"}), frozenset({"geom"}), frozenset({"inertial"})
 
 
 def imported_scene(root: Element, file: str, read: Callable[[str, Span], Element]) -> Imported:
@@ -55,11 +57,12 @@ class _Scene:
     def text(self) -> Imported:
         """All of it."""
         for world in self.root.all("worldbody"):
-            for geom, around, _ in _geoms(world, None):
+            for geom, around, _ in _own(world, _SHAPES, None):
                 self._see_shape(self._of(geom, around), "standing")
             self._inside(world, _MAIN, None)
         if not self.counts["body"]:
-            fail("L0730", "there is no body in this scene", self.root.span(), "bodies stand in <worldbody>")
+            unknown = [f"not supported yet: {what}" for what in self.left_out]
+            fail("L0730", "there is no body in this scene", self.root.span(), "bodies stand in <worldbody>", *unknown)
         motors = [x for group in self.root.all("actuator") for x in group.children]
         inputs, works = motor_lines([self.defaults.written(x, None) for x in motors], self.joints, self.names, self.left_out)
         self._couple()
@@ -111,24 +114,33 @@ class _Scene:
         for word in ("mocap", "gravcomp"):
             if element.get(word) not in (None, "0", "false"):
                 self.left_out[f"{word} of body {name}"] += 1
-        joints = [x for x in _own(element) if x.tag in ("joint", "freejoint")]
-        if joints and self._kind(self._of(joints[0], around)) == "Free":
-            place = self._floating(joints, written, name, outer, around)
+        joints = [(self._of(joint, holds), self._placed(joint, holds, steps))
+                  for joint, holds, steps in _own(element, _JOINTS, around)]
+        if joints and self._kind(joints[0][0]) == "Free":
+            place = self._floating([own for own, _ in joints], written, name, outer)
         else:
-            place = self._carried(joints, self._pose(outer, written), name, around)
+            place = self._carried(joints, self._pose(outer, written), name)
         self.bodies.append((place, name, self._mass(element, around, name)))
         self._inside(element, place, around)
 
-    def _carried(self, joints: Sequence[Element], at: Place, name: str, around: str | None) -> Place:
+    def _placed(self, joint: Element, around: str | None, steps: Sequence[Element]) -> tuple[Vector, Vector]:
+        """Where a joint is in its body, and its axis, from within the frames around it."""
+        own = self._of(joint, around)
+        place, axis = own.numbers("pos", 3, [0.0] * 3), own.numbers("axis", 3, [0.0, 0.0, 1.0])
+        for step in reversed(steps):
+            frame = self._plain(step)
+            q, ahead = self.angles.attitude(frame), frame.numbers("pos", 3, [0.0] * 3)
+            place, axis = [a + b for a, b in zip(ahead, turned(q, place), strict=True)], turned(q, axis)
+        return place, [x if abs(x) > _ROUNDING else 0.0 for x in axis]
+
+    def _carried(self, joints: Sequence[tuple[Written, tuple[Vector, Vector]]], at: Place, name: str) -> Place:
         """Where a body is whose joints move it one after the other."""
         passed = [0.0, 0.0, 0.0]  # from the last joint's place back to the body's origin
-        for k, element in enumerate(joints):
-            own = self._of(element, around)
-            place = own.numbers("pos", 3, [0.0] * 3)
+        for k, (own, (place, axis)) in enumerate(joints):
             at = at.shifted([place[i] - passed[i] for i in range(3)])
             which = str(k + 1) if len(joints) > 1 else ""
             frame = self._frame(name if k + 1 == len(joints) and not any(place) else f"{name}_at{which}")
-            self._join(own, f"{name}_joint{which}", at, frame)
+            self._join(own, axis, f"{name}_joint{which}", at, frame)
             at, passed = Place(frame), list(place)
         if not joints:
             frame = self._frame(name)
@@ -136,13 +148,12 @@ class _Scene:
             return Place(frame)
         return at.shifted([-x for x in passed])
 
-    def _join(self, own: Written, usual: str, at: Place, frame: str) -> None:
+    def _join(self, own: Written, axis: Vector, usual: str, at: Place, frame: str) -> None:
         kind = self._kind(own)
         name = self._joint_name(own, usual)
         if kind == "Free":
             fail("L0730", "a free joint is the only one of its body, which stands in the world", own.element.span())
         start = own.number("ref") if kind in SINGLE else 0.0
-        axis = own.numbers("axis", 3, [0.0, 0.0, 1.0])
         if not any(axis):
             fail("L0730", f"the axis of joint {name} has no direction", own.element.span("axis"))
         if kind == "Revolute":
@@ -172,8 +183,8 @@ class _Scene:
         name = own.get("name")
         return self.taken[name] if name else self.names.fresh(usual)
 
-    def _floating(self, joints: Sequence[Element], body: Written, name: str, outer: Place, around: str | None) -> Place:
-        own = self._of(joints[0], around)
+    def _floating(self, joints: Sequence[Written], body: Written, name: str, outer: Place) -> Place:
+        own = joints[0]
         if len(joints) > 1 or outer != _MAIN:
             fail("L0730", "a free joint is the only one of its body, which stands in the world", own.element.span())
         frame, joint = self._frame(name), self._joint_name(own, f"{name}_joint")
@@ -190,6 +201,8 @@ class _Scene:
     def _losses(self, joint: Joint) -> None:
         """What a joint itself stores and loses."""
         own, known = joint.written, {}
+        if any(own.leading("springdamper", [0.0])):
+            self.left_out[f"springdamper of joint {joint.name}"] += 1
         for name in ("damping", "armature", "frictionloss", "stiffness"):
             if len((own.get(name) or "").split()) > 1:
                 self.left_out[f"{name} of joint {joint.name}, which is no single number"] += 1
@@ -220,12 +233,16 @@ class _Scene:
 
     def _limits(self, own: Written, kind: str) -> str:
         limited = own.get("limited", "auto")
-        if limited == "false" or own.get("range") is None or kind not in SINGLE:
-            return ""
-        lower, upper = own.numbers("range", 2)
-        if kind == "Revolute":
-            lower, upper = self.angles.radians(lower), self.angles.radians(upper)
-        return f"from {number(lower)} to {number(upper)} {'rad' if kind == 'Revolute' else 'm'}"
+        parts = []
+        if limited != "false" and own.get("range") is not None and kind != "Free":
+            lower, upper = own.numbers("range", 2)
+            if kind != "Prismatic":
+                lower, upper = self.angles.radians(lower), self.angles.radians(upper)
+            parts.append(f"from {number(lower)} to {number(upper)} {'m' if kind == 'Prismatic' else 'rad'}")
+        if own.get("actuatorfrclimited", "auto") != "false" and own.get("actuatorfrcrange") is not None:
+            lower, upper = own.numbers("actuatorfrcrange", 2)
+            parts.append(f"motors from {number(lower)} to {number(upper)} {'N' if kind == 'Prismatic' else 'N.m'}")
+        return "; ".join(parts)
 
     def _kind(self, own: Written) -> str:
         kind = "free" if own.element.tag == "freejoint" else own.get("type", "hinge") or ""
@@ -236,13 +253,12 @@ class _Scene:
     # ------------------------------------------------------------ masses
 
     def _mass(self, element: Element, around: str | None, name: str) -> Mass:
-        shapes = [(self._of(geom, around_it), steps) for geom, around_it, steps in _geoms(element, around)]
+        shapes = [(self._of(geom, holds), steps) for geom, holds, steps in _own(element, _SHAPES, around)]
         for own, _ in shapes:
             self._see_shape(own, "touching")
         rule = self.compiler.get("inertiafromgeom", "auto")
-        inertial = next((x for x in _own(element) if x.tag == "inertial"), None)
-        if inertial is not None and rule != "true":
-            return written_mass(self._plain(inertial), self.angles)
+        for inertial, _, steps in _own(element, _INERTIAL, around) if rule != "true" else ():
+            return self._outside(written_mass(self._plain(inertial), self.angles), steps)
         if rule == "false":
             return together([])
         first, last = self.compiler.numbers("inertiagrouprange", 2, [0, 5])
@@ -256,16 +272,17 @@ class _Scene:
             if mass is None:
                 self.left_out[f"the mass of a {own.get('type')} of body {name}"] += 1
                 continue
-            for step in reversed(steps):
-                mass = self._moved(mass, self._plain(step))
-            parts.append(mass)
+            parts.append(self._outside(mass, steps))
         return together(parts)
 
-    def _moved(self, mass: Mass, frame: Written) -> Mass:
-        """In the axes around a <frame>."""
-        q, place = self.angles.attitude(frame), frame.numbers("pos", 3, [0.0] * 3)
-        center = [a + b for a, b in zip(place, turned(q, mass.center), strict=True)]
-        return Mass(mass.m, center, turned_moments(q, mass.moments))
+    def _outside(self, mass: Mass, steps: Sequence[Element]) -> Mass:
+        """In the axes around frames."""
+        for step in reversed(steps):
+            frame = self._plain(step)
+            q, place = self.angles.attitude(frame), frame.numbers("pos", 3, [0.0] * 3)
+            center = [a + b for a, b in zip(place, turned(q, mass.center), strict=True)]
+            mass = Mass(mass.m, center, turned_moments(q, mass.moments))
+        return mass
 
     def _masses(self) -> list[str]:
         total = self.compiler.number("settotalmass", -1)
@@ -340,20 +357,12 @@ def _joint_names(root: Element) -> list[str]:
     return own + [x for child in root.children if child.tag != "equality" for x in _joint_names(child)]
 
 
-def _own(body: Element) -> list[Element]:
-    """What belongs to a body itself, also inside frames."""
-    found = []
-    for child in body.children:
-        found += _own(child) if child.tag == "frame" else [child]
-    return found
-
-
-def _geoms(outer: Element, around: str | None, steps: Sequence[Element] = ()) -> list[_Geom]:
-    """The shapes of a body, the class that holds for each, and the frames around it."""
-    found: list[_Geom] = []
+def _own(outer: Element, tags: frozenset[str], around: str | None, steps: Sequence[Element] = ()) -> list[_Part]:
+    """What belongs to a body itself, the class that holds for each, and the frames around it."""
+    found: list[_Part] = []
     for child in outer.children:
         if child.tag == "frame":
-            found += _geoms(child, child.get("childclass") or around, [*steps, child])
-        elif child.tag == "geom":
+            found += _own(child, tags, child.get("childclass") or around, [*steps, child])
+        elif child.tag in tags:
             found.append((child, around, steps))
     return found

@@ -33,7 +33,8 @@ def written_mass(inertial: Written, angles: Angles) -> Mass:
         moments = [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]
     else:
         moments = _diagonal(inertial.numbers("diaginertia", 3, [0.0] * 3))
-    return Mass(inertial.numbers("mass", 1)[0], inertial.numbers("pos", 3, [0.0] * 3), turned_moments(q, moments))
+    m, center = inertial.numbers("mass", 1)[0], inertial.numbers("pos", 3, [0.0] * 3)
+    return _finite(inertial, Mass(m, center, turned_moments(q, moments)))
 
 
 def shape_mass(geom: Written, angles: Angles) -> Mass | None:
@@ -48,7 +49,13 @@ def shape_mass(geom: Written, angles: Angles) -> Mass | None:
         fail("L0730", f"a {kind} has sizes above zero", geom.element.span("size"))
     volume, per_mass = _VOLUMES[kind](*sizes)
     m = geom.number("mass") if geom.get("mass") is not None else geom.number("density", _WATER) * volume
-    return Mass(m, center, turned_moments(q, _diagonal([m * x for x in per_mass])))
+    return _finite(geom, Mass(m, center, turned_moments(q, _diagonal([m * x for x in per_mass]))))
+
+
+def _finite(written: Written, mass: Mass) -> Mass:
+    if not all(map(math.isfinite, (mass.m, *(x for row in mass.moments for x in row)))):
+        fail("L0730", f"the mass of this <{written.element.tag}>, or a moment, is beyond all numbers", written.element.span())
+    return mass
 
 
 def together(parts: Sequence[Mass]) -> Mass:
@@ -86,7 +93,7 @@ def _diagonal(values: Vector) -> list[list[float]]:
 
 
 def _sphere(r: float) -> tuple[float, Vector]:
-    return 4 / 3 * math.pi * r**3, [0.4 * r * r] * 3
+    return 4 / 3 * math.pi * r * r * r, [0.4 * r * r] * 3
 
 
 def _ellipsoid(a: float, b: float, c: float) -> tuple[float, Vector]:
@@ -100,7 +107,7 @@ def _cylinder(r: float, h: float) -> tuple[float, Vector]:
 
 def _capsule(r: float, h: float) -> tuple[float, Vector]:
     """A cylinder of half length h with a half ball at both ends, whose centres lie 3 r/8 outside."""
-    shaft, ends = 2 * math.pi * r * r * h, 4 / 3 * math.pi * r**3
+    shaft, ends = 2 * math.pi * r * r * h, 4 / 3 * math.pi * r * r * r
     volume = shaft + ends
     across = shaft * (3 * r * r + 4 * h * h) / 12 + ends * (0.4 * r * r + h * h + 0.75 * h * r)
     return volume, [across / volume, across / volume, (shaft * r * r / 2 + ends * 0.4 * r * r) / volume]

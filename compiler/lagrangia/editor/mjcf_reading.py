@@ -83,16 +83,16 @@ class Defaults:
 
     def __init__(self, root: Element) -> None:
         self.classes: dict[str, dict[str, dict[str, str]]] = {}
-        self.main = ""
+        self.main = "main"
         for element in root.all("default"):
-            self.main = self.main or element.get("class") or "main"
+            self.main = element.get("class") or self.main
             self._read(element, self.classes.get(self.main, {}), self.main)
 
     def _read(self, element: Element, around: Mapping[str, Mapping[str, str]], name: str) -> None:
         here = {tag: dict(attributes) for tag, attributes in around.items()}
         for child in element.children:
             if child.tag != "default":
-                here.setdefault(child.tag, {}).update(child.attributes)
+                here.setdefault(_kind(child.tag), {}).update(child.attributes)
         self.classes[name] = here
         for child in element.children:
             if child.tag == "default":
@@ -106,12 +106,18 @@ class Defaults:
         name = element.get("class") or around or self.main
         if name not in self.classes and name != self.main:
             fail("L0730", f"there is no class of defaults '{name}'", element.span("class"))
-        given = self.classes.get(name, {}).get(element.tag, {})
+        given = self.classes.get(name, {}).get(_kind(element.tag), {})
         if any(word in element.attributes for word in _ATTITUDES):
             given = {word: value for word, value in given.items() if word not in _ATTITUDES}
         return Written(element, {**given, **element.attributes})
 
 
+def _kind(tag: str) -> str:
+    """Short forms of <general> have the same defaults."""
+    return "general" if tag in _ACTUATORS else tag
+
+
+_ACTUATORS = frozenset({"motor", "position", "velocity", "intvelocity", "damper", "cylinder", "muscle", "adhesion"})
 _ATTITUDES = ("quat", "axisangle", "xyaxes", "zaxis", "euler")
 
 

@@ -10,7 +10,7 @@ from lagrangia.paper.layout import LETTERS, Name
 
 _ATTRIBUTES = {"force": ("F", ""), "torque": ("M", ""), "s_rel0": ("s", "0"), "phi_rel0": ("phi", "0"), "gravity": ("g", ""),
                "omega": ("omega", "")}
-_AXES, _OF_BODIES = {"1": "x", "2": "y"}, ("I",)  # of vectors of the plane; moments about the axes of a body
+_AXES, _OF_BODIES = {"1": "x", "2": "y", "3": "z"}, ("I",)  # of vectors; moments about the axes of a body
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9]*(_[A-Za-z0-9]+)*")
 GREEK = {shown: name for name, shown in LETTERS.items() if not name.startswith("script ")} | {"ϕ": "phi", "ϵ": "epsilon"}
 _VARIANTS = {"varphi": "phi", "varepsilon": "epsilon"}  # which stand on paper by themselves
