@@ -115,8 +115,7 @@ LagStatus lag_segment_evaluate(LagRun *run)
         lag_turn_pass(run);
     else if (run->methods.table->begins_low)
         lag_stepper_lead(run);
-    motion->work_is_rough = 0;
-    motion->work_error = 0;
+    motion->work_error = motion->work_is_rough = 0;
     lag_account_weigh(run);
     if (!lag_motion_slope(motion, motion->t, motion->y, motion->y + n, motion->slope)) {
         run->segment_over = 1;
