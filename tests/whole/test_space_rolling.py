@@ -1,5 +1,6 @@
 """What rolls and skates in space: closed forms of a disc in a circle and of a ball on a turntable, and Whipple's bicycle."""
 
+from collections.abc import Callable
 from functools import cache
 from pathlib import Path
 
@@ -129,3 +130,10 @@ def test_from_which_speed_to_which_it_holds_itself_upright() -> None:
         assert largest(speed + side * 1e-3) > 1e-5 and largest(speed - side * 1e-3) < -1e-5
     stiffness = g * np.array(K0) + CAPSIZE**2 * np.array(K2)
     assert np.linalg.det(stiffness) == pytest.approx(0, abs=1e-9)  # and K is as above at all speeds
+
+
+def test_a_disc_that_lies_flat_is_refused(scene: Callable[[str], lag.Model]) -> None:
+    text = """model M World world(gravity = {0, 0, -9.81}); Disc disc(m = 2, r = 0.1, center(z(start = 0.1)));
+      RollingDisc rolling(base = world, r = 0.1, center = disc.center); end M;"""
+    with pytest.raises(lag.Error, match="the disc lies flat"):
+        scene(text).simulate(at=[0.1])
