@@ -162,7 +162,7 @@ def test_wide_registers_and_vectors_change_no_digit(file: Path, solver: str, str
         monkeypatch.setenv("LAGRANGIA_CACHE", str(built / kind))
         with monkeypatch.context() as patch:
             own = built_of(kind)  # that of this kind, which is compiled where it does not come with the package
-            patch.setattr(prebuilt, "find", lambda _, own=own: own)
+            patch.setattr(prebuilt, "find", lambda *_, own=own, **__: own)
             assert rows() == wide
     monkeypatch.setattr(prebuilt, "kind_here", lambda: here)
     compiler = find_compiler()
