@@ -24,7 +24,7 @@ LONG = 0.3  # s
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption("--update", action="store_true", help="write the expected texts anew")
-    parser.addoption("--scenes", type=int, default=16, metavar="N", help="random scenes of tests/stress; 10000 before a release")
+    parser.addoption("--scenes", type=int, default=0, metavar="N", help="random scenes of tests/stress; 10000 before a release")
     parser.addoption("--note-slow", action="store_true", help=f"write {SLOW.name} anew: which tests took more than {LONG} s")
 
 

@@ -13,7 +13,7 @@ from lagrangia.language.component_library import library_classes
 from lagrangia.language.dimensions import check_dimensions
 from lagrangia.language.flattening import flatten
 from lagrangia.language.syntax import parse
-from lagrangia.language.tree import ClassDefinition, Declaration, Number, Syntax
+from lagrangia.language.tree import ClassDefinition, Declaration, Extends, Number, Syntax
 
 _LACKS_A_VALUE = "L0211"
 _NOTHING_MOVES = "L0505"
@@ -72,13 +72,13 @@ def _waits(table: ClassTable, definition: ClassDefinition) -> bool:
 
 
 def models_beside(path: Path) -> list[Beside]:
-    """All but partial ones, and those that stand in another model of the file, with which they are checked. Raises LagError where
-    the file cannot be read."""
+    """All but partial ones, and those that stand in another model of the file or are extended there, with which they
+    are checked. Raises LagError where the file cannot be read."""
     with deep_recursion():
         syntax, imported = read_files(path)
         table = build_class_table(library_classes(), [syntax, *imported], Packages(syntax).find)
         own = [c for c in table.user.values() if c.name_span.source is syntax.source]
-        placed = {e.type_name.rpartition(".")[2] for c in own for e in c.elements if isinstance(e, Declaration)}
+        placed = {e.type_name.rpartition(".")[2] for c in own for e in c.elements if isinstance(e, Declaration | Extends)}
         found = []
         for c in _models_beside(own, syntax):
             if not c.is_partial and c.name_span.text not in placed and not _waits(table, c):

@@ -195,8 +195,7 @@ def _look_at_attributes(instances: Iterable[Instance], model: FlatModel, table: 
 
 def _look_at_parameters(own: Sequence[ClassDefinition], table: ClassTable, of_root: set[int], report: Report) -> None:
     """Constants and parameters whose names stand nowhere; idle.py tells of the others of the scene itself."""
-    mentioned = {word for definition in (*own, *_all_classes(table.user.values()))
-                 for word in _words((definition.elements, definition.sections))}
+    mentioned = frozenset().union(*(_words_of(definition, table) for definition in (*own, *_all_classes(table.user.values()))))
     for definition in own:
         for element in definition.elements:
             is_looked_at = isinstance(element, Declaration) and "inner" not in element.prefixes and (
@@ -228,6 +227,13 @@ def _look_at_functions(functions: Iterable[ClassDefinition], report: Report) -> 
                 what = "input" if "input" in element.prefixes else "variable"
                 report.warning(CODE, f"nothing reads the {what} '{element.name}' of {function.name}", element.name_span,
                                "leave it out")
+
+
+def _words_of(definition: ClassDefinition, table: ClassTable) -> frozenset[str]:
+    """Of a class, which are looked for once however many models of a file are looked at."""
+    if id(definition) not in table.words:
+        table.words[id(definition)] = definition, frozenset(_words((definition.elements, definition.sections)))
+    return table.words[id(definition)][1]
 
 
 def _words(part: Any) -> Iterator[str]:
