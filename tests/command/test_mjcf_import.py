@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import lagrangia as lag
+from lagrangia.bench.clock import hoisted
 from lagrangia.command.cli import main
 from lagrangia.run.interpret import evaluate
 
@@ -79,9 +80,7 @@ def test_a_scene_moves_as_in_mujoco(folder: Path) -> None:
     assert main(["format", "--check", "scene.lag"]) == 0
     scene = lag.load("scene.lag").scene
     names = [coordinate.name for coordinate in scene.coordinates]
-    given = [parameter.value if parameter.value is not None else 0.0 for parameter in scene.parameters]
-    (p,) = evaluate(scene.tapes["parameters"], given, [float(parameter.value is not None) for parameter in scene.parameters])
-    (c,) = evaluate(scene.tapes["hoist"], p)
+    c = hoisted(scene)
     q = [PLACE.get(name, 0.0) for name in names]
     q[names.index("'free part_joint'.x")], q[names.index("'free part_joint'.z")] = 1.0, 2.0
     found = evaluate(scene.tapes["rhs"], [0.0], q, [*RATES], [0.25, -0.5], [x for start in STARTS for x in start], [*c])[0]

@@ -8,6 +8,7 @@ import pytest
 
 import lagrangia as lag
 from lagrangia.base.diagnostics import LagError
+from lagrangia.bench.clock import hoisted
 from lagrangia.command.cli import main
 from lagrangia.editor.urdf_import import imported_robot
 from lagrangia.run.interpret import evaluate
@@ -50,9 +51,7 @@ PLACE, RATES, EXPECTED = (0.4, -0.7, 0.02), (0.9, -1.3, 0.1), (21.71621704113473
 
 def accelerations(file: Path, q: tuple[float, ...], v: tuple[float, ...]) -> np.ndarray:
     scene = lag.load(file).scene
-    given = [parameter.value if parameter.value is not None else 0.0 for parameter in scene.parameters]
-    (p,) = evaluate(scene.tapes["parameters"], given, [float(parameter.value is not None) for parameter in scene.parameters])
-    (c,) = evaluate(scene.tapes["hoist"], p)
+    c = hoisted(scene)
     return np.array(evaluate(scene.tapes["rhs"], [0.0], [*q], [*v], [], [], [*c])[0])
 
 

@@ -63,13 +63,19 @@ class Clock:
         return min(once(calls) for _ in range(repeats))
 
 
-def state(scene: Scene, seed: int = 0) -> list[np.ndarray]:
-    """t, q, v, u, d and c of a scene at a general place, its parameters as declared."""
-    random = np.random.default_rng(seed)
+def hoisted(scene: Scene) -> list[float]:
+    """c of a scene, what depends on its parameters alone, as they are declared."""
     given = [parameter.value if parameter.value is not None else 0.0 for parameter in scene.parameters]
     mask = [float(parameter.value is not None) for parameter in scene.parameters]
     (p,) = evaluate(scene.tapes["parameters"], given, mask)
     (c,) = evaluate(scene.tapes["hoist"], p)
+    return list(c)
+
+
+def state(scene: Scene, seed: int = 0) -> list[np.ndarray]:
+    """t, q, v, u, d and c of a scene at a general place, its parameters as declared."""
+    random = np.random.default_rng(seed)
+    c = hoisted(scene)
     _, n, _, u, d, _ = scene.tapes["rhs"].in_sizes
     parts: list[Any] = [[0.3], random.uniform(0.1, 1, n), random.uniform(0.1, 1, n), np.zeros(u), np.zeros(d), c]
     return [np.array([*part, 0.0]) for part in parts]  # never empty

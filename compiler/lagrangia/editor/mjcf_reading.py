@@ -7,11 +7,14 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
+import numpy as np
+
 from lagrangia.base.diagnostics import Span, fail
 from lagrangia.base.records import dataclass
 from lagrangia.editor.robot_text import read_numbers
 from lagrangia.fmu.xmltree import Element
 from lagrangia.frames.quaternions import conjugate, quaternion_product
+from lagrangia.solids.stage import matrices, quaternions
 
 Vector = Sequence[float]
 SINGLE = {"Revolute": ("phi", "w"), "Prismatic": ("s", "v")}  # the coordinate and its rate, where there is one
@@ -162,7 +165,7 @@ class Angles:
         along = sum(a * b for a, b in zip(x, both[3:], strict=True))
         y = _unit(written, "xyaxes", [b - along * a for a, b in zip(x, both[3:], strict=True)])
         z = [x[1] * y[2] - x[2] * y[1], x[2] * y[0] - x[0] * y[2], x[0] * y[1] - x[1] * y[0]]
-        return _of_axes(x, y, z)
+        return [float(part) for part in quaternions(np.array([[x, y, z]]).transpose(0, 2, 1))[0]]
 
     def _third_axis(self, written: Written) -> Vector:
         return towards(_unit(written, "zaxis", written.numbers("zaxis", 3)))
@@ -193,22 +196,10 @@ def turned(q: Vector, vector: Vector) -> list[float]:
 
 def turned_moments(q: Vector, moments: Sequence[Vector]) -> list[list[float]]:
     """R J R': a matrix of moments in the axes around."""
-    columns = [turned(q, axis) for axis in ([1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0])]
-    R = [[columns[j][i] for j in range(3)] for i in range(3)]
-    RJ = [[sum(R[i][k] * moments[k][j] for k in range(3)) for j in range(3)] for i in range(3)]
-    full = [[sum(RJ[i][k] * R[j][k] for k in range(3)) for j in range(3)] for i in range(3)]
-    return [[(full[i][j] + full[j][i]) / 2 for j in range(3)] for i in range(3)]
-
-
-def _of_axes(x: Vector, y: Vector, z: Vector) -> Vector:
-    """Of the frame whose axes these are: the largest of the four numbers is found first (S. W. Shepperd, 1978)."""
-    trace = x[0] + y[1] + z[2]
-    squares = [1 + trace, 1 + 2 * x[0] - trace, 1 + 2 * y[1] - trace, 1 + 2 * z[2] - trace]
-    most = max(range(4), key=squares.__getitem__)
-    table = [[squares[0], y[2] - z[1], z[0] - x[2], x[1] - y[0]], [y[2] - z[1], squares[1], x[1] + y[0], x[2] + z[0]],
-             [z[0] - x[2], x[1] + y[0], squares[2], y[2] + z[1]], [x[1] - y[0], x[2] + z[0], y[2] + z[1], squares[3]]]
-    size = 2 * math.sqrt(squares[most])
-    return [value / size for value in table[most]]
+    R = matrices(np.array(q))
+    full = R @ np.array(moments) @ R.T
+    found: list[list[float]] = ((full + full.T) / 2).tolist()
+    return found
 
 
 def _unit(written: Written, name: str, vector: Vector) -> list[float]:
