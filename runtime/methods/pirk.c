@@ -17,6 +17,7 @@
 #include "state/evaluate.h"
 #include "numbers/extremes.h"
 #include "methods/pirk_attitudes.h"
+#include "methods/pirk_edges.h"
 #include "methods/pirk_tableau.h"
 #include "numbers/rough_power.h"
 #include "steps/step.h"
@@ -54,6 +55,7 @@ static void layout(void *self, const LagMotion *m, LagArena *arena)
     s->work = take_wide(arena, rhs->tape ? rhs->n_work : 0);
     s->end = take_wide(arena, rows);
     s->slope = lag_take(arena, all);
+    s->reached = lag_take(arena, (size_t)m->size);
     s->unit = lag_take(arena, 2 * n);
     s->weight = lag_take(arena, n + (size_t)lag_pirk_ways(m));
     s->one = lag_take(arena, n + (size_t)m->size);
@@ -64,6 +66,7 @@ static void restart(void *self, LagMotion *m)
 {
     LagPirk *s = self;
     memcpy(s->slope, m->slope + m->n, (size_t)(m->size - m->n) * sizeof *s->slope);
+    s->slope_time = m->t;
     s->length = 0;
     s->per = 0;
     s->was_careful = 0;
@@ -277,6 +280,7 @@ static double estimate(LagPirk *s, const LagMotion *m, double h, int *worst)
     for (int k = 0; k < lag_pirk_ways(m); ++k)
         note(s, m->size - m->n + k, s->weight[m->n + k], &most);
     double error = remainder_of(most);
+    s->last = most.last;
     s->is_flat = most.last > FLAT * most.first;
     for (int c = m->n; c < m->size - m->n && energy > 0; ++c) {
         Coefficients work = {0, 0, 0};
@@ -343,6 +347,13 @@ static double iterate(LagPirk *s, LagMotion *m, const double *y, double h, int *
     return lag_max(estimate(s, m, h, worst), 2);
 }
 
+/* The error of a step by what may be narrower than its stages are apart. */
+static double look_again(LagPirk *s, LagMotion *m, double t_new)
+{
+    const double error = lag_pirk_edges(s, m, t_new);
+    return error > 1 ? error : lag_max(lag_pirk_second_look(s, m), error);
+}
+
 static double attempt(void *self, LagMotion *m, double t_new, const LagScale *scale, int *worst)
 {
     LagPirk *s = self;
@@ -360,25 +371,29 @@ static double attempt(void *self, LagMotion *m, double t_new, const LagScale *sc
     if (scale->is_resting)
         lag_scale_foresee(scale, m->other);
     weigh(s, m, scale, m->y, h);
-    const double error = iterate(s, m, m->y, h, worst);
+    double error = iterate(s, m, m->y, h, worst);
     if (!(error < INFINITY)) {
         s->factor = SHRINK;
         return INFINITY;
     }
-    s->factor = length_factor(s, s->per == h ? s->contraction : 0, error);
-    if (error > 1)
-        s->factor = lag_min(s->factor, CLEARLY_LESS);
     displacement(s, m, m->y, h, m->sum);
     lag_motion_add(m, m->sum);
     lag_swap(&s->a, &s->known);
     s->begin = m->t;
     s->length = h;
+    if (error <= 1 && run->model->may_be_narrow)
+        error = lag_max(look_again(s, m, t_new), error);
+    s->factor = length_factor(s, s->per == h ? s->contraction : 0, error);
+    if (error > 1)
+        s->factor = lag_min(s->factor, CLEARLY_LESS);
     return error;
 }
 
 static int accept(void *self, LagMotion *m, double t_new)
 {
-    ((LagPirk *)self)->dense.is_ready = 0;
+    LagPirk *s = self;
+    s->dense.is_ready = 0;
+    lag_pirk_keep_end(s, m, t_new);
     lag_motion_take(m, t_new);
     return 1;
 }

@@ -15,7 +15,10 @@ typedef struct LagPirk {
     double *rest, *work; /* of eight evaluations at once: what nobody reads, and scratch */
     double times[LAG_ABREAST];
     double *end;       /* 8 (n + n_power): what these come to: lag_pirk_end */
-    double *slope;     /* n + n_power: where a segment begins */
+    double *slope, slope_time; /* n + n_power: where a segment begins, or at the end of the latest step; when */
+    double *reached;   /* 2 n + n_power: slope at the end of the step just tried */
+    int has_end;       /* that is known */
+    double last;       /* the largest of the last coefficients of its accelerations, in units */
     double *unit, *weight; /* 2 n; n: what an acceleration is worth in a step, in units of error */
     double *one;       /* state and slope of a single stage */
     double contraction, per; /* by which the latest sweeps brought stages nearer, in a step so long; 0: nobody knows */

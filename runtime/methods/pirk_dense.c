@@ -70,6 +70,12 @@ static void tabulate(LagPirkDense *dense)
     dense->has_tables = 1;
 }
 
+static void need_tables(LagPirkDense *dense)
+{
+    if (!dense->has_tables)
+        tabulate(dense);
+}
+
 /* -------- coefficients */
 
 /* Those of the step's own polynomial. */
@@ -82,12 +88,12 @@ static void begin(LagPirkDense *dense, const double *known, int all)
                            lag_wide_weighed(known + c * LAG_ABREAST, &dense->coarse[0][0], LAG_ABREAST, LAG_ABREAST, lane));
 }
 
-/* Positions of attitudes at eight nodes, by their ways as the coefficients tell them, and their ways there. */
-static void turn(LagPirk *s, const LagMotion *m, int first)
+/* Positions of attitudes on the way from y at eight nodes, by their ways as the coefficients tell them, and their ways there. */
+static void turn(LagPirk *s, const LagMotion *m, const double *y, int first)
 {
     LagPirkDense *dense = &s->dense;
     const int all = m->size - m->n;
-    const double h = s->length, *y = m->other;
+    const double h = s->length;
     for (int k = 0; k < lag_pirk_ways(m); ++k)
         for (int lane = 0; lane < LAG_ABREAST; lane += LAG_WIDE) {
             const int c = lag_pirk_way_of(m, k);
@@ -99,12 +105,12 @@ static void turn(LagPirk *s, const LagMotion *m, int first)
     lag_pirk_find_ways(m, y, s->q, s->v, dense->a + all * LAG_PIRK_DENSE + first, LAG_PIRK_DENSE);
 }
 
-/* Accelerations at all nodes along the motion that the coefficients tell. */
-static int evaluate(LagPirk *s, LagMotion *m)
+/* Accelerations at all nodes along the motion from y that the coefficients tell. */
+static int evaluate(LagPirk *s, LagMotion *m, const double *y)
 {
     LagPirkDense *dense = &s->dense;
     const int n = m->n, all = m->size - n;
-    const double h = s->length, *y = m->other;
+    const double h = s->length;
     for (int first = 0; first < LAG_PIRK_DENSE; first += LAG_ABREAST) {
         for (int c = 0; c < n; ++c)
             for (int lane = 0; lane < LAG_ABREAST; lane += LAG_WIDE) {
@@ -115,7 +121,7 @@ static int evaluate(LagPirk *s, LagMotion *m)
                 lag_wide_write(s->v + c * LAG_ABREAST + lane, y[n + c] + h * rate);
                 lag_wide_write(s->q + c * LAG_ABREAST + lane, y[c] + h * (share * y[n + c] + h * place));
             }
-        turn(s, m, first);
+        turn(s, m, y, first);
         lag_pirk_set_times(s, m, s->begin, h, lag_pirk_dense_node + first);
         if (!lag_pirk_evaluate(s, m))
             return 0;
@@ -162,10 +168,9 @@ static void prepare(LagPirk *s, LagMotion *m)
 {
     LagPirkDense *dense = &s->dense;
     double before = INFINITY;
-    if (!dense->has_tables)
-        tabulate(dense);
+    need_tables(dense);
     begin(dense, s->known, m->size - m->n + lag_pirk_ways(m));
-    for (int round = 0; round < MOST_ROUNDS && evaluate(s, m); ++round) {
+    for (int round = 0; round < MOST_ROUNDS && evaluate(s, m, m->other); ++round) {
         const double far = expand(s, m);
         if (!(GAIN * far > NEAR) || far > SLOW * before)
             break;
@@ -174,6 +179,25 @@ static void prepare(LagPirk *s, LagMotion *m)
     dense->is_ready = 1;
     m->lacks_slopes = is_rough(s, m);
     ++m->dense_outputs;
+}
+
+double lag_pirk_second_look(LagPirk *s, LagMotion *m)
+{
+    LagPirkDense *dense = &s->dense;
+    double most = 0;
+    need_tables(dense);
+    begin(dense, s->known, m->size - m->n + lag_pirk_ways(m));
+    if (!evaluate(s, m, m->y))
+        return INFINITY;
+    for (int c = 0; c < m->n; ++c) {
+        double found[KEPT] = {0};
+        for (int j = 0; j < LAG_PIRK_DENSE; ++j)
+            for (int k = 0; k < KEPT; ++k)
+                found[k] += dense->a[c * LAG_PIRK_DENSE + j] * dense->fine[j][k];
+        for (int k = 0; k < KEPT; ++k)
+            most = lag_max(fabs(found[k] - dense->coefficient[c * DEGREES + k]) * s->weight[c], most);
+    }
+    return most;
 }
 
 /* sum of coefficients times values, in the same order whatever registers hold. */

@@ -170,3 +170,17 @@ def test_segments_of_a_few_steps_add_no_error(scene: Write, tolerance: float) ->
     found, run = positions(model, at=[1, 2], tolerance=tolerance, inputs=inputs)
     assert run.statistics.solver is Solver.PIRK and run.statistics.events == 199
     assert np.abs(found - exact).max() < 10 * tolerance
+
+
+@pytest.mark.parametrize("force", ["tanh(x)", "x/sqrt(1 + x^2)", "2/pi*atan(x)"])
+def test_layers_narrower_than_stages_are_apart_are_seen(scene: Write, force: str) -> None:
+    """Friction rubbed smooth within 1 mm/s: of 100 tolerances each, 6, 5 and 5 were off by more than 100 and up to 6e6."""
+    model = scene(f"""model Layer
+      Block b(m = 1, base = world, s(start = 1)); Spring spring(a = world, b = b.center, k = 4, s_rel0 = 0);
+      Real x = b.v/0.001[m/s]; AppliedForce rub(at = b.center, force = {{-0.3[N]*({force}), 0}});
+    end Layer;""")
+    assert model.scene.sizes["may_be_narrow"] and not lag.load(EXAMPLES / "andrews_squeezer.lag").scene.sizes["may_be_narrow"]
+    exact, _ = positions(model, at=[1, 2, 3, 4, 5], tolerance=1e-13, solver="erk9")
+    for tolerance in np.logspace(-4, -11, 30):
+        found, run = positions(model, at=[1, 2, 3, 4, 5], tolerance=float(tolerance), solver="pirk")
+        assert np.abs(found - exact).max() < 100 * tolerance and not run.statistics.energy_is_open

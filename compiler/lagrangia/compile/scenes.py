@@ -36,7 +36,8 @@ from lagrangia.language.flat import FlatModel, Variable, When, rate_of
 from lagrangia.language.folding import numbers_of
 from lagrangia.language.observables import observe
 from lagrangia.language.tree import Array, Flat
-from lagrangia.native.c_code import jet_tape, may_hide, usual_rhs
+from lagrangia.native.c_code import jet_tape, usual_rhs
+from lagrangia.native.narrow import may_be_narrow, may_hide
 from lagrangia.native.tapes import Tape
 from lagrangia.needs.islands import MOST_COORDINATES, MOST_ISLANDS, find_islands, island_motion, weigh_islands
 from lagrangia.run.rules import Moment, decide
@@ -180,6 +181,7 @@ def _sizes(n: int, n_parameters: int, n_inputs: int, n_modes: int, functions: Fu
         "n_rubs": len(functions.patterns.get("rubs", ())) // 3, "n_rests": len(functions.patterns.get("rests", ())),
         "n_cones": len(functions.patterns.get("cones", ())) // 2, "n_lookups": len(functions.patterns["lookups"]) // 2,
         "has_corners": int(corners_remain(motion)), "may_hide": int(may_hide(usual_rhs(tapes))),
+        "may_be_narrow": int(may_be_narrow(usual_rhs(tapes))),
         "conditions_know_time": int(ca.depends_on(motion.impacts.conditions, motion.t)),
         "shares_bend": int(motion.felt is not None), "is_steady": int(_is_steady(functions)),
     }

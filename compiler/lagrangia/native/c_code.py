@@ -10,7 +10,7 @@ from lagrangia.base.table_data import TableData
 from lagrangia.native.series import NoSeriesError, Series, find_series
 from lagrangia.native.series_code import sines_together, write_series
 from lagrangia.native.table_code import write_tables
-from lagrangia.native.tapes import BINARY, EXPONENTIALS, SINES, Op, Tape
+from lagrangia.native.tapes import BINARY, SINES, Op, Tape
 from lagrangia.native.wide_code import write_wide
 from lagrangia.native.wide_series_code import write_wide_series
 
@@ -103,11 +103,6 @@ def _usual(tapes: Mapping[str, Tape]) -> str:
 def usual_rhs(tapes: Mapping[str, Tape]) -> Tape:
     """The function that gives the accelerations of nearly all states."""
     return tapes[_usual(tapes)]
-
-
-def may_hide(tape: Tape) -> bool:
-    """Whether it has exponentials of what changes."""
-    return not set(tape.code[::4]).isdisjoint(EXPONENTIALS)
 
 
 def motion_series(tapes: Mapping[str, Tape]) -> Series | str:

@@ -21,7 +21,7 @@ _FEW, _UNROLLED = 20, 12  # products up to which each order has a function of it
 # Statements in one order, and what a product adds over all orders; more than so many take longer to compile than they save.
 _PRODUCT, _MOST_STATEMENTS = 150, 4000
 MOST_OPERANDS = 6
-_TIME, _POSITIONS, _RATES, _INPUTS = 0, 1, 2, 3  # arguments of rhs that are jets
+_TIME, _POSITIONS, RATES, _INPUTS = 0, 1, 2, 3  # arguments of rhs that are jets
 
 
 # What the operands of each are: the present coefficient of a jet, all of it ("J"), a number, an operation of tapes, a count.
@@ -287,7 +287,7 @@ class _Writer:
     # ------------------------------------------------------------ the tape
 
     def read(self, argument: int, element: int) -> _Value:
-        if argument not in (_TIME, _POSITIONS, _RATES, _INPUTS):
+        if argument not in (_TIME, _POSITIONS, RATES, _INPUTS):
             return self.number(Op.INPUT, argument - _INPUTS - 1, element)
         return Jet(sum(self.tape.in_sizes[:argument]) + element)
 
