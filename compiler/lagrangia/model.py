@@ -389,13 +389,13 @@ class Model(Analysed, Swept):
 
     def export_fmu(self, path: str | os.PathLike[str] | None = None, *, fmi: str | int = "2", kind: str = "me,cs",
                    platforms: str = "host", sources: bool = True, parameters: Given = None, info: Mapping[str, str] | None = None,
-                   engine: str = "auto", tell: Callable[[str], None] | None = None) -> "list[Path]":
+                   engine: str = "auto", arrays: bool = True, tell: Callable[[str], None] | None = None) -> "list[Path]":
         """Write an FMU, at `path` or into that folder; returns the files, two for fmi="both", whose names get the version.
 
         `fmi` is "2", "3" or "both", `kind` "me", "cs" or "me,cs", `platforms` "host", "all" or names (fmu_build.PLATFORMS).
         `parameters` are other start values of the FMU's parameters, in SI units; `info` may give author, version, copyright and
-        license; `engine`: this machine's binary runs the tape ("tape"), is compiled ("native"), or what costs less ("auto"). What
-        takes long is told to `tell`. Raises LagError.
+        license; `engine`: this machine's binary runs the tape ("tape"), is compiled ("native"), or what costs less ("auto").
+        Without `arrays` FMI 3 has scalars in their place. What takes long is told to `tell`. Raises LagError.
         """
         from lagrangia.fmu.export import export_fmus
 
@@ -405,7 +405,7 @@ class Model(Analysed, Swept):
         if unknown := [name for name in self.suited(values).scene.notes["balanced"] if name not in told]:
             fail("L0704", f"the coordinate '{unknown[0]}' moves no mass while parameters are as declared, and an FMU lets them "
                  "change", None, "write `final` before these, as PointMass knot(final m = 0), Prismatic p(final along = {1, 0})")
-        return export_fmus(suited.completed(), path, fmi, kind, platforms, sources, parameters, info, engine, tell)
+        return export_fmus(suited.completed(), path, fmi, kind, platforms, sources, parameters, info, engine, arrays, tell)
 
     def functions(self, *, given: str | Iterable[str] = ()) -> "dict[str, casadi.Function]":
         """CasADi Functions of t, q, v, u, p: M, h, rhs, energies, outputs, jacobian.

@@ -57,7 +57,7 @@ fmi2Component fmi2Instantiate(fmi2String instanceName, fmi2Type fmuType, fmi2Str
     if (functions)
         c->functions = *functions;
     const LagFmuKind kind = fmuType == fmi2ModelExchange ? LAG_MODEL_EXCHANGE : LAG_CO_SIMULATION;
-    const LagBirth birth = {kind, instanceName, fmuGUID, fmuResourceLocation, loggingOn != fmi2False};
+    const LagBirth birth = {kind, instanceName, fmuGUID, fmuResourceLocation, loggingOn != fmi2False, 0};
     c->core = lag_instance_new(&birth, log_message, c);
     if (c->core)
         return c;
@@ -116,7 +116,7 @@ fmi2Status fmi2GetReal(fmi2Component c, const fmi2ValueReference vr[], size_t nv
 {
     if (!allows(c, LAG_CALL_GET, "fmi2GetReal"))
         return fmi2Error;
-    return status(lag_instance_get(core(c), vr, nvr, value));
+    return status(lag_instance_get(core(c), vr, nvr, value, nvr));
 }
 
 /* Whole numbers, one at a time. */
@@ -153,7 +153,7 @@ fmi2Status fmi2SetReal(fmi2Component c, const fmi2ValueReference vr[], size_t nv
 {
     if (!allows(c, LAG_CALL_SET, "fmi2SetReal"))
         return fmi2Error;
-    return status(lag_instance_set(core(c), vr, nvr, value));
+    return status(lag_instance_set(core(c), vr, nvr, value, nvr));
 }
 
 static fmi2Status set_nothing(fmi2Component c, size_t nvr, const char *function, const char *type)
@@ -246,7 +246,8 @@ fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReferenc
 {
     if (!allows(c, LAG_CALL_DERIVE, "fmi2GetDirectionalDerivative"))
         return fmi2Error;
-    return status(lag_instance_forward(core(c), vUnknown_ref, nUnknown, vKnown_ref, nKnown, dvKnown, dvUnknown));
+    const LagVariables unknowns = {vUnknown_ref, nUnknown, nUnknown}, knowns = {vKnown_ref, nKnown, nKnown};
+    return status(lag_instance_forward(core(c), unknowns, knowns, dvKnown, dvUnknown));
 }
 
 /* ---------------------------------------------------------------- Model Exchange */

@@ -68,7 +68,7 @@ fmi3Instance fmi3InstantiateModelExchange(fmi3String instanceName, fmi3String in
                                           fmi3LogMessageCallback logMessage)
 {
     (void)visible;
-    const LagBirth birth = {LAG_MODEL_EXCHANGE, instanceName, instantiationToken, resourcePath, loggingOn};
+    const LagBirth birth = {LAG_MODEL_EXCHANGE, instanceName, instantiationToken, resourcePath, loggingOn, 1};
     const Fmi3 callbacks = {NULL, instanceEnvironment, logMessage, NULL};
     return instantiate(&birth, callbacks);
 }
@@ -80,7 +80,7 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String instanceName, fmi3String ins
                                          fmi3LogMessageCallback logMessage, fmi3IntermediateUpdateCallback intermediateUpdate)
 {
     (void)visible, (void)requiredIntermediateVariables, (void)nRequiredIntermediateVariables;
-    const LagBirth birth = {LAG_CO_SIMULATION, instanceName, instantiationToken, resourcePath, loggingOn};
+    const LagBirth birth = {LAG_CO_SIMULATION, instanceName, instantiationToken, resourcePath, loggingOn, 1};
     const Fmi3 callbacks = {NULL, instanceEnvironment, logMessage, intermediateUpdate};
     Fmi3 *wrapper = instantiate(&birth, callbacks);
     if (wrapper) {
@@ -159,9 +159,7 @@ fmi3Status fmi3GetFloat64(fmi3Instance instance, const fmi3ValueReference valueR
 {
     if (!allows(instance, LAG_CALL_GET, "fmi3GetFloat64"))
         return fmi3Error;
-    if (nValues != nValueReferences)
-        return no_place(instance);
-    return status(lag_instance_get(core(instance), valueReferences, nValueReferences, values));
+    return status(lag_instance_get(core(instance), valueReferences, nValueReferences, values, nValues));
 }
 
 fmi3Status fmi3SetFloat64(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,
@@ -169,9 +167,7 @@ fmi3Status fmi3SetFloat64(fmi3Instance instance, const fmi3ValueReference valueR
 {
     if (!allows(instance, LAG_CALL_SET, "fmi3SetFloat64"))
         return fmi3Error;
-    if (nValues != nValueReferences)
-        return no_place(instance);
-    return status(lag_instance_set(core(instance), valueReferences, nValueReferences, values));
+    return status(lag_instance_set(core(instance), valueReferences, nValueReferences, values, nValues));
 }
 
 fmi3Status fmi3GetInt32(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,
@@ -276,9 +272,8 @@ fmi3Status fmi3GetDirectionalDerivative(fmi3Instance instance, const fmi3ValueRe
 {
     if (!allows(instance, LAG_CALL_DERIVE, "fmi3GetDirectionalDerivative"))
         return fmi3Error;
-    if (nSeed != nKnowns || nSensitivity != nUnknowns)
-        return no_place(instance);
-    return status(lag_instance_forward(core(instance), unknowns, nUnknowns, knowns, nKnowns, seed, sensitivity));
+    const LagVariables of = {unknowns, nUnknowns, nSensitivity}, by = {knowns, nKnowns, nSeed};
+    return status(lag_instance_forward(core(instance), of, by, seed, sensitivity));
 }
 
 fmi3Status fmi3GetAdjointDerivative(fmi3Instance instance, const fmi3ValueReference unknowns[], size_t nUnknowns,
@@ -287,9 +282,8 @@ fmi3Status fmi3GetAdjointDerivative(fmi3Instance instance, const fmi3ValueRefere
 {
     if (!allows(instance, LAG_CALL_DERIVE, "fmi3GetAdjointDerivative"))
         return fmi3Error;
-    if (nSeed != nUnknowns || nSensitivity != nKnowns)
-        return no_place(instance);
-    return status(lag_instance_adjoint(core(instance), unknowns, nUnknowns, knowns, nKnowns, seed, sensitivity));
+    const LagVariables of = {unknowns, nUnknowns, nSeed}, by = {knowns, nKnowns, nSensitivity};
+    return status(lag_instance_adjoint(core(instance), of, by, seed, sensitivity));
 }
 
 /* ---------------------------------------------------------------- modes */
@@ -447,13 +441,16 @@ static int cosimulates(fmi3Instance instance, LagCall call, const char *name)
 fmi3Status fmi3GetOutputDerivatives(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,
                                     const fmi3Int32 orders[], fmi3Float64 values[], size_t nValues)
 {
-    LagAnswer answer = LAG_ANSWER_OK;
     if (!cosimulates(instance, LAG_CALL_OUTPUT_SLOPES, "fmi3GetOutputDerivatives"))
         return fmi3Error;
-    if (nValues != nValueReferences || (nValues > 0 && (!valueReferences || !orders || !values)))
+    if (nValueReferences > 0 && (!valueReferences || !orders || !values))
         return no_place(instance);
-    for (size_t i = 0; i < nValues && answer == LAG_ANSWER_OK; ++i)
-        answer = lag_instance_output_slope(core(instance), valueReferences[i], orders[i], values + i);
+    LagAnswer answer = lag_instance_fits(core(instance), valueReferences, nValueReferences, nValues, "output");
+    for (size_t i = 0; i < nValueReferences; ++i) {
+        const fmi3ValueReference end = valueReferences[i] + (fmi3ValueReference)lag_instance_extent(core(instance), valueReferences[i]);
+        for (fmi3ValueReference one = valueReferences[i]; one < end && answer == LAG_ANSWER_OK; ++one)
+            answer = lag_instance_output_slope(core(instance), one, orders[i], values++);
+    }
     return status(answer);
 }
 

@@ -1,6 +1,6 @@
 /* What the exporter says about a model: generated as `const LagFmu lag_fmu` beside `lag_model`.
  *
- * A value reference is a number counted through these groups, in this order.
+ * A value reference is a number counted through these groups, in this order. In FMI 3 that of an array is its first element's.
  */
 #ifndef LAG_FMU_H
 #define LAG_FMU_H
@@ -50,6 +50,11 @@ typedef struct {
     const double *parameter_start;
     const double *minimum, *maximum;      /* n_parameters */
     const int *parameter_settable;        /* n_parameters: 0 where it follows from others */
+    int has_knowns;                       /* whether the last six lists here are there */
+    const int *extents;                   /* FMI 3: how many numbers a value reference stands for; 0 within an array */
+    /* By value reference, and one more: where what a number depends on begins in the next two, which tell scalars by their references,
+     * rising, and how (fmi3DependencyKind); while the simulation runs, and at its start. */
+    const int *known_first, *knowns, *known_kinds, *start_first, *starts, *start_kinds;
     /* q here as states have it. Derivatives of the slopes x', of y, and of the rates R of what may be held, which are 0 while it is. */
     LagFunction forward; /* t, q, v, u, d, p, dt, dq, dv, du, dd, dp -> dx', dy, dR   along a direction */
     LagFunction adjoint; /* t, q, v, u, d, p, wx, wy, wR -> wt, wq, wv, wu, wd, wp   gradients of wx.x' + wy.y + wR.R */

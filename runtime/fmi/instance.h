@@ -70,6 +70,7 @@ struct LagInstance {
     const LagFmu *fmu;
     void *fmu_memory;        /* opening.h */
     const LagModel *model;
+    const int *extents;      /* of the FMU; NULL: all variables are scalars */
     LagRun *run;             /* from initialization on */
     LagFmuKind kind;
     LagVital vital;
@@ -104,6 +105,7 @@ typedef struct {
     LagFmuKind kind;
     const char *name, *token, *resources;
     int is_logging;
+    int has_arrays; /* as FMI 3 */
 } LagBirth;
 
 /* NULL when there is no memory, or what was said is wrong, which is logged. */
@@ -126,11 +128,15 @@ int lag_fmu_count(const LagFmu *fmu, int group);
 /* The value reference of the first of a group. */
 int lag_fmu_first(const LagFmu *fmu, int group);
 
-/* Values of one of the groups LAG_GROUP_INTEGER, _BOOLEAN, _STRING. */
+/* Values of one of the groups LAG_GROUP_INTEGER, _BOOLEAN, _STRING, which have no arrays. */
 LagAnswer lag_instance_get_constants(LagInstance *instance, int group, const unsigned int *references, size_t count, double *values);
 LagAnswer lag_instance_get_strings(LagInstance *instance, const unsigned int *references, size_t count, const char **values);
-LagAnswer lag_instance_get(LagInstance *instance, const unsigned int *references, size_t count, double *values);
-LagAnswer lag_instance_set(LagInstance *instance, const unsigned int *references, size_t count, const double *values);
+LagAnswer lag_instance_get(LagInstance *instance, const unsigned int *references, size_t count, double *values, size_t size);
+LagAnswer lag_instance_set(LagInstance *instance, const unsigned int *references, size_t count, const double *values, size_t size);
+/* How many numbers a value reference stands for; 0: there is no such variable. */
+size_t lag_instance_extent(const LagInstance *instance, unsigned int reference);
+/* Whether references stand for `size` numbers in all; else it is logged. */
+LagAnswer lag_instance_fits(const LagInstance *instance, const unsigned int *references, size_t count, size_t size, const char *what);
 LagAnswer lag_instance_no_set(LagInstance *instance, size_t count, const char *type);
 
 /* Start values from all that was set; does nothing when that is done. */
@@ -210,10 +216,15 @@ void lag_cosimulation_take(LagInstance *instance);
 void lag_cosimulation_take_row(LagInstance *instance);
 
 /* Derivatives along a direction and their adjoints (partial.c). */
-LagAnswer lag_instance_forward(LagInstance *instance, const unsigned int *unknowns, size_t n_unknowns,
-                               const unsigned int *knowns, size_t n_knowns, const double *seed, double *sensitivity);
-LagAnswer lag_instance_adjoint(LagInstance *instance, const unsigned int *unknowns, size_t n_unknowns,
-                               const unsigned int *knowns, size_t n_knowns, const double *seed, double *sensitivity);
+/* Value references, and as many numbers as they stand for. */
+typedef struct {
+    const unsigned int *references;
+    size_t count, size;
+} LagVariables;
+LagAnswer lag_instance_forward(LagInstance *instance, LagVariables unknowns, LagVariables knowns, const double *seed,
+                               double *sensitivity);
+LagAnswer lag_instance_adjoint(LagInstance *instance, LagVariables unknowns, LagVariables knowns, const double *seed,
+                               double *sensitivity);
 size_t lag_partial_size(const LagFmu *fmu);
 
 /* States to come back to (saved.c): blocks of bytes that know their size. Each belongs to its instance, which takes no other

@@ -102,6 +102,7 @@ static int find_model(LagInstance *s, const LagBirth *birth)
         lag_instance_log(s, LAG_ANSWER_ERROR, LAG_ERROR_CATEGORY, "what acts late has its past in Co-Simulation alone");
         return 0;
     }
+    s->extents = birth->has_arrays ? s->fmu->extents : NULL;
     if (birth->token && strcmp(birth->token, s->fmu->token) == 0 && *s->name)
         return 1;
     lag_instance_log(s, LAG_ANSWER_ERROR, LAG_ERROR_CATEGORY, "an instance needs a name and the token (FMI 2: guid) %s",

@@ -77,18 +77,23 @@ static LagAnswer refuse(const LagInstance *s, unsigned int reference, const char
     return lag_instance_log(s, LAG_ANSWER_ERROR, LAG_ERROR_CATEGORY, "the value reference %u is no %s of a derivative", reference, what);
 }
 
-static LagAnswer check(LagInstance *s, const unsigned int *unknowns, size_t n_unknowns, const unsigned int *knowns, size_t n_knowns,
-                       const double *seed, const double *sensitivity)
+static LagAnswer check(LagInstance *s, LagVariables unknowns, LagVariables knowns, const double *seed, const double *sensitivity)
 {
-    if ((n_unknowns > 0 && !unknowns) || (n_knowns > 0 && !knowns) || (n_unknowns + n_knowns > 0 && (!seed || !sensitivity)))
+    if ((unknowns.count > 0 && !unknowns.references) || (knowns.count > 0 && !knowns.references)
+        || (unknowns.count + knowns.count > 0 && (!seed || !sensitivity)))
         return lag_instance_log(s, LAG_ANSWER_ERROR, LAG_ERROR_CATEGORY, "derivatives are asked for without arguments");
+    LagAnswer answer = lag_instance_fits(s, unknowns.references, unknowns.count, unknowns.size, "unknown");
+    if (answer == LAG_ANSWER_OK)
+        answer = lag_instance_fits(s, knowns.references, knowns.count, knowns.size, "known");
+    if (answer != LAG_ANSWER_OK)
+        return answer;
     const Directions d = clear(s);
-    for (size_t i = 0; i < n_unknowns; ++i)
-        if (!unknown(s, &d, unknowns[i]))
-            return refuse(s, unknowns[i], "unknown");
-    for (size_t i = 0; i < n_knowns; ++i)
-        if (!known(s, &d, knowns[i]))
-            return refuse(s, knowns[i], "known");
+    for (size_t i = 0; i < unknowns.count; ++i)
+        if (!unknown(s, &d, unknowns.references[i]))
+            return refuse(s, unknowns.references[i], "unknown");
+    for (size_t i = 0; i < knowns.count; ++i)
+        if (!known(s, &d, knowns.references[i]))
+            return refuse(s, knowns.references[i], "known");
     return lag_instance_settle(s);
 }
 
@@ -194,64 +199,77 @@ static int find_adjoint(LagInstance *s, Fill fill, const void *what)
 }
 
 typedef struct {
-    const unsigned int *references;
-    size_t count;
+    LagVariables of;
     const double *seed;
 } Seeds;
 
-static void fill_knowns(LagInstance *s, const Directions *d, const void *what)
+typedef double *(*Place)(LagInstance *s, const Directions *d, unsigned int reference);
+
+/* Seeds go where their variables have their places: the elements of an array stand side by side. */
+static void sow(LagInstance *s, const Directions *d, const Seeds *seeds, Place place)
 {
-    const Seeds *seeds = what;
-    for (size_t i = 0; i < seeds->count; ++i)
-        *known(s, d, seeds->references[i]) += seeds->seed[i];
+    const double *seed = seeds->seed;
+    for (size_t i = 0; i < seeds->of.count; ++i) {
+        const unsigned int reference = seeds->of.references[i];
+        const size_t extent = lag_instance_extent(s, reference);
+        double *at = place(s, d, reference);
+        for (size_t k = 0; k < extent; ++k)
+            at[k] += *seed++;
+    }
 }
+
+/* And what has grown there is taken. */
+static void reap(LagInstance *s, LagVariables of, double *values, Place place)
+{
+    const Directions d = places(s);
+    for (size_t i = 0; i < of.count; ++i) {
+        const size_t extent = lag_instance_extent(s, of.references[i]);
+        memcpy(values, place(s, &d, of.references[i]), extent * sizeof *values);
+        values += extent;
+    }
+}
+
+static void fill_knowns(LagInstance *s, const Directions *d, const void *what) { sow(s, d, what, known); }
 
 /* Those of states that are unknowns themselves go past the function. */
 static void fill_unknowns(LagInstance *s, const Directions *d, const void *what)
 {
-    const Seeds *seeds = what;
     const size_t size = (size_t)lag_fmu_states(s->model) * sizeof *d->x;
-    for (size_t i = 0; i < seeds->count; ++i)
-        *unknown(s, d, seeds->references[i]) += seeds->seed[i];
+    sow(s, d, what, unknown);
     if (size > 0) {
         memcpy(s->scratch, d->x, size);
         memset(d->x, 0, size);
     }
 }
 
-LagAnswer lag_instance_forward(LagInstance *s, const unsigned int *unknowns, size_t n_unknowns,
-                               const unsigned int *knowns, size_t n_knowns, const double *seed, double *sensitivity)
+LagAnswer lag_instance_forward(LagInstance *s, LagVariables unknowns, LagVariables knowns, const double *seed, double *sensitivity)
 {
-    LagAnswer answer = check(s, unknowns, n_unknowns, knowns, n_knowns, seed, sensitivity);
+    LagAnswer answer = check(s, unknowns, knowns, seed, sensitivity);
     if (answer == LAG_ANSWER_OK)
         answer = prepare(s);
     if (answer != LAG_ANSWER_OK)
         return answer;
-    const Seeds seeds = {knowns, n_knowns, seed};
+    const Seeds seeds = {knowns, seed};
     if (!find_forward(s, fill_knowns, &seeds))
         return no_derivative(s);
-    const Directions d = places(s);
-    for (size_t i = 0; i < n_unknowns; ++i)
-        sensitivity[i] = *unknown(s, &d, unknowns[i]);
+    reap(s, unknowns, sensitivity, unknown);
     return LAG_ANSWER_OK;
 }
 
-LagAnswer lag_instance_adjoint(LagInstance *s, const unsigned int *unknowns, size_t n_unknowns,
-                               const unsigned int *knowns, size_t n_knowns, const double *seed, double *sensitivity)
+LagAnswer lag_instance_adjoint(LagInstance *s, LagVariables unknowns, LagVariables knowns, const double *seed, double *sensitivity)
 {
-    LagAnswer answer = check(s, unknowns, n_unknowns, knowns, n_knowns, seed, sensitivity);
+    LagAnswer answer = check(s, unknowns, knowns, seed, sensitivity);
     if (answer == LAG_ANSWER_OK)
         answer = prepare(s);
     if (answer != LAG_ANSWER_OK)
         return answer;
-    const Seeds seeds = {unknowns, n_unknowns, seed};
+    const Seeds seeds = {unknowns, seed};
     if (!find_adjoint(s, fill_unknowns, &seeds))
         return no_derivative(s);
     const Directions d = places(s);
     for (int i = 0; i < lag_fmu_states(s->model); ++i)
         d.x[i] += s->scratch[i];
-    for (size_t i = 0; i < n_knowns; ++i)
-        sensitivity[i] = *known(s, &d, knowns[i]);
+    reap(s, knowns, sensitivity, known);
     return LAG_ANSWER_OK;
 }
 

@@ -77,7 +77,7 @@ static size_t drawing_size(const LagPlayer *player)
 LagPlayer *lag_play_new(unsigned char *image)
 {
     LagPlayer *player = calloc(1, sizeof *player);
-    const LagBirth birth = {LAG_CO_SIMULATION, "page", LAG_PLAY_TOKEN, (const char *)image, 0};
+    const LagBirth birth = {LAG_CO_SIMULATION, "page", LAG_PLAY_TOKEN, (const char *)image, 0, 0};
     if (!player)
         return NULL;
     player->instance = lag_instance_new(&birth, hear, player);
@@ -142,7 +142,7 @@ int lag_play_set(LagPlayer *player, unsigned int reference, double value)
     double *column = group == LAG_GROUP_INPUT && player->rows > 0 ? player->inputs + player->rows + index : NULL;
     for (int i = 0; column && i < player->rows; ++i)
         column[(size_t)i * (size_t)n] = value;
-    const LagAnswer answer = lag_instance_set(s, &reference, 1, &value);
+    const LagAnswer answer = lag_instance_set(s, &reference, 1, &value, 1);
     s->vital.inputs_changed |= column != NULL;
     return (int)answer;
 }
@@ -182,7 +182,7 @@ int lag_play_step(LagPlayer *player, double h)
 
 const double *lag_play_values(LagPlayer *player)
 {
-    const LagAnswer answer = lag_instance_get(player->instance, player->references, player->n_values, player->values);
+    const LagAnswer answer = lag_instance_get(player->instance, player->references, player->n_values, player->values, player->n_values);
     return answer == LAG_ANSWER_OK ? player->values : NULL;
 }
 

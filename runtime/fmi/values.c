@@ -12,6 +12,29 @@ static LagAnswer unknown(const LagInstance *s, unsigned int reference, const cha
     return lag_instance_log(s, LAG_ANSWER_ERROR, LAG_ERROR_CATEGORY, "there is no %s with the value reference %u", type, reference);
 }
 
+size_t lag_instance_extent(const LagInstance *s, unsigned int reference)
+{
+    int index = 0;
+    if (lag_instance_locate(s->fmu, reference, &index) < 0)
+        return 0;
+    return s->extents ? (size_t)s->extents[reference] : 1;
+}
+
+LagAnswer lag_instance_fits(const LagInstance *s, const unsigned int *references, size_t count, size_t size, const char *what)
+{
+    size_t wanted = 0;
+    for (size_t i = 0; i < count; ++i) {
+        const size_t extent = lag_instance_extent(s, references[i]);
+        if (extent == 0)
+            return unknown(s, references[i], what);
+        wanted += extent;
+    }
+    if (wanted == size)
+        return LAG_ANSWER_OK;
+    return lag_instance_log(s, LAG_ANSWER_ERROR, LAG_ERROR_CATEGORY, "the value references stand for %lu numbers, and there are %lu",
+                            (unsigned long)wanted, (unsigned long)size);
+}
+
 /* ---------------------------------------------------------------- getting */
 
 static LagAnswer get_from(LagInstance *s, int group, int index, double *value)
@@ -43,18 +66,22 @@ static LagAnswer get_from(LagInstance *s, int group, int index, double *value)
     return answer;
 }
 
-LagAnswer lag_instance_get(LagInstance *s, const unsigned int *references, size_t count, double *values)
+LagAnswer lag_instance_get(LagInstance *s, const unsigned int *references, size_t count, double *values, size_t size)
 {
     if (count > 0 && (!references || !values))
         return lag_instance_log(s, LAG_ANSWER_ERROR, LAG_ERROR_CATEGORY, "values are asked for with no place to put them");
-    LagAnswer worst = lag_instance_settle(s);
-    for (size_t i = 0; i < count && worst < LAG_ANSWER_ERROR; ++i) {
+    LagAnswer worst = lag_instance_fits(s, references, count, size, "number");
+    if (worst == LAG_ANSWER_OK)
+        worst = lag_instance_settle(s);
+    for (size_t i = 0, done = 0; i < count && worst < LAG_ANSWER_ERROR; ++i) {
         int index = 0;
-        const int group = lag_instance_locate(s->fmu, references[i], &index);
-        if (group < 0 || group > LAG_GROUP_REAL)
+        const int group = lag_instance_locate(s->fmu, references[i], &index), end = index + (int)lag_instance_extent(s, references[i]);
+        if (group > LAG_GROUP_REAL)
             return unknown(s, references[i], "number");
-        const LagAnswer answer = get_from(s, group, index, values + i);
-        worst = answer > worst ? answer : worst;
+        for (; index < end && worst < LAG_ANSWER_ERROR; ++index) {
+            const LagAnswer answer = get_from(s, group, index, values + done++);
+            worst = answer > worst ? answer : worst;
+        }
     }
     return worst;
 }
@@ -146,26 +173,33 @@ static LagAnswer set_input(LagInstance *s, int index, double value)
     return LAG_ANSWER_OK;
 }
 
-LagAnswer lag_instance_set(LagInstance *s, const unsigned int *references, size_t count, const double *values)
+/* One number, by its own reference, which may be that of an element. */
+static LagAnswer set_number(LagInstance *s, unsigned int reference, double value)
+{
+    int index = 0;
+    const int group = lag_instance_locate(s->fmu, reference, &index);
+    if (group > LAG_GROUP_REAL)
+        return unknown(s, reference, "number");
+    if (!isfinite(value))
+        return refuse(s, reference, "the value is not finite");
+    if (group == LAG_GROUP_STATE)
+        return set_start(s, reference, index, value);
+    if (group == LAG_GROUP_INPUT)
+        return set_input(s, index, value);
+    if (group == LAG_GROUP_PARAMETER)
+        return set_parameter(s, reference, index, value);
+    return refuse(s, reference, "it is computed, or constant");
+}
+
+LagAnswer lag_instance_set(LagInstance *s, const unsigned int *references, size_t count, const double *values, size_t size)
 {
     if (count > 0 && (!references || !values))
         return lag_instance_log(s, LAG_ANSWER_ERROR, LAG_ERROR_CATEGORY, "values are set with none given");
-    LagAnswer answer = LAG_ANSWER_OK;
-    for (size_t i = 0; i < count && answer == LAG_ANSWER_OK; ++i) {
-        int index = 0;
-        const int group = lag_instance_locate(s->fmu, references[i], &index);
-        if (group < 0 || group > LAG_GROUP_REAL)
-            return unknown(s, references[i], "number");
-        if (!isfinite(values[i]))
-            answer = refuse(s, references[i], "the value is not finite");
-        else if (group == LAG_GROUP_STATE)
-            answer = set_start(s, references[i], index, values[i]);
-        else if (group == LAG_GROUP_INPUT)
-            answer = set_input(s, index, values[i]);
-        else if (group == LAG_GROUP_PARAMETER)
-            answer = set_parameter(s, references[i], index, values[i]);
-        else
-            answer = refuse(s, references[i], "it is computed, or constant");
+    LagAnswer answer = lag_instance_fits(s, references, count, size, "number");
+    for (size_t i = 0, done = 0; i < count && answer == LAG_ANSWER_OK; ++i) {
+        const size_t extent = lag_instance_extent(s, references[i]);
+        for (size_t k = 0; k < extent && answer == LAG_ANSWER_OK; ++k)
+            answer = set_number(s, references[i] + (unsigned int)k, values[done++]);
     }
     return answer;
 }

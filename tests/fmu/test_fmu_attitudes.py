@@ -53,7 +53,7 @@ def test_motion_and_account_are_those_of_the_native_run(two: Path, kind: str, ve
 def test_the_length_of_a_quaternion_says_nothing_and_decays(two: Path) -> None:
     """dQ/dt = P (0, w)/2 + k (P - Q) with P = Q/|Q|, k = 100/(stop - start)."""
     instance = Instance(two, "3", "ModelExchange").start()
-    names = [u.variable.derivative.name for u in instance.description.derivatives]
+    names = instance.state_names()
     places = [names.index(name) for name in Q]
     x, outputs = np.array(instance.states()), [f"R[{i},{j}]" for i in (1, 2, 3) for j in (1, 2, 3)]
     before, shown = instance.slopes(), instance.get(*outputs)

@@ -7,6 +7,9 @@ import pytest
 
 pytest.importorskip("fmpy")
 
+import fmpy
+
+import lagrangia as lag
 from helpers.fmus import KINDS, VERSIONS, Instance
 
 SCENE = """
@@ -77,3 +80,19 @@ def test_tunable_parameters_take_what_follows_with_them(version: str, follows: P
     w = sqrt(32)
     assert one.get("b.s") == pytest.approx([x * cos(w * 0.3) + v / w * sin(w * 0.3)], rel=1e-8)
     one.free()
+
+
+@pytest.mark.parametrize("version", VERSIONS)
+def test_what_is_exported_with_a_value_is_a_parameter_of_its_own(version: str, follows: Path, tmp_path: Path) -> None:
+    """As `lag simulate -p m=3`: m says 3 until it is set, whatever m0 is, and kk = k m/m0 goes on following."""
+    (path,) = lag.load(follows).export_fmu(tmp_path / "x.fmu", fmi=version, parameters={"m": 3.0})
+    description = fmpy.read_model_description(str(path))
+    own = {v.name: v for v in description.modelVariables}
+    assert (own["m"].causality, float(own["m"].start)) == ("parameter", 3.0)
+    assert own["k"].causality == "calculatedParameter" and own["k"].start is None
+    for given, m, kk in (({}, 3.0, 24.0), ({"m": 5.0}, 5.0, 40.0), ({"m": 5.0, "m0": 2.0, "k0": 1.0}, 5.0, 5.0)):
+        rows = fmpy.simulate_fmu(str(path), start_values=given, output=["m", "kk", "pull", "b.s"], stop_time=0.3,
+                                 step_size=0.3, output_interval=0.3, relative_tolerance=1e-10, fmi_type="CoSimulation")
+        last = rows[-1]
+        assert (last["m"], last["kk"]) == pytest.approx((m, kk), rel=1e-14)
+        assert last["b.s"] == pytest.approx(0.5 * cos(sqrt(kk / m) * 0.3), rel=1e-8)

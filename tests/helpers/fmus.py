@@ -2,6 +2,7 @@
 
 import ctypes
 from functools import cache
+from math import prod
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -13,6 +14,7 @@ import numpy as np
 import lagrangia as lag
 from lagrangia.base.folders import data_folder
 from lagrangia.fmu.build import host_platform
+from lagrangia.fmu.description import element_of, labels
 from lagrangia.fmu.export import Export, export_fmu
 from lagrangia.native.prebuilt import find_fmu
 
@@ -34,26 +36,27 @@ def reported(path: Path) -> list[str]:
     return [c.name for c in (*scene.told_positions, *scene.own_outputs)]
 
 
-def fmu_of(path: Path, version: str, engine: str = _ENGINE) -> Path:
+def fmu_of(path: Path, version: str, engine: str = _ENGINE, arrays: bool = True) -> Path:
     """For this machine alone, with sources; by the library that comes with the package, where it did."""
-    return _exported(path, version, engine)
+    return _exported(path, version, engine, arrays)
 
 
-def unpacked(path: Path, version: str, engine: str = _ENGINE) -> Path:
-    return _unpacked(path, version, engine)
+def unpacked(path: Path, version: str, engine: str = _ENGINE, arrays: bool = True) -> Path:
+    return _unpacked(path, version, engine, arrays)
 
 
 @cache
-def _exported(path: Path, version: str, engine: str) -> Path:
-    target = Path(_FOLDER.name) / f"{path.stem}-{abs(hash(path))}-{version}-{engine}.fmu"
-    export_fmu(model_of(path), Export(version, platforms=(host_platform() or "host",), engine=engine), target)
+def _exported(path: Path, version: str, engine: str, arrays: bool) -> Path:
+    target = Path(_FOLDER.name) / f"{path.stem}-{abs(hash(path))}-{version}-{engine}{'' if arrays else '-scalars'}.fmu"
+    export_fmu(model_of(path), Export(version, platforms=(host_platform() or "host",), engine=engine, arrays=arrays), target)
     return target
 
 
 @cache
-def _unpacked(path: Path, version: str, engine: str) -> Path:
-    folder = fmu_of(path, version, engine).with_suffix("")
-    fmpy.extract(str(fmu_of(path, version, engine)), str(folder))
+def _unpacked(path: Path, version: str, engine: str, arrays: bool) -> Path:
+    archive = fmu_of(path, version, engine, arrays)
+    folder = archive.with_suffix("")
+    fmpy.extract(str(archive), str(folder))
     return folder
 
 
@@ -62,7 +65,19 @@ def simulated(path: Path, version: str, kind: str, names: list[str], **options: 
     step = (scene.stop - scene.start) / 100
     settings = {"start_time": scene.start, "stop_time": scene.stop, "step_size": step, "output_interval": step,
                 "relative_tolerance": 1e-8, "solver": "CVode"} | options
-    return fmpy.simulate_fmu(str(unpacked(path, version)), fmi_type=kind, output=names, **settings)
+    description = fmpy.read_model_description(str(fmu_of(path, version)))
+    known = {v.name: v for v in description.modelVariables}
+    whole = list(dict.fromkeys(name if name in known else element_of(name)[0] for name in names))
+    return _by_element(fmpy.simulate_fmu(str(unpacked(path, version)), fmi_type=kind, output=whole, **settings), known)
+
+
+def _by_element(found: np.ndarray, known: dict) -> np.ndarray:
+    """Rows with a column for each element of an array, as FMI 2 has them."""
+    columns = {"time": found["time"]}
+    for name in found.dtype.names[1:]:
+        values = found[name].reshape(len(found), -1)
+        columns |= dict(zip(labels(name, known[name].shape), values.T, strict=True))
+    return np.rec.fromarrays(list(columns.values()), dtype=[(name, column.dtype) for name, column in columns.items()])
 
 
 def instance_of(path: Path, version: str, kind: str, name: str = "one") -> "Instance":
@@ -76,6 +91,8 @@ class Instance:
         self.version, self.kind = version, kind
         self.description = fmpy.read_model_description(str(fmu_of(path, version, engine)))
         self.reference = {v.name: v.valueReference for v in self.description.modelVariables}
+        self.elements = {label: (v.name, k, prod(v.shape)) for v in self.description.modelVariables if v.shape
+                         for k, label in enumerate(labels(v.name, v.shape))}
         interface = self.description.coSimulation if kind == "CoSimulation" else self.description.modelExchange
         module = fmpy.fmi2 if version == "2" else fmpy.fmi3
         cls = getattr(module, f"FMU{version}{'Slave' if kind == 'CoSimulation' else 'Model'}")
@@ -83,8 +100,10 @@ class Instance:
         self.fmu = cls(guid=token, modelIdentifier=interface.modelIdentifier,
                        unzipDirectory=str(unpacked(path, version, engine)), instanceName=name)
         self.fmu.instantiate(**options)
+        self.has_begun = False
 
     def start(self, values: dict[str, float] | None = None, tolerance: float = 1e-8, begin: float = 0.0) -> "Instance":
+        self.has_begun = False
         self.set(values or {})
         if self.version == "2":
             self.fmu.setupExperiment(tolerance=tolerance, startTime=begin)
@@ -92,6 +111,7 @@ class Instance:
         else:
             self.fmu.enterInitializationMode(tolerance=tolerance, startTime=begin)
         self.fmu.exitInitializationMode()
+        self.has_begun = True
         if self.kind == "ModelExchange":
             self.update()
             self.fmu.enterContinuousTimeMode()
@@ -102,28 +122,85 @@ class Instance:
         return self.fmu.newDiscreteStates() if self.version == "2" else self.fmu.updateDiscreteStates()
 
     def get(self, *names: str) -> list[float]:
-        references = [self.reference[name] for name in names]
-        return list(self.fmu.getReal(references) if self.version == "2" else self.fmu.getFloat64(references))
+        """Numbers: arrays, which FMI 3 has, by their elements."""
+        if self.version == "2":
+            return list(self.fmu.getReal([self.reference[name] for name in names]))
+        return [self.whole(self.elements[name][0])[self.elements[name][1]] if name in self.elements
+                else self.fmu.getFloat64([self.reference[name]])[0] for name in names]
+
+    def whole(self, name: str) -> list[float]:
+        """Of an array."""
+        size = next(count for array, _, count in self.elements.values() if array == name)
+        return list(self.fmu.getFloat64([self.reference[name]], nValues=size))
+
+    def _present(self, array: str) -> list[float]:
+        """Of what is to be set: its start until it is initialised, when nothing can be read."""
+        (variable,) = (v for v in self.description.modelVariables if v.name == array)
+        return self.whole(array) if self.has_begun else [float(text) for text in variable.start.split()]
 
     def set(self, values: dict[str, float]) -> None:
-        references = [self.reference[name] for name in values]
+        arrays: dict[str, list[float]] = {}
+        for name in [*values]:
+            if name in self.elements:
+                array, place, _ = self.elements[name]
+                arrays.setdefault(array, self._present(array))[place] = values[name]
+        scalars = {name: value for name, value in values.items() if name not in self.elements}
+        numbers = [*scalars.values(), *(x for own in arrays.values() for x in own)]
+        references = [self.reference[name] for name in (*scalars, *arrays)]
         if references:
-            (self.fmu.setReal if self.version == "2" else self.fmu.setFloat64)(references, list(values.values()))
+            (self.fmu.setReal if self.version == "2" else self.fmu.setFloat64)(references, numbers)
 
     def step(self, t: float, h: float) -> object:
         return self.fmu.doStep(currentCommunicationPoint=t, communicationStepSize=h)
 
     def forward(self, unknowns: list[str], knowns: list[str], seed: list[float]) -> list[float]:
-        at = [self.reference[name] for name in unknowns], [self.reference[name] for name in knowns]
-        return list(self.fmu.getDirectionalDerivative(*at, seed))
+        of, by = self._arrays(unknowns), self._arrays(knowns)
+        found = self.fmu.getDirectionalDerivative(*self._at(of, by), self._seed(by, knowns, seed), **self._size(of))
+        return self._taken(of, unknowns, found)
+
+    def _arrays(self, names: list[str]) -> dict[str, int]:
+        """The whole variables, and how many numbers each is."""
+        found = [self.elements.get(name, (name, 0, 1)) for name in names]
+        return {name: size for name, _, size in found}
+
+    def _at(self, *of: dict[str, int]) -> list[list[int]]:
+        return [[self.reference[name] for name in whole] for whole in of]
+
+    def _size(self, of: dict[str, int]) -> dict[str, int]:
+        return {} if self.version == "2" else {"nSensitivity": sum(of.values())}
+
+    def _places(self, of: dict[str, int], names: list[str]) -> list[int]:
+        first = dict(zip(of, np.cumsum([0, *of.values()]).tolist(), strict=False))
+        return [first[whole] + k for whole, k, _ in (self.elements.get(name, (name, 0, 1)) for name in names)]
+
+    def _seed(self, of: dict[str, int], names: list[str], seed: list[float]) -> list[float]:
+        whole = np.zeros(sum(of.values()))
+        np.add.at(whole, self._places(of, names), seed)
+        return whole.tolist()
+
+    def _taken(self, of: dict[str, int], names: list[str], values: list[float]) -> list[float]:
+        return [list(values)[k] for k in self._places(of, names)]
 
     def adjoint(self, unknowns: list[str], knowns: list[str], seed: list[float]) -> list[float]:
-        at = [self.reference[name] for name in unknowns], [self.reference[name] for name in knowns]
-        return list(self.fmu.getAdjointDerivative(*at, seed, nSensitivity=len(knowns)))
+        of, by = self._arrays(unknowns), self._arrays(knowns)
+        found = self.fmu.getAdjointDerivative(*self._at(of, by), self._seed(of, unknowns, seed), **self._size(by))
+        return self._taken(by, knowns, found)
+
+    def state_names(self) -> list[str]:
+        """Of numbers, in the order of the vector of states."""
+        states = [u.variable.derivative for u in self.description.derivatives]
+        return [label for state in states for label in labels(state.name, state.shape)]
+
+    def unknown_names(self) -> list[str]:
+        """Of derivatives, then of outputs, by their numbers."""
+        rows = [u.variable for u in (*self.description.derivatives, *self.description.outputs)]
+        return [label for row in rows for label in labels(row.name, row.shape)]
+
+    def input_names(self) -> list[str]:
+        return [label for v in self.description.modelVariables if v.causality == "input" for label in labels(v.name, v.shape)]
 
     def states(self) -> list[float]:
-        names = [u.variable.derivative.name for u in self.description.derivatives]
-        return self.get(*names)
+        return self.get(*self.state_names())
 
     def set_states(self, x: list[float]) -> None:
         buffer = np.array(x, dtype=float)
@@ -131,7 +208,7 @@ class Instance:
         self.fmu.setContinuousStates(pointer, len(buffer))
 
     def slopes(self) -> np.ndarray:
-        buffer = np.zeros(len(self.description.derivatives))
+        buffer = np.zeros(self.description.numberOfContinuousStates)
         pointer = buffer.ctypes.data_as(ctypes.POINTER(ctypes.c_double))
         (self.fmu.getDerivatives if self.version == "2" else self.fmu.getContinuousStateDerivatives)(pointer, len(buffer))
         return buffer

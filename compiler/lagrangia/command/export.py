@@ -19,7 +19,7 @@ from lagrangia.command.scene_export import TARGETS
 _WRITTEN = ("modelica", "sympy", "latex")  # with names on paper
 _SIGNS = {"python": "Functions of t, q, v, u, p in SI units", "sympy": "Lagrange's equations: equations[k]",
           "modelica": ", fixed = true", "latex": "margin=22mm"}  # of what each writes
-_MEANT = dict.fromkeys(("fmi", "kind", "platforms", "sources", "engine", "outputs", "info"), ("fmu",)) | {
+_MEANT = dict.fromkeys(("fmi", "kind", "platforms", "sources", "engine", "arrays", "outputs", "info"), ("fmu",)) | {
     "names": _WRITTEN, "components": ("modelica",)}
 
 

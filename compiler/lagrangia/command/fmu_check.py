@@ -3,6 +3,7 @@
 import math
 import sys
 from argparse import Namespace
+from math import prod
 from pathlib import Path
 
 from lagrangia.base.diagnostics import LagError, fail, render_all
@@ -40,9 +41,10 @@ def _check(file: Path, run: bool, seconds: float) -> int:
 def _describe(opened: Opened) -> str:
     description = opened.description
     kinds = " and ".join(SPOKEN.get(kind, "Scheduled Execution") for kind in description.interfaces) or "no interface"
-    causalities = [q.causality for q in description.quantities]
-    counts = [f"{count} {what}{'s' if count != 1 else ''}" for what, count in (
-        ("state", len(description.states())), *((what, causalities.count(what)) for what in ("input", "output", "parameter")))]
+    groups = {"state": [state for state, _ in description.states()],
+              **{what: [q for q in description.quantities if q.causality == what] for what in ("input", "output", "parameter")}}
+    numbers = {what: sum(prod(description.shape(q) or ()) for q in found) for what, found in groups.items()}
+    counts = [f"{count} {what}{'s' if count != 1 else ''}" for what, count in numbers.items()]
     parts = [*opened.platforms, *(["sources"] if opened.has_sources else [])]
     return (f"{opened.name}, FMI {description.root.get('fmiVersion')}, {kinds}; {', '.join(counts)}; "
             f"{', '.join(parts) or 'no binaries'}")

@@ -21,7 +21,7 @@ from lagrangia.view.statics import tells_reactions
 if TYPE_CHECKING:
     from lagrangia.model import Model
 
-OPTIONS = ("fmi", "kind", "platforms", "sources", "engine")  # of export_fmu, under their names there
+OPTIONS = ("fmi", "kind", "platforms", "sources", "engine", "arrays")  # of export_fmu, under their names there
 
 
 def export_fmu_command(options: Namespace) -> int:

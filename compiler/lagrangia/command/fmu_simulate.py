@@ -1,12 +1,14 @@
 """`lag simulate X.fmu`: options -> the motion of an FMU, as a table and a picture."""
 
 import math
+import re
 import sys
 from argparse import Namespace
 from collections import Counter
 from collections.abc import Iterable
 from dataclasses import replace
 from itertools import pairwise
+from math import prod
 from pathlib import Path
 from typing import Any
 
@@ -23,9 +25,10 @@ from lagrangia.command.arguments import (
     whole_tables,
 )
 from lagrangia.command.input_tables import named_tables, read_input, together
-from lagrangia.fmu.description import Description
+from lagrangia.fmu.description import Description, labels
 from lagrangia.fmu.process import SPOKEN, Inputs
-from lagrangia.fmu.run import FmuRun, open_fmu, settable, simulate_fmu
+from lagrangia.fmu.run import FmuRun, open_fmu, simulate_fmu
+from lagrangia.fmu.settable import settable, shape_of, with_whole_arrays
 from lagrangia.language.units import ONE, Unit, parse_unit
 from lagrangia.language.values import read_value
 from lagrangia.view.curves import draw
@@ -50,7 +53,7 @@ def simulate_fmu_command(options: Namespace) -> int:
              "find the position with `lag equilibrium` of its scene, and give it with --initial")
     opened = open_fmu(options.file)
     description = opened.description
-    shown = names_once(options.plot_quantities, "--plot-quantities")
+    shown = [label for name in names_once(options.plot_quantities, "--plot-quantities") for label in _labels(description, name)]
     values = {**_values(description, options.parameter, "-p"), **_values(description, options.initial, "--initial")}
     request = asked(options, values, {}, _inputs(description, options.input), names_once(options.outputs, "--outputs"))
     run = simulate_fmu(opened, replace(request, outputs=(*request.outputs, *shown)), options.kind)
@@ -88,17 +91,40 @@ def _follows(description: Description) -> bool:
 
 
 def _values(description: Description, given: Iterable[str], option: str) -> dict[str, Any]:
+    """By name, of arrays by their elements."""
     found: dict[str, Any] = {}
     for name, text in assignments(given, option):
-        quantity = settable(description, name)
-        is_parameter = quantity.causality in ("parameter", "structuralParameter")
+        causality = settable(description, name).quantity.causality
+        is_parameter = causality in ("parameter", "structuralParameter")
         if option == "-p" and not is_parameter:
             fail("L0701", f"'{name}' is no parameter", None, "start values are given by --initial, inputs by -u")
-        if option == "--initial" and quantity.causality in ("parameter", "structuralParameter", "input"):
-            fail("L0701", f"'{name}' is {'an input' if quantity.causality == 'input' else 'a parameter'}", None,
-                 "give it by " + ("-u" if quantity.causality == "input" else "-p"))
-        found[name] = _value(quantity.kind, text, quantity.get("unit") or "", name)
+        if option == "--initial" and (is_parameter or causality == "input"):
+            fail("L0701", f"'{name}' is {'an input' if causality == 'input' else 'a parameter'}", None,
+                 "give it by " + ("-u" if causality == "input" else "-p"))
+        for element, value in _numbers(description, name, text).items():
+            if element in found:
+                fail("L0712", f"'{element}' is given twice")
+            found[element] = value
     return found
+
+
+def _numbers(description: Description, name: str, text: str) -> dict[str, Any]:
+    """The values of a scalar, an element, or all elements of an array. Raises LagError L0706."""
+    found = settable(description, name)
+    kind, unit = found.quantity.kind, found.quantity.get("unit") or ""
+    if found.names == (name,):
+        return {name: _value(kind, text, unit, name)}
+    inner = text.strip()[1:-1]
+    if len(found.shape) == 2 and "{" in inner:
+        rows = [row.split(",") for row in re.findall(r"\{([^{}]*)\}", inner)]
+        parts = [part for row in rows for part in row] if [len(row) for row in rows] == [found.shape[1]] * found.shape[0] else []
+    else:
+        parts = inner.split(",")
+    if not (text.strip().startswith("{") and text.strip().endswith("}")) or len(parts) != len(found.names):
+        size = " by ".join(map(str, found.shape))
+        fail("L0706", f"{name} = {text}: it is an array of {size} values", None,
+             f"write them as {name}={{..., ...}}, row by row, or {found.names[0]}=... for one of them")
+    return {element: _value(kind, part.strip(), unit, element) for element, part in zip(found.names, parts, strict=True)}
 
 
 def _value(kind: str, text: str, unit: str, name: str) -> Any:
@@ -130,33 +156,36 @@ def _in_unit(text: str, unit: str) -> float | list[float]:
 def _inputs(description: Description, given: list[str]) -> Inputs:
     named = named_tables(given)
     whole = whole_tables(given, named)
-    names = [q.name for q in description.quantities if q.causality == "input"]
-    known = f"the inputs are {', '.join(names)}" if names else "there are none"
+    inputs = [q.name for q in description.quantities if q.causality == "input"]
+    known = f"the inputs are {', '.join(inputs)}" if inputs else "there are none"
 
-    def unit_of(name: str) -> str:
-        quantity = settable(description, name)
-        if quantity.causality != "input":
+    def unit_of(name: str, is_one: bool = True) -> str:
+        found = settable(description, name)
+        if found.quantity.causality != "input":
             fail("L0701", f"'{name}' is no input", None, known)
-        return quantity.get("unit") or ""
+        if is_one and found.names != (name,):
+            fail("L0703", f"'{name}' is an array: each of its elements needs a column", None, f"name it {found.names[0]}")
+        return found.quantity.get("unit") or ""
 
-    constants: dict[str, float] = {}
+    constants: list[tuple[str, float]] = []
     for name, text in assignments((item for item in given if item not in whole and not is_named(item, named)), "-u"):
-        unit = unit_of(name)
-        constants[name] = float(_value(settable(description, name).kind, text, unit, name))
+        unit_of(name, is_one=False)
+        constants += [(element, float(value)) for element, value in _numbers(description, name, text).items()]
     if len(whole) > 1:
         fail("L0703", "one table of inputs can be given", None, "put its columns into one file, or name each: -u NAME=FILE")
     tables = [read_table(Path(file)) for file in whole] + [_column(name, unit_of(name), file) for name, file in named.items()]
     times, columns = together(tables) if tables else ([0.0], {})
     for name in columns:
-        if name not in names:
+        if name not in description.by_name and description.element(name) is None:
             fail("L0701", f"the FMU has no input '{name}'", None, known)
-        settable(description, name)
-    count = Counter([*constants, *(name for _, found in tables for name in found)])
+        unit_of(name)
+    count = Counter([*(name for name, _ in constants), *(name for _, found in tables for name in found)])
     if twice := next((name for name, times_given in count.items() if times_given > 1), None):
         fail("L0712", f"'{twice}' is given twice")
     if any(b < a for a, b in pairwise(times)) or not all(map(math.isfinite, times)):
         fail("L0703", "the times of the inputs must be finite and not fall")
-    table = {**columns, **{name: [value] * len(times) for name, value in constants.items()}}
+    given_columns = {**columns, **{name: [value] * len(times) for name, value in constants}}
+    table = with_whole_arrays(description, given_columns, len(times))
     return Inputs(list(table), list(times), [[column[row] for column in table.values()] for row in range(len(times))])
 
 
@@ -171,9 +200,16 @@ def _column(name: str, unit: str, file: str) -> Any:
     return read_input(name, unit, file, is_moving=False)
 
 
+def _labels(description: Description, name: str) -> list[str]:
+    """Of a variable's columns."""
+    quantity = description.by_name.get(name)
+    return [name] if quantity is None else labels(name, shape_of(description, quantity))
+
+
 def _usual_curves(run: FmuRun) -> list[Any]:
     """Declared outputs; states where there are none."""
-    outputs = {q.name for q in run.opened.description.quantities if q.causality == "output"}
+    description = run.opened.description
+    outputs = {label for q in description.quantities if q.causality == "output" for label in _labels(description, q.name)}
     return [c for c in run.columns if c.name in outputs] or list(run.columns)
 
 
@@ -195,8 +231,9 @@ def _summarise(options: Namespace, run: FmuRun, target: str) -> None:
     out = sys.stdout if target != "-" else sys.stderr
     opened, job, outcome = run.opened, run.job, run.outcome
     title = f"{opened.name}: {opened.text}" if opened.text else opened.name
-    states = len(opened.description.states())
-    print(f"{title}\n  FMI {opened.description.root.get('fmiVersion')}, {SPOKEN[job.kind]}; {states} "
+    description = opened.description
+    states = sum(prod(description.shape(state) or ()) for state, _ in description.states())
+    print(f"{title}\n  FMI {description.root.get('fmiVersion')}, {SPOKEN[job.kind]}; {states} "
           f"state{'s' if states != 1 else ''}, {job.times[0]:g} to {job.stop:g} s, tolerance {job.tolerance:g}", file=out)
     how = f"{outcome.steps} communication steps"
     if job.kind == "me":

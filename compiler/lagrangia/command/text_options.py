@@ -73,6 +73,7 @@ def add_export(parser: ArgumentParser) -> None:
     add("--platforms", metavar="LIST", help="of an FMU's binaries: host (the default), all, or names: x86_64-windows, ...")
     add("--engine", metavar="ENGINE", help="of an FMU for this machine: tape (no compiler), native, or auto (the default)")
     add("--sources", action=BooleanOptionalAction, help="put the C sources into an FMU, by default")
+    add("--arrays", action=BooleanOptionalAction, help="vectors and matrices are arrays in FMI 3, by default; else scalars")
     add("--outputs", metavar="NAME,NAME,...", help="more outputs of an FMU")
     add("--info", action="append", default=[], metavar="NAME=TEXT", help="author, version, copyright, license of an FMU")
     add("-o", "--output", metavar="FILE", help="the file; by default the model's name in this folder (- for standard output)")

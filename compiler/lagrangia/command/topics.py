@@ -9,6 +9,7 @@ from lagrangia.command.curves_topic import curves_topic
 from lagrangia.command.drawing_topic import drawing_topic
 from lagrangia.command.editor_topic import EDITOR
 from lagrangia.command.errors_topic import ERRORS
+from lagrangia.command.fmu_topic import FMU
 from lagrangia.command.library_topic import DRIVES, library_topic, reference_topic
 from lagrangia.command.signals_topic import SIGNALS
 from lagrangia.command.space_topic import space_topic
@@ -378,7 +379,8 @@ python    a module that needs NumPy alone: M, h, rhs, energies, outputs, ..., sl
 casadi    M, h, rhs, energies, ... of t, q, v, u, p, and parameters, inputs, start: casadi.FileDeserializer(FILE).unpack();
           a second unpack() has the names of the entries of q, u, p, y
 modelica  a flat model: Lagrange's equations, parameters with units; constraints differentiated twice, as a linear system, and
-          multipliers mu (zero on the exact motion) that keep them closed; `closing` says how fast gaps close, 10/s;
+          multipliers mu (zero on the exact motion) that keep them closed; `closing` says how fast gaps close, 10/s; attitudes
+          are unit quaternions Q_1 to Q_4, their rates w_1 to w_3 by Euler's equations;
           --components: a drive train with those of the Modelica Standard Library, which lag import reads back
 sympy, latex   the script, and the worked derivation
 In the first two p has all parameters; what is bound to others follows them: its entry is not read (FOLLOWING, `follow`).
@@ -428,40 +430,6 @@ with parameters=, initial=, inputs=, time=, about=. A linearisation has .M, .C, 
 .to_control(), modes and responses have .frequencies and .plot(path).
 """
 
-_FMU = """\
-lag export FILE --to fmu       writes an FMU: the scene with the same C run time and the same functions as `lag simulate`
-lag fmu check X.fmu ...        looks for faults in any FMU, whoever made it; --seconds 20: each run is given up after that time
-lag simulate X.fmu             runs any FMU, to compare; pip install "lagrangia[fmu]" brings FMPy, needed but for FMUs on tapes
-
-Export. --fmi 2, 3 or both; --kind me,cs (Model Exchange, Co-Simulation; both in one archive); --platforms host, all, or names
-of x86_64-linux (glibc 2.17), aarch64-linux, x86_64-windows, x86_64-darwin, aarch64-darwin; --no-sources; --outputs NAME,...;
---engine: what comes with the package for this machine, a library that runs the scene's tape and needs no C compiler (tape), code
-compiled for the scene (native), or what costs less in a hundred runs (auto); both have the same digits. Other platforms, or this
-one by its name, are compiled. The library reads the scene from the FMU's resources, whose folder importers tell;
--p NAME=VALUE other start values; --info author=TEXT, version, copyright, license. Parameters are tunable, derivatives exact,
-states can be saved and serialised. The source is inside, in extra/. Co-Simulation steps by the scene's own solver, as `lag
-simulate` does; linear scenes are exact, at any tolerance, for inputs held over a step or, in FMI 2, with slopes. A component
-with an input and a reported quantity (--outputs flange.s) is a terminal of FMI 3. Equal input gives equal bytes but for the
-date, which SOURCE_DATE_EPOCH sets. From Python: model.export_fmu("x.fmu", fmi="both").
-
-Check. What is written in the FMU is read with care and told with its place: FMPy's validation, and what no schema shows,
-among it derivatives that point to another state (by name, unit, kind), start values out of their bounds, listed sources that
-are not there, build descriptions for another version or model, states that are not continuous, flags in the spelling of the
-other version, units that are empty or not defined, rows and dependencies of ModelStructure that point nowhere, terminals that
-name nothing, archives with links, backslashes, ZIP64 or other ways to pack, binaries for another processor, of another name,
-with libraries that are not inside or for a new glibc alone. Then its binary is run, in a process of its own: are the states
-those that the description names, directional derivatives those of differences, is it the same after reset and from a saved
-state. With a Lagrangia source inside, both kinds must move as the native run does, within 100 tolerances or 10 times what
-errors grow to; others are only run. --no-run leaves that out: to run a binary is to trust it. Exit codes: 2 for what is
-written wrong, 1 for what runs wrong, 0.
-
-Simulate. --kind me or cs (cs where there is one), --start, --stop, --interval, --at, --tolerance, -p (parameters), --initial
-(start values), -u (inputs), --outputs, -o, --plot (outputs, or states), --plot-quantities, --stats mean what they mean for a
-scene; what is not given is the FMU's own default experiment. Values may carry units: -p m=300[g]. Model Exchange is
-integrated by the CVode of FMPy, Co-Simulation takes a step from row to row. Rows at the time of an event show the state
-before it.
-"""
-
 TOPICS: Mapping[str, tuple[str, Callable[[], str]]] = {
     "language": ("models, frames, energies: the language on one page", lambda: _LANGUAGE),
     "reference": ("the language, construct by construct, and what of Modelica is in it", reference_topic),
@@ -482,7 +450,7 @@ TOPICS: Mapping[str, tuple[str, Callable[[], str]]] = {
     "python": ("the Python interface", lambda: _PYTHON),
     "bench": ("run time against error: what is measured, and how", lambda: _BENCH),
     "equations": ("the equations of motion for people: forms, formats, names", lambda: _EQUATIONS),
-    "fmu": ("FMUs: export, check, simulate", lambda: _FMU),
+    "fmu": ("FMUs: export, check, simulate", lambda: FMU),
     "analysis": ("equilibria, small motion, modes, frequency response", lambda: _ANALYSIS),
     "editor": ("texts: layout, style, tests, pages, language server", lambda: EDITOR),
     "errors": ("diagnostics and exit codes", lambda: ERRORS),

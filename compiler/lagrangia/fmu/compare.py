@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 from lagrangia.base.diagnostics import LagError, RunError
 from lagrangia.base.records import dataclass
 from lagrangia.base.search_path import searching_in
+from lagrangia.fmu.description import labels
 from lagrangia.fmu.export import EXTRA, SCENE
 from lagrangia.fmu.process import SPOKEN, Job, Outcome, run_job
 from lagrangia.fmu.run import Opened
@@ -109,8 +110,10 @@ def _stopped(kind: str, outcome: Outcome) -> Comparison:
 def _parameters(opened: Opened, model: Native) -> dict[str, float]:
     """The start values that the FMU gives to the model's parameters."""
     known = {p.name for p in model.scene.parameters}
-    return {q.name: float(q.start) for q in opened.description.quantities
-            if q.name in known and q.causality == "parameter" and q.is_float and q.start is not None}
+    description = opened.description
+    free = [q for q in description.quantities if q.causality == "parameter" and q.is_float]
+    starts = {name: text for q in free for name, text in zip(labels(q.name, description.shape(q)), q.starts, strict=False)}
+    return {name: float(text) for name, text in starts.items() if name in known}
 
 
 class _NativeRun:
@@ -135,7 +138,8 @@ class _NativeRun:
         import numpy as np
 
         tolerance = self.tolerance if kind == "cs" else max(self.tolerance / _TIGHTER, _TIGHTEST)
-        missing = [name for name in self.names if name not in opened.description.by_name]
+        description = opened.description
+        missing = [name for name in self.names if name not in description.by_name and description.element(name) is None]
         if missing:
             return Comparison(f"the source inside has '{missing[0]}', and the FMU does not", True)
         outcomes = []

@@ -1,8 +1,9 @@
 """modelDescription.xml of FMI 2 and 3 -> what it says, in the words of both, with what is left out filled in."""
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from functools import cached_property
+from itertools import product
 
 from lagrangia.base.diagnostics import fail
 from lagrangia.base.records import dataclass
@@ -18,6 +19,8 @@ _INITIAL = {
     ("continuous", "input"): "exact", ("continuous", "output"): "calculated", ("continuous", "local"): "calculated",
 }
 _FLOATS = ("Real", "Float32", "Float64")
+_ELEMENT = re.compile(r"(?P<head>(?:der\()*)(?P<name>.+)\[(?P<index>\d+(?:,\d+)*)\](?P<tail>(?:(?:,\d+)?\))*)")
+_DERIVATIVE = re.compile(r"(?P<head>(?:der\()+)(?P<name>.+?)(?P<tail>(?:(?:,\d+)?\))+)")
 _PARAMETERS = ("parameter", "calculatedParameter", "structuralParameter")
 _UNKNOWNS: Mapping[str, Mapping[str, tuple[str, ...]]] = {
     "2": {"output": ("Outputs", "Unknown"), "derivative": ("Derivatives", "Unknown"),
@@ -58,6 +61,13 @@ class Quantity:
         if self.kind in ("String", "Binary") and (given := self.value.first("Start")) is not None:
             return given.get("value")
         return self.value.get("start")
+
+    @property
+    def starts(self) -> list[str]:
+        """The start values of an array, as they are written; there may be one for all."""
+        if self.kind in ("String", "Binary"):
+            return [given.get("value") or "" for given in self.value.all("Start")]
+        return (self.start or "").split()
 
     @property
     def has_dimensions(self) -> bool:
@@ -121,6 +131,25 @@ class Description:
             return self.by_reference.get(number)
         return self.quantities[number - 1] if 1 <= number <= len(self.quantities) else None
 
+    def shape(self, quantity: Quantity) -> tuple[int, ...] | None:
+        """Of an array, as its dimensions start, () of a scalar; None where they are no numbers."""
+        sizes = []
+        for dimension in quantity.element.all("Dimension"):
+            counted = self.find(dimension.get("valueReference"))
+            text = dimension.get("start") if counted is None else counted.start
+            if text is None or not text.strip().isdecimal():
+                return None
+            sizes.append(int(text))
+        return tuple(sizes)
+
+    def element(self, name: str) -> tuple[Quantity, int] | None:
+        """An array and the place in it, row by row and from 0, of a name such as x[1,2]; None for all other names."""
+        part = element_of(name) if name not in self.by_name else None
+        quantity = self.by_name.get(part[0]) if part is not None else None
+        shape = self.shape(quantity) if quantity is not None else None
+        place = place_of(part[1], shape) if part is not None and shape is not None else None
+        return (quantity, place) if quantity is not None and place is not None else None
+
     def unknowns(self, kind: str) -> list[Unknown]:
         """Of kind output, derivative, initial, indicator; those that point nowhere are left out."""
         found = []
@@ -136,6 +165,33 @@ class Description:
         """States and their derivatives, in the order of the states' vector."""
         pairs = [(self.find(u.quantity.value.get("derivative")), u.quantity) for u in self.unknowns("derivative")]
         return [(state, derivative) for state, derivative in pairs if state is not None]
+
+
+def element_of(name: str) -> tuple[str, tuple[int, ...]] | None:
+    """The array that a name would be of, and where in it: der(x[2]) is the second of der(x)."""
+    found = _ELEMENT.fullmatch(name)
+    if found is None:
+        return None
+    return found["head"] + found["name"] + found["tail"], tuple(map(int, found["index"].split(",")))
+
+
+def place_of(index: Sequence[int], shape: Sequence[int]) -> int | None:
+    """Counted row by row from 0; None where it is outside."""
+    if len(index) != len(shape) or not all(1 <= k <= size for k, size in zip(index, shape, strict=True)):
+        return None
+    place = 0
+    for k, size in zip(index, shape, strict=True):
+        place = place * size + k - 1
+    return place
+
+
+def labels(name: str, shape: Sequence[int] | None) -> list[str]:
+    """x, or x[1,1], x[1,2], ...: row by row; of der(x) der(x[1]), ..."""
+    if not shape:
+        return [name]
+    whole = _DERIVATIVE.fullmatch(name)
+    head, of, tail = (whole["head"], whole["name"], whole["tail"]) if whole else ("", name, "")
+    return [f"{head}{of}[{','.join(map(str, index))}]{tail}" for index in product(*(range(1, size + 1) for size in shape))]
 
 
 def read_description(root: Element) -> Description:

@@ -48,7 +48,7 @@ _MOST_READABLE = 3  # coordinates of a scene whose equations are written out
 _LONGEST_IDENTIFIER = 60
 _BUILDING = 0.5  # seconds for which zig compiles and links the smallest scene, when it has made the run time
 _EARLIEST = (1980, 1, 1, 0, 0, 0)  # in an archive; files in it have no dates
-_VERSION_FILES = {"2": ("fmi2.c",), "3": ("fmi3.c", "fmi3_unused.c", "fmi3_instance.h")}
+_VERSION_FILES = {"2": ("fmi2.c",), "3": ("fmi3.c", "fmi3_dependencies.c", "fmi3_unused.c", "fmi3_instance.h")}
 # Of the run time: many runs, tables that Python reads, what it compares when it loads a library, what only the package's library
 # for FMUs needs, what a page does and what compiles.
 _UNUSED = ("batch.c", "batch.h", "read_numbers.c", "read_numbers.h", "reduce.c", "reduce.h", "layout.c", "layout.h", "stored.c",
@@ -62,7 +62,8 @@ _UNUSED = ("batch.c", "batch.h", "read_numbers.c", "read_numbers.h", "reduce.c",
 class Export:
     """What is wanted of an FMU. `info`: author, version, copyright, license; `outputs` are among those of the model already;
     `engine`: "tape": this machine's binary is the library that comes with the package, and the scene a file, "native": the scene
-    is compiled, "auto": what costs less time."""
+    is compiled, "auto": what costs less time. Without `arrays` FMI 3 has scalars, as FMI 2 does, for importers that know no
+    others."""
 
     version: str = "2"
     kinds: tuple[str, ...] = KINDS
@@ -71,6 +72,7 @@ class Export:
     parameters: Mapping[str, float] = field(default_factory=dict)
     info: Mapping[str, str] = field(default_factory=dict)
     engine: str = "native"
+    arrays: bool = True
 
 
 @dataclass(frozen=True)
@@ -92,7 +94,8 @@ def export_fmu(model: Exportable, wanted: Export, path: Path, tell: Callable[[st
 
 def export_fmus(
     model: Exportable, path: str | os.PathLike[str] | None, fmi: str | int, kind: str, platforms: str, sources: bool,
-    parameters: Mapping[str, float] | None, info: Mapping[str, str] | None, engine: str, tell: Callable[[str], None] | None,
+    parameters: Mapping[str, float] | None, info: Mapping[str, str] | None, engine: str, arrays: bool,
+    tell: Callable[[str], None] | None,
 ) -> list[Path]:
     """One archive for each version, from one description of the scene. Raises LagError."""
     versions = VERSIONS if fmi == "both" else read_choice(fmi, VERSIONS, "version of FMI")
@@ -103,7 +106,7 @@ def export_fmus(
         fail("L0706", "only this machine's binary runs tapes: others are compiled", None, "leave --engine or --platforms out")
     if platforms != "host" and asked == "auto":
         asked = "native"  # others are meant, too
-    wanted = Export("", kinds, chosen, sources, parameters or {}, _checked_info(info), asked)
+    wanted = Export("", kinds, chosen, sources, parameters or {}, _checked_info(info), asked, arrays)
     described = build_fmu_model(model, wanted.parameters)
     extras = build_extras(model, described)
     name = f"{identifier_of(model.scene.name)}.fmu"
@@ -140,11 +143,12 @@ def _checked_info(info: Mapping[str, str] | None) -> Mapping[str, str]:
 
 def archive(described: FmuModel, wanted: Export, extras: Extras, tell: Callable[[str], None] | None = None) -> bytes:
     """The bytes of an FMU. Raises LagError L0706 where nothing would be in it."""
+    described = described if wanted.arrays else replace(described, arrays=())
     scene = described.scene
     identifier = identifier_of(scene.name)
     sources = _sources(described, wanted.version, "")
     names = tuple(sorted(name for name in sources if name.endswith(".c")))
-    content = hashlib.sha256(repr((sorted(sources.items()), list(described.variables), described.dependencies,
+    content = hashlib.sha256(repr((sorted(sources.items()), list(described.variables), described.arrays, described.dependencies,
                                    VERSION, wanted.kinds)).encode()).hexdigest()
     token = f"{{{content[:8]}-{content[8:12]}-{content[12:16]}-{content[16:20]}-{content[20:32]}}}"
     sources = _sources(described, wanted.version, token)

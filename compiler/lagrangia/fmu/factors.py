@@ -25,6 +25,11 @@ class _Node:
     tuned: int = 0
 
 
+def strongest(*kinds: str) -> str:
+    """The one that says least."""
+    return max(kinds, key=(CONSTANT, TUNABLE, DEPENDENT).index)
+
+
 def factor_kinds(unknowns: ca.SX, moving: Sequence[ca.SX], parameters: ca.SX) -> "list[Factors]":
     """Of each unknown (k,). `moving`: columns of what changes while the simulation runs, counted on through them; the parameters
     come behind."""

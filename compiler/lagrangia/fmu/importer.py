@@ -2,9 +2,13 @@
 (worker.py), since what is inside an FMU may crash."""
 
 import ctypes
+from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from itertools import pairwise
+from math import prod
 from typing import Any
+
+from lagrangia.fmu.description import element_of, labels, place_of
 
 _BEFORE = ("exact", "approx")  # `initial` of what may be set before initialization
 _RECORDED = ("Real", "Float32", "Float64", "Integer", "Int8", "UInt8", "Int16", "UInt16", "Int32", "UInt32", "Int64", "UInt64",
@@ -68,30 +72,46 @@ class Importer:
         found: Callable[..., Any] = getattr(self.fmu, what + (enumeration if kind == "Enumeration" else kind))
         return found
 
+    def find(self, name: str) -> tuple[Any, int, int]:
+        """A variable, and which of its values are meant, from 0: the first, and their number. x[1,2] is an element of x."""
+        variable = self.variables.get(name)
+        if variable is not None:
+            return variable, 0, prod(variable.shape or ())
+        array, index = element_of(name) or (name, ())
+        place = place_of(index, self.variables[array].shape or ())
+        if place is None:
+            raise FmuError(f"there is no variable '{name}'")
+        return self.variables[array], place, 1
+
+    def along(self, unknowns: Sequence[int], knowns: Sequence[int], seed: Sequence[float], size: int) -> list[float]:
+        """The directional derivatives of unknowns, `size` numbers in all; one seed for each number of the knowns."""
+        more = {} if self.is_fmi2 else {"nSensitivity": size}
+        found: list[float] = self.fmu.getDirectionalDerivative(unknowns, knowns, seed, **more)
+        return found
+
     def columns(self, names: Sequence[str]) -> list[str]:
         """Elements of arrays have a column each."""
-        return [label for name in names for label in _labels(name, self.variables[name].shape)]
+        whole = {name: self.variables[name].shape for name in names if name in self.variables}
+        return [label for name in names for label in labels(name, whole.get(name))]
 
     def reader(self, names: Sequence[str]) -> Callable[[], list[float]]:
         """Reads these variables as numbers; one call of the FMU for each type."""
-        groups: dict[str, list[tuple[int, int, int]]] = {}  # place in the row, value reference, count
-        place = 0
+        groups: dict[str, dict[int, int]] = {}  # by value reference: the first of its values among those of its type
+        sizes: Counter[str] = Counter()
+        parts: list[tuple[str, int, int]] = []
         for name in names:
-            variable = self.variables[name]
-            count = len(_labels(name, variable.shape))
-            groups.setdefault(variable.type, []).append((place, variable.valueReference, count))
-            place += count
-        calls = [(self.getter(kind), [r for _, r, _ in found], found) for kind, found in groups.items()]
+            variable, element, count = self.find(name)
+            known = groups.setdefault(variable.type, {})
+            if variable.valueReference not in known:
+                known[variable.valueReference] = sizes[variable.type]
+                sizes[variable.type] += prod(variable.shape or ())
+            parts.append((variable.type, known[variable.valueReference] + element, count))
+        calls = {kind: (self.getter(kind), list(known), sizes[kind]) for kind, known in groups.items()}
 
         def read() -> list[float]:
-            row = [0.0] * place
-            for getter, references, found in calls:
-                values = getter(references) if self.is_fmi2 else getter(references, nValues=sum(c for *_, c in found))
-                taken = iter(values)
-                for begin, _reference, count in found:
-                    for k in range(count):
-                        row[begin + k] = float(next(taken))
-            return row
+            values = {kind: getter(references) if self.is_fmi2 else getter(references, nValues=size)
+                      for kind, (getter, references, size) in calls.items()}
+            return [float(value) for kind, begin, count in parts for value in values[kind][begin : begin + count]]
 
         return read
 
@@ -113,12 +133,17 @@ class Importer:
         early = {name: value for name, value in values.items() if self.variables[name].initial in _BEFORE}
         if self.is_fmi2:
             self.fmu.setupExperiment(tolerance=tolerance, startTime=start, stopTime=stop)
+        structural = {name: early.pop(name) for name in [*early] if self.variables[name].causality == "structuralParameter"}
+        if structural:
+            self.fmu.enterConfigurationMode()
+            self.set(structural)
+            self.fmu.exitConfigurationMode()
         self.set(early)
         if self.is_fmi2:
             self.fmu.enterInitializationMode()
         else:
             self.fmu.enterInitializationMode(tolerance=tolerance, startTime=start, stopTime=stop)
-        self.set({name: value for name, value in values.items() if name not in early})
+        self.set({name: value for name, value in values.items() if name not in early and name not in structural})
         begin()
         self.fmu.exitInitializationMode()
         if self.kind == "ModelExchange":
@@ -207,27 +232,19 @@ def is_recorded(kind: str) -> bool:
     return kind in _RECORDED
 
 
-def _labels(name: str, shape: Sequence[int] | None) -> list[str]:
-    """x, or x[1,1], x[1,2], ...: row by row."""
-    if not shape:
-        return [name]
-    labels = [""]
-    for size in shape:
-        labels = [f"{label},{k}" if label else str(k) for label in labels for k in range(1, size + 1)]
-    return [f"{name}[{label}]" for label in labels]
-
-
 class Table:
-    """Inputs over time: straight lines between rows, a jump where a time stands twice, held beyond the ends."""
+    """Inputs over time: straight lines between rows, a jump where a time stands twice, held beyond the ends. Of an array all
+    elements are among the names."""
 
     def __init__(self, importer: Importer, names: Sequence[str], times: Sequence[float], rows: Sequence[Sequence[float]]) -> None:
         self.importer, self.names, self.times, self.rows = importer, names, times, rows
         self.jumps = [a for a, b in pairwise(times) if a == b]
-        groups: dict[str, list[int]] = {}
+        groups: dict[str, dict[int, dict[int, int]]] = {}  # kind, value reference, element: place among the names
         for k, name in enumerate(names):
-            groups.setdefault(importer.variables[name].type, []).append(k)
-        self.setters = [(importer.setter(kind), [importer.variables[names[k]].valueReference for k in places], places, kind)
-                        for kind, places in groups.items()]
+            variable, element, _ = importer.find(name)
+            groups.setdefault(variable.type, {}).setdefault(variable.valueReference, {})[element] = k
+        self.setters = [(importer.setter(kind), list(found), [own[k] for own in found.values() for k in sorted(own)], kind)
+                        for kind, found in groups.items()]
 
     def next_jump(self, t: float) -> float | None:
         """The first time after t at which an input jumps; None after the last."""

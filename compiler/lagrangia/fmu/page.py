@@ -2,7 +2,9 @@
 
 from html import escape
 
-from lagrangia.fmu.variables import FmuModel, Variable
+from lagrangia.fmu.entries import entries
+from lagrangia.fmu.variable import Variable
+from lagrangia.fmu.variables import FmuModel
 from lagrangia.fmu.xml import About
 
 _GROUPS = (("parameter", "Parameters", "what the model is made of; those without a value follow from others"),
@@ -55,8 +57,10 @@ def license_text(about: About, has_windows: bool) -> str:
 def write_terminals(model: FmuModel) -> str:
     """FMI 3: the icon, and a terminal for each component that has both inputs and outputs: its flange."""
     members: dict[str, list[Variable]] = {}
-    for variable in model.of("input", "output"):
+    for variable in (entry.variable for entry in entries(model)):
         component, dot, _name = variable.name.rpartition(".")
+        if variable.group not in ("input", "output"):
+            continue
         if dot:
             members.setdefault(component, []).append(variable)
     flanges = {name: found for name, found in members.items() if {v.group for v in found} == {"input", "output"}}

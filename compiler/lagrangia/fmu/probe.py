@@ -19,16 +19,18 @@ Start = Callable[[], None]
 def probe_states(importer: Importer) -> list[str]:
     """The continuous states must be the variables that the description says, in its order, and so their derivatives."""
     derivatives = [unknown.variable for unknown in importer.description.derivatives]
-    if any(d.shape or d.derivative is None for d in derivatives):
+    if any(d.derivative is None for d in derivatives):
         return []
-    states = [d.derivative.name for d in derivatives]
+    states = importer.columns([d.derivative.name for d in derivatives])
     before = importer.states()
+    if len(states) != len(before):
+        return [f"there are {len(before)} states, and {len(states)} variables whose derivatives are listed"]
     apart = [x + 1e-3 * (k + 1) * max(1.0, abs(x)) for k, x in enumerate(before)]  # no two alike
     importer.set_states(apart)
     faults = _compared("the state", states, importer.get(states), importer.states())
     importer.set_states(before)
     if not faults:
-        names = [d.name for d in derivatives]
+        names = importer.columns([d.name for d in derivatives])
         faults = _compared("the derivative", names, importer.get(names), importer.slopes())
     return faults
 
@@ -43,19 +45,21 @@ def _compared(what: str, names: Sequence[str], by_name: Sequence[float], by_plac
 def probe_derivatives(importer: Importer) -> list[str]:
     """Directional derivatives along each state against central differences."""
     rows = [u.variable for u in (*importer.description.derivatives, *importer.description.outputs)
-            if u.variable.type in ("Real", "Float64") and not u.variable.shape]
+            if u.variable.type in ("Real", "Float64")]
     states = [u.variable.derivative for u in importer.description.derivatives]
-    if not rows or not states or any(s is None or s.shape for s in states):
+    if not rows or not states or any(s is None for s in states):
         return []
     faults: list[str] = []
-    names, x = [row.name for row in rows], importer.states()
-    for k, (state, nominal) in enumerate(zip(states[:_MOST], importer.nominals(), strict=False)):
-        exact = importer.fmu.getDirectionalDerivative([r.valueReference for r in rows], [state.valueReference], [1.0])
+    names, x, nominals = importer.columns([row.name for row in rows]), importer.states(), importer.nominals()
+    of_rows, elements = [row.valueReference for row in rows], importer.columns([state.name for state in states])
+    for k, (name, nominal) in enumerate(zip(elements[:_MOST], nominals, strict=False)):
+        state, place, _ = importer.find(name)
+        seed = [float(i == place) for i in range(len(importer.columns([state.name])))]
+        exact = importer.along(of_rows, [state.valueReference], seed, len(names))
         tries = [_differing(importer, names, x, k, step * max(abs(x[k]), nominal), exact) for step in _STEPS]
         if all(tries):
-            name, found, true = tries[1]
-            faults.append(f"the directional derivative of '{name}' along '{state.name}' is {found:.6g}, and by differences "
-                          f"{true:.6g}")
+            row, found, true = tries[1]
+            faults.append(f"the directional derivative of '{row}' along '{name}' is {found:.6g}, and by differences {true:.6g}")
     return faults
 
 

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterator
+from math import prod
 
 from lagrangia.base.diagnostics import Diagnostic
 from lagrangia.fmu.description import Description, Quantity
@@ -17,6 +18,7 @@ def variable_rules(description: Description) -> Iterator[Diagnostic]:
     """Faults of start values, ranges, units and the rest of what is said of each variable."""
     for quantity in description.quantities:
         yield from _start_rules(quantity)
+        yield from _size_rules(quantity, description)
         yield from _range_rules(quantity)
         yield from _unit_rules(quantity, description)
     if description.version == "2":
@@ -53,6 +55,20 @@ def _start_rules(q: Quantity) -> Iterator[Diagnostic]:
         yield q.value.fault(VARIABLES, f"'{q.name}' is {what} and has a start value all the same", "start", "leave it out")
     if q.value.get("reinit") in ("true", "1") and q.variability != "continuous":
         yield q.value.fault(VARIABLES, f"'{q.name}' is {q.variability}, and only states are set anew at events", "reinit")
+
+
+def _size_rules(q: Quantity, description: Description) -> Iterator[Diagnostic]:
+    """Of arrays, which have a start value for each element or one for all (FMI 3.0.2, 2.4.7.3)."""
+    for dimension in q.element.all("Dimension"):
+        counted = description.find(dimension.get("valueReference"))
+        if dimension.get("start") is None and counted is None:
+            yield dimension.fault(VARIABLES, f"a dimension of '{q.name}' has neither a start nor a variable that tells it")
+        elif counted is not None and counted.causality != "structuralParameter" and counted.variability != "constant":
+            yield dimension.fault(VARIABLES, f"'{counted.name}', a dimension of '{q.name}', is no structural parameter",
+                                  "valueReference")
+    shape = description.shape(q)
+    if shape and q.start is not None and len(q.starts) not in (1, prod(shape)):
+        yield q.value.fault(VARIABLES, f"'{q.name}' has {prod(shape)} elements and {len(q.starts)} start values", "start")
 
 
 def _range_rules(q: Quantity) -> Iterator[Diagnostic]:

@@ -1,9 +1,10 @@
 """Any FMU -> its motion at given times: what `lag simulate X.fmu` computes."""
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from itertools import chain, pairwise
+from math import prod
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -12,16 +13,17 @@ from lagrangia.base.diagnostics import fail, suggest
 from lagrangia.base.records import dataclass
 from lagrangia.fmu.archive import DESCRIPTION, Archive, open_archive
 from lagrangia.fmu.build import PLATFORMS, host_platform
-from lagrangia.fmu.description import Description, Quantity, read_description
+from lagrangia.fmu.description import Description, read_description
 from lagrangia.fmu.importer import is_recorded
 from lagrangia.fmu.process import SPOKEN, Inputs, Job, Outcome, require_fmpy, run_job
+from lagrangia.fmu.settable import check_values, refuse_unknown, shape_of, whole_values
 from lagrangia.run.request import Default, Request, instead_of
 from lagrangia.run.scene import Column
 
 _USUAL_TOLERANCE = 1e-6
 _MOST_ROWS = 10_000_000
 _MOST_COLUMNS = 100  # of an FMU without states and outputs
-_SET = ("input", "parameter", "structuralParameter")
+_MOST_NUMBERS = 1_000_000  # a row
 
 
 @dataclass(frozen=True)
@@ -59,7 +61,8 @@ class Opened:
 
     def column(self, name: str) -> Column:
         """Of a variable or of an element of one."""
-        found = self.description.by_name.get(name) or self.description.by_name.get(name.rpartition("[")[0])
+        element = self.description.element(name)
+        found = element[0] if element is not None else self.description.by_name.get(name)
         if found is None:
             return Column(name, "", "", "")
         return Column(name, found.get("unit") or "", found.get("displayUnit") or "", "")
@@ -130,7 +133,8 @@ def simulate_fmu(opened: Opened, request: Request, kind: str | None = None) -> F
     times, stop, tolerance = _plan(opened, request)
     if kind == "cs":
         _check_steps(opened, times)
-    _check_values(opened, values)
+    check_values(opened.description, values)
+    values = whole_values(opened.description, values)
     names = _columns(opened, request.outputs)
     with unpacked(opened) as folder:
         job = Job(folder, kind, times, stop, tolerance, names, values, request.inputs or Inputs())
@@ -197,13 +201,20 @@ def _check_steps(opened: Opened, times: Sequence[float]) -> None:
              f"these are of {min(steps):g} to {max(steps):g} s; choose an interval that divides the time")
 
 
+def _is_wanted(description: Description, name: str, names: Sequence[str]) -> bool:
+    """Not the time, which stands in each row, nor an element of an array that is there as a whole."""
+    element = description.element(name)
+    return element[0].name not in names if element is not None else description.by_name[name].causality != "independent"
+
+
 def _columns(opened: Opened, outputs: Sequence[str]) -> list[str]:
     """States, outputs, and what is asked for. Raises LagError L0701."""
     description = opened.description
     for name in outputs:
-        found = description.by_name.get(name)
+        element = description.element(name)
+        found = element[0] if element is not None else description.by_name.get(name)
         if found is None:
-            fail("L0701", f"the FMU has no variable '{name}'", None, *filter(None, [suggest(name, description.by_name)]))
+            refuse_unknown(description, name, description.by_name)
         if not is_recorded(found.kind):
             fail("L0701", f"'{name}' is of the type {found.kind}, which is no number to report")
     states = [state.name for state, _ in description.states()]
@@ -212,33 +223,8 @@ def _columns(opened: Opened, outputs: Sequence[str]) -> list[str]:
     if not names:
         names = [q.name for q in description.quantities if q.variability in ("continuous", "discrete") and is_recorded(q.kind)
                  and q.causality == "local"][:_MOST_COLUMNS]
-    return [name for name in dict.fromkeys(names) if description.by_name[name].causality != "independent"]
-
-
-def _check_values(opened: Opened, values: Mapping[str, Any]) -> None:
-    for name in values:
-        quantity = settable(opened.description, name)
-        low, high = (float(text) if (text := quantity.get(bound)) else None for bound in ("min", "max"))
-        value = values[name]
-        if isinstance(value, float) and ((low is not None and value < low) or (high is not None and value > high)):
-            limits = f"from {low if low is not None else '-inf'} to {high if high is not None else 'inf'}"
-            fail("L0605", f"'{name}' is {value:g}, and the FMU says it lies {limits}")
-
-
-def settable(description: Description, name: str) -> Quantity:
-    """A variable that has a start value to be set. Raises LagError L0701."""
-    quantity = description.by_name.get(name)
-    if quantity is None:
-        known = [q.name for q in description.quantities if _can_be_set(q)]
-        fail("L0701", f"the FMU has no variable '{name}'", None, *filter(None, [suggest(name, known)]))
-    if not _can_be_set(quantity):
-        follows = ["it follows from other parameters: set those"] if quantity.causality == "calculatedParameter" else []
-        fail("L0701", f"'{name}' cannot be set: it is "
-             + ("constant" if quantity.variability == "constant" else "computed by the FMU"), None, *follows)
-    if quantity.has_dimensions:
-        fail("L0901", f"not supported yet: values for the array '{name}'")
-    return quantity
-
-
-def _can_be_set(q: Quantity) -> bool:
-    return q.variability != "constant" and (q.initial in ("exact", "approx") or q.causality in _SET)
+    wanted = [name for name in dict.fromkeys(names) if _is_wanted(description, name, names)]
+    arrays = [q for name in wanted if (q := description.by_name.get(name)) is not None and q.has_dimensions]
+    if sum(prod(shape_of(description, q)) for q in arrays) > _MOST_NUMBERS:
+        fail("L0702", f"a row would have more than {_MOST_NUMBERS} numbers", None, "choose with --outputs")
+    return wanted

@@ -3,12 +3,13 @@
 import math
 from collections.abc import Sequence
 
-from lagrangia.fmu.tables import constants, guards_of, sizes_of, vectors
+from lagrangia.fmu.elements import provides_elements
+from lagrangia.fmu.tables import constants, guards_of, integers, sizes_of, vectors
 from lagrangia.fmu.variables import FmuModel
 from lagrangia.native.c_code import INCLUDES, write_c, write_functions
 from lagrangia.native.tapes import Tape
 
-_LISTS = ("state_settable", "parameter_settable", "names", "strings", "guards")
+_TEXTS = ("names", "strings", "guards")
 # Scenes with more operations than this stay tapes, as data: a C compiler takes some 0.2 ms an operation, for each platform.
 _LARGEST_COMPILED = 3_000
 
@@ -30,18 +31,19 @@ def table_source(model: FmuModel, token: str) -> str:
     scene = model.scene
     tapes = {"forward": model.forward, "adjoint": model.adjoint}
     functions, initializers = write_functions(tapes, [name for name, tape in tapes.items() if _is_long(tape)])
-    given, numbers = constants(model), vectors(model)
+    given, numbers, whole = constants(model), vectors(model), integers(model)
     lines = ["/* Generated, do not edit. */", *INCLUDES, '#include "fmi/fmu.h"', "",
              "LAG_API extern const LagModel lag_model;", "", *functions]
     lines += [f"static const double {name}[] = {{{', '.join(map(_number, values)) or '0'}}};" for name, values in numbers.items()]
-    lines += [_flags("state_settable", model.state_settable), _flags("parameter_settable", model.settable)]
+    lines += [_integers(name, values) for name, values in whole.items()]
     lines += [_texts("names", [v.name for v in model.variables]), _texts("strings", [str(x) for x in given["string"]])]
     lines += [_texts("guards", guards_of(model)), ""]
     lines += ["const LagFmu lag_fmu = {", "    .model = &lag_model,", f"    .token = {_quoted(token)},",
               f"    .start = {_number(scene.start)},", f"    .tolerance = {_number(scene.tolerance)},",
               f"    .stabilisation = {_number(model.stabilisation)},"]
     lines += [f"    .n_{group}s = {len(values)}," for group, values in given.items()]
-    lines += [f"    .{name} = {name}," for name in (*numbers, *_LISTS)]
+    lines.append(f"    .has_knowns = {int(provides_elements(model))},")
+    lines += [f"    .{name} = {name}," for name in (*numbers, *whole, *_TEXTS)]
     lines += [f"    .{name} = {value}," for name, value in initializers.items()]
     return "\n".join([*lines, "};", ""])
 
@@ -52,7 +54,7 @@ def _number(value: float) -> str:
     return "NAN" if math.isnan(value) else repr(float(value))
 
 
-def _flags(name: str, values: Sequence[bool]) -> str:
+def _integers(name: str, values: Sequence[int]) -> str:
     return f"static const int {name}[] = {{{', '.join(str(int(x)) for x in values) or '0'}}};"
 
 

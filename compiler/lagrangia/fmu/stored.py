@@ -16,7 +16,8 @@ from zlib import adler32
 
 from lagrangia.base.folders import data_folder
 from lagrangia.base.table_data import TableData
-from lagrangia.fmu.tables import constants, guards_of, sizes_of, vectors
+from lagrangia.fmu.elements import provides_elements
+from lagrangia.fmu.tables import constants, guards_of, integers, sizes_of, vectors
 from lagrangia.fmu.variables import FmuModel
 from lagrangia.native.prebuilt import digest
 from lagrangia.native.tapes import Tape
@@ -31,6 +32,7 @@ _WORD = 8  # what is put begins at a multiple of it
 _PAGE_TOKEN = "page"  # LAG_PLAY_TOKEN of play.h
 _VECTORS = ("reals", "integers", "booleans", "strings", "names", "guards", "state_start", "state_settable", "nominal",
             "input_start", "parameter_start", "minimum", "maximum", "parameter_settable")
+_LISTS = ("extents", "known_first", "knowns", "known_kinds", "start_first", "starts", "start_kinds")
 
 
 class _Fmu(c.Structure):
@@ -42,6 +44,8 @@ class _Fmu(c.Structure):
         *((name, c.c_double) for name in ("start", "tolerance", "stabilisation")),
         *((name, c.c_int) for name in ("n_reals", "n_integers", "n_booleans", "n_strings")),
         *((name, c.c_void_p) for name in _VECTORS),
+        ("has_knowns", c.c_int),
+        *((name, c.c_void_p) for name in _LISTS),
         ("forward", _FUNCTION),
         ("adjoint", _FUNCTION),
     )
@@ -94,8 +98,9 @@ def _filled(kind: type[c.Structure], model: FmuModel, token: str, sizes: Mapping
         fmu.set(f"n_{group}s", len(values))
     for name, numbers in vectors(model).items():
         fmu.point(name, image.doubles(numbers))
-    fmu.point("state_settable", image.ints(model.state_settable))
-    fmu.point("parameter_settable", image.ints(model.settable))
+    fmu.set("has_knowns", provides_elements(model))
+    for name, whole in integers(model).items():
+        fmu.point(name, image.ints(whole))
     fmu.point("names", image.texts([variable.name for variable in model.variables]))
     fmu.point("guards", image.texts(guards_of(model)))
     fmu.point("strings", image.texts([str(x) for x in constants(model)["string"]]))

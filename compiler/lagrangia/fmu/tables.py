@@ -3,6 +3,7 @@
 import math
 from collections.abc import Mapping, Sequence
 
+from lagrangia.fmu.elements import element_lists
 from lagrangia.fmu.variables import FmuModel
 from lagrangia.run.rules import Moment, solver_by
 
@@ -18,6 +19,20 @@ def sizes_of(model: FmuModel) -> Mapping[str, int]:
 def constants(model: FmuModel) -> Mapping[str, Sequence[float | bool | str | None]]:
     """Structural values by their groups, each counted by the member `n_<group>s`."""
     return {group: [variable.start for variable in model.of(group)] for group in _GROUPS}
+
+
+def extents_of(model: FmuModel) -> list[int]:
+    """By value reference: how many numbers it stands for in FMI 3; 0 within an array."""
+    found = [1] * len(model.variables)
+    for array in model.arrays:
+        found[array.reference : array.reference + array.size] = [array.size] + [0] * (array.size - 1)
+    return found
+
+
+def integers(model: FmuModel) -> Mapping[str, Sequence[int]]:
+    """Lists of whole numbers, and of what is 0 or 1."""
+    return {"state_settable": model.state_settable, "parameter_settable": model.settable, "extents": extents_of(model),
+            **element_lists(model)}
 
 
 def guards_of(model: FmuModel) -> list[str]:

@@ -4,11 +4,14 @@ The groups of value references, and their order, are those of runtime/fmi/fmu.h.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from functools import cached_property
 
 from lagrangia.base.records import dataclass
+from lagrangia.fmu.arrays import Array, even_nominals, find_arrays
 from lagrangia.fmu.exportable import Exportable
 from lagrangia.fmu.states import find_states, state_columns, state_kinds
+from lagrangia.fmu.variable import Variable
 from lagrangia.language.units import per_second
 from lagrangia.native.tapes import Tape
 from lagrangia.run.request import check_values
@@ -23,39 +26,14 @@ _DRIFT_RATE = 100  # stabilisation: times in an experiment in which an error of 
 
 
 @dataclass(frozen=True)
-class Variable:
-    """One scalar. `initial` and `start` as the standards have them; `derivative_of` names a state."""
-
-    name: str
-    group: str
-    reference: int
-    causality: str
-    variability: str
-    initial: str | None = None
-    start: float | bool | str | None = None
-    unit: str = ""
-    display_unit: str = ""
-    description: str = ""
-    minimum: float | None = None
-    maximum: float | None = None
-    nominal: float | None = None
-    derivative_of: str | None = None
-    aliases: tuple[str, ...] = ()
-
-    @property
-    def kind(self) -> str:
-        """Real, Integer, Boolean or String."""
-        return {"integer": "Integer", "boolean": "Boolean", "string": "String"}.get(self.group, "Real")
-
-
-@dataclass(frozen=True)
 class FmuModel:
     """`dependencies` of outputs, derivatives and calculated parameters: the knowns of each, by name, and of what kind each is;
     `given` are the parameters (n_p,) of the FMU, `settable` those that an importer may set; `evaluations` of the right-hand side
-    were made in one run over the experiment."""
+    were made in one run over the experiment. FMI 3 has variables as `arrays` where it can."""
 
     scene: Scene
     variables: tuple[Variable, ...]
+    arrays: tuple[Array, ...]
     dependencies: Mapping[str, Mapping[str, str]]
     given: tuple[float, ...]
     settable: tuple[bool, ...]
@@ -101,6 +79,9 @@ def build_fmu_model(model: Exportable, parameters: Mapping[str, float] | None = 
     kinds = state_kinds(model)
     names = _Names(scene)
     variables = tuple(_variables(scene, names, kinds, start, nominal, given, settable))
+    arrays = find_arrays(variables, {*model.outputs})
+    nominal = even_nominals(arrays, nominal, 1)
+    variables = tuple(replace(v, nominal=nominal[v.reference - 1]) if v.group == "state" else v for v in variables)
     columns = _columns(names, variables)
     rows = [v.name for v in variables if v.group == "slope"] + [v.name for v in variables if v.group == "output"]
     dependencies = {row: {columns[k]: kind for k, kind in found.items()}
@@ -108,7 +89,7 @@ def build_fmu_model(model: Exportable, parameters: Mapping[str, float] | None = 
     free = [p.name for p, is_free in zip(scene.parameters, settable, strict=True) if is_free]
     for parameter, found in zip(scene.parameters, derivatives.parameter_rows, strict=True):
         dependencies[parameter.name] = {free[k]: kind for k, kind in found.items()}
-    return FmuModel(scene, variables, dependencies, given, settable, tuple(np.asarray(start, dtype=float).tolist()),
+    return FmuModel(scene, variables, arrays, dependencies, given, settable, tuple(np.asarray(start, dtype=float).tolist()),
                     tuple(kind != "calculated" for kind in kinds), nominal, stabilisation, evaluations,
                     derivatives.forward, derivatives.adjoint)
 

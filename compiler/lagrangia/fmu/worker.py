@@ -89,7 +89,7 @@ def _work(job: dict[str, Any], folder: Path, result: dict[str, Any], count: Coun
 
 def _probe(importer: Importer, begin: Any, start: float, stop: float, derivatives: bool) -> list[str]:
     computed = [v for v in importer.description.modelVariables if v.causality in ("local", "output")]
-    numbers = [v.name for v in computed if v.type in ("Real", "Float64") and not v.shape and v.variability == "continuous"]
+    numbers = [v.name for v in computed if v.type in ("Real", "Float64") and v.variability == "continuous"]
     read = importer.reader(numbers)
     first = read()
     if importer.kind == "ModelExchange":

@@ -7,7 +7,8 @@ from xml.sax.saxutils import quoteattr
 
 from lagrangia.base.records import dataclass
 from lagrangia.fmu.factors import CONSTANT, DEPENDENT
-from lagrangia.fmu.variables import FmuModel, Variable
+from lagrangia.fmu.variable import Variable
+from lagrangia.fmu.variables import FmuModel
 from lagrangia.language.units import parse_unit
 
 LOG_CATEGORIES = {"logStatusError": "calls that failed", "logStatusDiscard": "values that could not be computed",

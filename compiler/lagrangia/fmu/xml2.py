@@ -2,7 +2,8 @@
 
 from collections.abc import Iterator, Sequence
 
-from lagrangia.fmu.variables import FmuModel, Variable
+from lagrangia.fmu.variable import Variable
+from lagrangia.fmu.variables import FmuModel
 from lagrangia.fmu.xml import (
     LOG_CATEGORIES,
     About,

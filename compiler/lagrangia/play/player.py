@@ -18,7 +18,8 @@ from lagrangia.draw.film import MOST_CURVES, require_traces, thinned
 from lagrangia.fmu.exportable import Exportable
 from lagrangia.fmu.stored import write_played
 from lagrangia.fmu.tables import sizes_of
-from lagrangia.fmu.variables import FmuModel, Variable, build_fmu_model
+from lagrangia.fmu.variable import Variable
+from lagrangia.fmu.variables import FmuModel, build_fmu_model
 from lagrangia.play.stage import build_stage
 from lagrangia.play.wasm import build_wasm
 from lagrangia.run.request import Request, Values, check_values, plan
