@@ -89,6 +89,32 @@ def test_integrators_of_casadi_have_quaternions(file: Path) -> None:
     assert np.abs(other.energy.residual).max() < 1e-8
 
 
-def test_modelica_is_refused_by_name(file: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["export", str(file), "--to", "modelica", "-o", "-"]) == 2
-    assert "not supported yet: the export to modelica where an attitude is a coordinate" in capsys.readouterr().err
+LOOP = """
+model Loop "a body on a ball joint whose tip hangs on a rod"
+  World world(gravity = {0, 0, -9.81});
+  Spherical joint(a = world, S(start = axis_angle({1, 2, 0}, 0.4)), w(start = {0.5, 1, 2}));
+  Body body(m = 2, I = {0.1, 0.2, 0.25}, center = shift(joint.b, {0.3, 0, 0.4}));
+  Link rod(L = 1.1, a = shift(joint.b, {0.6, 0, 0.8}), b = shift(world, {1.2, 0.3, 0.2}));
+end Loop;
+"""
+
+
+@pytest.mark.parametrize("name", ["two", "loop"])
+def test_modelica_has_eulers_equations_and_quaternions(name: str, file: Path, tmp_path: Path,
+                                                       capsys: pytest.CaptureFixture[str]) -> None:
+    """rumoca integrates them: two attitudes in a tree, one in a loop whose rod and quaternion stay of their lengths."""
+    rumoca = pytest.importorskip("rumoca")
+    scene = file if name == "two" else tmp_path / "loop.lag"
+    if name == "loop":
+        scene.write_text(LOOP)
+    assert main(["export", str(scene), "--to", "modelica", "-o", "-"]) == 0
+    text, model = capsys.readouterr().out, lag.load(scene)
+    shown = {line.split()[1].partition("(")[0]: line.rpartition('"')[0].rpartition('"')[2]
+             for line in text.splitlines() if "fixed = true" in line}
+    assert len(shown) == len(model.scene.told_positions) + model.scene.n
+    run = rumoca.Session().loads(text, model=model.name).simulate(t=(0.0, 0.4), dt=0.2,
+                                                                  config=rumoca.SimConfig(rtol=1e-11, atol=1e-11))
+    found = np.array(run.to_numpy(list(shown)))
+    wanted = model.simulate(at=np.linspace(0, 0.4, found.shape[1]), tolerance=1e-12)
+    for row, source in zip(found, shown.values(), strict=True):
+        assert np.abs(row - wanted[source]).max() < 1e-7, source

@@ -30,7 +30,7 @@ FMUs         have the unit quaternion tip.S[1] to [4] and der(tip.S) (tip.w) as 
              k (P - Q) with P = Q/|Q|: no other length says anything, and none lasts; k = 100/(stop - start). Co-Simulation steps
              as lag simulate does. A start is set as a whole: its length says nothing, parts that are not set are as declared.
 Functions    of model.functions(), --to casadi and --to python have the unit quaternion among q (model.position_names), of any
-             length; turning is dq/dt. --to modelica is refused.
+             length; turning is dq/dt. --to modelica writes Euler's equations with the quaternion, whose length is kept.
 Small motion is in small turns tip.S.s[1] to [3] about the turned axes (rad), three of each attitude; the point is told by its
              quaternion. About a start that turns (--about start), as a sleeping top, frequencies are those seen from the turned
              axes, and it is told whether the motion is steady. --from equilibrium begins at rest.

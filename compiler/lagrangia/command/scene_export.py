@@ -12,7 +12,6 @@ from lagrangia.base.diagnostics import Diagnostic, fail, suggest
 from lagrangia.base.result_files import Target, keep_apart, write_text
 from lagrangia.base.spelling import python_text
 from lagrangia.dynamics.switches import bends
-from lagrangia.frames.attitude_starts import HINGES, refuse_attitudes
 from lagrangia.language.delays import refuse_delays
 from lagrangia.language.samplers import refuse_held
 from lagrangia.needs.origins import place_of_moving_support
@@ -76,8 +75,6 @@ def _require_smooth(model: "Model", target: str) -> None:
     compilation = model.compilation
     refuse_held(compilation.flat, f"the export to {target}")
     refuse_delays(compilation.flat, f"the export to {target}")
-    if target == "modelica":
-        refuse_attitudes(compilation.graph.attitudes, f"the export to {target}", HINGES)
     if target == "python" and (long := [table for table in model.scene.tables if table.n > MOST_WRITTEN]):
         fail("L0901", f"not supported yet: the table '{long[0].name}' of {long[0].n} points in the export to python", None,
              f"it writes tables of at most {MOST_WRITTEN} points out; --to casadi and --to fmu look up what is longer")
@@ -141,7 +138,7 @@ def _modelica(model: "Model", target: str, names: Mapping[str, str], force: bool
     from lagrangia.paper.modelica import write_modelica
     from lagrangia.paper.sheet import Request, written_book
 
-    book = written_book(model.path, Request(names=names, is_forced=force), model.model, model.structural)
+    book = written_book(model.path, Request(names=names, is_forced=force), model.model, model.structural, has_quaternions=True)
     c = model.compilation
     freedom = find_freedom(c.kinematics, c.motion, c.constraints, c.initial, c.functions.table)
     remarks = [*_remarks(model, target), *(f"left out: {what}" for what in freedom.repeated if freedom.dependent)]

@@ -6,6 +6,9 @@ unknowns of a linear system. So that they hold after a long run, what errors lea
     q' = v + J^T mu,   J q' + Phi_t = -closing Phi,   d/dt (J v + Phi_t) = -closing (J v + Phi_t)
 
 mu is zero on the exact motion, which is not changed (Gear, Gupta and Leimkuhler 1985, with decay in place of an index of two).
+Attitudes are unit quaternions Q, their rates angular velocities w along the turned axes; Q is kept at its length alike:
+
+    Q' = Q (0, w + J^T mu)/2 + closing (1 - |Q|^2)/2 Q
 """
 
 import re
@@ -49,17 +52,19 @@ def write_modelica(book: Book, starts: Mapping[str, float], remarks: Iterable[st
     for label, x in scene.inputs.items():
         lines += [f"  input Real {names[x]}(start = {starts[label]!r}); // {label}"] if x in names else []
     lines += [f"  Real {names[g.symbol]};" for g in scene.given if g.symbol in names]
-    lines += [*_states(scene, names, starts), *(f"  Real {names[x]};" for x in e.multipliers)]
+    lines += [*_states(scene, names, starts), *_attitudes(scene, names, starts), *(f"  Real {names[x]};" for x in e.multipliers)]
     closers = [_free_name(f"mu_{k + 1}", names) for k in range(scene.holonomic)]
     lines += [f"  Real {x};" for x in closers]
     closing = _free_name("closing", names)
-    if e.rows:
-        lines.append(f'  parameter Real {closing}(unit = "1/s") = {_CLOSING!r} "how fast gaps of the constraints close";')
+    if e.rows or scene.turnings:
+        lines.append(f'  parameter Real {closing}(unit = "1/s") = {_CLOSING!r} "how fast gaps of constraints close";')
     lines.append("equation")
     lines += [f"  {names[g.symbol]} = {code(g.value)};" for g in scene.given if g.symbol in names]
     steps = [sum((sp.Symbol(x, real=True) * row[k] for x, row in zip(closers, e.J, strict=False)), sp.S.Zero) for k in range(e.n)]
-    for q, v, a, step in zip(scene.q, scene.v, scene.a, steps, strict=True):
-        lines += [f"  der({names[q]}) = {code(v + step)};", f"  der({names[v]}) = {names[a]};"]
+    for k, (q, v, a, step) in enumerate(zip(scene.q, scene.v, scene.a, steps, strict=True)):
+        lines += [f"  der({names[q]}) = {code(v + step)};"] if k not in scene.turned else []
+        lines.append(f"  der({names[v]}) = {names[a]};")
+    lines += _turns(scene, names, steps, sp.Symbol(closing, real=True), code)
     lines += _motion(book, names, code)
     lines += _constraints(book, steps, sp.Symbol(closing, real=True), code)
     run = model.experiment
@@ -70,13 +75,32 @@ def write_modelica(book: Book, starts: Mapping[str, float], remarks: Iterable[st
 def _states(scene: SymbolicScene, names: Mapping[Expr, str], starts: Mapping[str, float]) -> list[str]:
     """Coordinates and rates with their starts, and accelerations."""
     lines, variables = [], scene.kinematics.graph.model.variables
+    told = {k: f"der({turning.name})[{i}]" for turning in scene.turnings for i, k in enumerate(turning.places, 1)}
     for k, name in enumerate(scene.names):
         variable = variables.get(name)
-        unit = variable.unit if variable else component_named(name).unit
-        for s, source, dimension in ((scene.q[k], name, unit), (scene.v[k], f"der({name})", f"{unit}/s" if unit else "")):
+        unit = "rad" if k in scene.turned else variable.unit if variable else component_named(name).unit
+        states = [(scene.q[k], name, unit), (scene.v[k], told.get(k, f"der({name})"), f"{unit}/s" if unit else "")]
+        for s, source, dimension in states[k in scene.turned :]:
             start = f"start = {starts[source]!r}, fixed = true"
             lines.append(f"  Real {names[s]}({start}{f', unit = {_text(dimension)}' if dimension else ''}){_quoted(source)};")
         lines.append(f"  Real {names[scene.a[k]]};")
+    return lines
+
+
+def _attitudes(scene: SymbolicScene, names: Mapping[Expr, str], starts: Mapping[str, float]) -> list[str]:
+    """Quaternions, the real part first."""
+    told = [(part, f"{turning.name}[{k}]") for turning in scene.turnings for k, part in enumerate(turning.parts, 1)]
+    return [f"  Real {names[part]}(start = {starts[source]!r}, fixed = true){_quoted(source)};" for part, source in told]
+
+
+def _turns(scene: SymbolicScene, names: Mapping[Expr, str], steps: list[Expr], closing: Expr,
+           code: Callable[[Expr], str]) -> list[str]:
+    """How quaternions change, and come back to their length."""
+    lines = []
+    for turning in scene.turnings:
+        gap = closing*(1 - sp.Add(*(part**2 for part in turning.parts)))/2
+        for part, rate in turning.paced([scene.v[k] + steps[k] for k in turning.places]):
+            lines.append(f"  der({names[part]}) = {code(rate)} + {code(gap)}*{names[part]};")
     return lines
 
 

@@ -106,9 +106,11 @@ def write_equations(path: Path, request: Request, model: str | None = None, stru
         return _written(kinematics, scene, request, begin, rates_jump(kinematics, constraints))
 
 
-def written_book(path: Path, request: Request, model: str | None = None, structural: Mapping[str, Any] | None = None) -> Book:
-    """The equations for other writers, within the same limits. Raises LagError L0711, L0712."""
-    kinematics, constraints = compile_energies(path, model, structural, request.parameters, bool(request.angles))
+def written_book(path: Path, request: Request, model: str | None = None, structural: Mapping[str, Any] | None = None,
+                 has_quaternions: bool = False) -> Book:
+    """The equations for other writers, within the same limits; `has_quaternions`: they know attitudes. Raises LagError
+    L0711, L0712."""
+    kinematics, constraints = compile_energies(path, model, structural, request.parameters, bool(request.angles), has_quaternions)
     _check_size(kinematics, request)
     with deep_recursion():
         scene = build_symbolic(kinematics, constraints, angles=request.angles)

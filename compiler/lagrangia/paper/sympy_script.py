@@ -148,12 +148,16 @@ def _definitions(g: Given, t: Expr) -> list[tuple[Expr, Expr]]:
 
 
 def identifiers(book: Book, others: Iterable[str] = ()) -> dict[Expr, str]:
-    """A Python name for each symbol: as on paper, with _d and _dd for rates and accelerations; `others` are taken."""
+    """A Python name for each symbol: as on paper, with _d and _dd for rates and accelerations; `others` are taken. Angular
+    velocities are the rates of nothing that has one."""
     e = book.equations
+    without = {e.scene.q[k] for k in e.scene.turned}
     found: dict[Expr, str] = {}
     taken = {*_RESERVED, *others}
     named: Mapping[Expr, Name] = dict(book.names) | {x: book.presentation.symbols.names[x] for x in e.multipliers}
     for s, name in named.items():
+        if s in without:
+            continue
         if s == e.scene.t:
             found[s] = "t"
             continue
