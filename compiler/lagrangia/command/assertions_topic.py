@@ -12,6 +12,10 @@ AssertionLevel.warning     as a third argument: the run goes on, and says when t
 terminate(text)            in a `when`: the run ends where the condition comes true, well (exit code 0), and says the text. The
                            last row is the one there. A condition that is true at the start has to be false before it comes true.
 
+In a function, assert holds for every call, where the call is reckoned: f(x) in a branch that is not taken is not asked. The
+place that is told is that of the call. Texts are put together: "n = " + String(n); what an assertion says may name what a run
+alone knows, String(x), and has its value beside it.
+
 Conditions compare with <, <=, >, >= what moves, accelerations and forces in joints too, parameters and time; and, or, not join
 them. What has no value (NaN) does not hold. Structural ones (Integer, Boolean, constants) are checked by `lag check`, those of
 parameters where a run starts and where one of them is set.

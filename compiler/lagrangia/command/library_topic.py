@@ -37,7 +37,8 @@ Friction     tau_pos and mu_pos are rows of a rate and what it takes there; it s
 Starts       spring.phi_rel(start = 0.1, fixed = true) is an initial equation; without fixed it has no effect (L0608).
 Planar       scenes have shafts by Rotational.HingeFlange(of = hinge.phi) and Translational.SliderFlange(of = slider.s).
 Sensors      TorqueSensor, ForceSensor and MultiSensor stand between two flanges: what the first side does to the second.
-Modelica     lag import FILE.mo makes a .lag file of a model of Modelica.Mechanics.Rotational and Translational, Modelica.Blocks
+Modelica     Its names are understood: import Modelica.Units.SI; Modelica.Mechanics.Rotational.Components.Inertia.
+             lag import FILE.mo makes a .lag file of a model of Modelica.Mechanics.Rotational and Translational, Modelica.Blocks
              (Sources, Math, Continuous: those of the package Blocks) and Modelica.Units: names, parameters and comments stay,
              what has no counterpart is left out as a comment, and the exit code is 1. Heat ports are left out: eddy.lossPower and
              damper.tau*damper.w_rel are what becomes heat. A Vehicle stands still exactly, so that vReg has no meaning.

@@ -29,7 +29,7 @@ from lagrangia.language.lookups import read_planes, read_tables
 from lagrangia.language.samplers import refuse_held
 from lagrangia.language.space_limits import refuse_statements_in_space
 from lagrangia.language.syntax import parse
-from lagrangia.language.without_effect import find_unused_imports
+from lagrangia.language.without_effect import find_idle_words
 from lagrangia.run.formulas import AS_DECLARED, Formulas
 from lagrangia.run.scene import ALL_REACTIONS
 
@@ -273,7 +273,8 @@ def flatten_files(syntax: "Syntax", imported: "list[Syntax]", model: str | None 
     packages = Packages(syntax)
     table = build_class_table(drawn_library() if is_drawn else library_classes(), [syntax, *imported], packages.find)
     flat = flatten(table, _choose(syntax, table, model), structural)
-    unused = find_unused_imports(syntax, _brought(syntax, imported)) if syntax.imports or table.files else Report()
+    has_more = bool(syntax.imports or table.files or syntax.annotations)
+    unused = find_idle_words(syntax, _brought(syntax, imported)) if has_more else Report()
     read = tuple(file.source.name for file in (*imported, *packages.read))
     return replace(flat, warnings=(*flat.warnings, *unused.diagnostics), tables=read_tables(flat.lookups),
                    planes=read_planes(flat.lookups), read=read)

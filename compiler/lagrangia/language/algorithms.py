@@ -1,11 +1,14 @@
 """User functions -> FlatFunctions: lists of assignments to numbers, loops unrolled and branches merged into if expressions."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import replace
 
 from lagrangia.base.diagnostics import Span, fail
+from lagrangia.language.assertions import read_assertion
 from lagrangia.language.folding import fold
 from lagrangia.language.foreign_words import FOREIGN_WORDS
 from lagrangia.language.function_variables import (
+    Assertion,
     Built,
     FlatFunction,
     Given,
@@ -19,6 +22,7 @@ from lagrangia.language.function_variables import (
 from lagrangia.language.instances import Instance, Scope
 from lagrangia.language.mentions import nodes
 from lagrangia.language.names import Names
+from lagrangia.language.requirements import implied, measured, with_cells
 from lagrangia.language.tree import (
     Argument,
     Array,
@@ -43,6 +47,7 @@ from lagrangia.language.tree import (
     Results,
     Section,
     String,
+    Unary,
     WhileBlock,
     Whole,
 )
@@ -50,6 +55,7 @@ from lagrangia.language.units_written import read_unit
 
 _MOST_PASSES = 10_000  # of one while loop
 _STATEMENT = 2  # what an assignment costs beside its expression, in operations of Work
+_ASSERTED = "assert#"  # with a number: what a condition compares, as the name of a local variable
 _KINDS = ("Real", "Integer", "Boolean")
 _ASSIGN = "write: name := expression;"
 
@@ -96,6 +102,10 @@ class _Builder:
         self.given: set[str] = set()  # the names that have a value
         self.count = 0
         self.steps: list[tuple[str, Flat]] = []
+        self.stem = definition.name + given.signature()
+        self.asserted: list[Assertion] = []
+        self.gaps: dict[str, FlatFunction] = {}  # what assertions compare with 0
+        self.under: list[Flat] = []  # conditions of the branches that are being read
         self._declare_all()
 
     # ------------------------------------------------------------ variables
@@ -202,16 +212,17 @@ class _Builder:
         is_plain = len(results) == 1 and all(isinstance(tree, str) for tree in (*inputs.values(), *results.values())) and all(
             d.name in inputs for d in self.declarations if "input" in d.prefixes)
         if is_plain:
-            function = self._function(name, cells, tuple(steps), self.current[outputs[0].name])
-            return Built(inputs, {outputs[0].name: name}, {name: function})
-        stem = name + Given(self.shapes, self.constants_given).signature()
-        functions, named = {}, {}
+            last = self.current[outputs[0].name]
+            function = self._function(name, cells, tuple(steps), last)
+            return Built(inputs, {outputs[0].name: name}, {name: function} | self.gaps, tuple(self.asserted))
+        stem = self.stem
+        functions, named = dict(self.gaps), {}
         for output_name, tree in results.items():
             for leaf in leaves_of(tree):
                 full = f"{stem}.{leaf}"
                 functions[full] = self._function(full, cells, _needed(steps, self.current[leaf]), self.current[leaf])
             named[output_name] = _renamed(tree, stem)
-        return Built(inputs, named, functions)
+        return Built(inputs, named, functions, tuple(self.asserted))
 
     def _function(self, name: str, inputs: tuple[str, ...], steps: tuple[tuple[str, Flat], ...], output: str) -> FlatFunction:
         return FlatFunction(name, inputs, self.units, steps, output, self.definition.name_span)
@@ -225,7 +236,24 @@ class _Builder:
             self._statement(clause, {}, steps)
 
     def _local(self) -> "_LocalNames":
-        return _LocalNames(self.names, self.trees, self.current, self.constants)
+        return _LocalNames(self.names, self.trees, self.current, self.constants, self._assert)
+
+    def _assert(self, one: Assertion) -> None:
+        """That something holds at this place of the algorithm, where it is reached."""
+        self.asserted.append(replace(one, condition=measured(implied(self.under, one.condition), self._gap)))
+
+    def _gap(self, value: Flat) -> Flat:
+        """A call of the function of the inputs that a value at this place of the algorithm follows from."""
+        place = f"{_ASSERTED}{len(self.gaps)}"
+        self.names.work.spend(_STATEMENT + sum(1 for _ in nodes(value)), value.span)
+        self.units[place] = ""
+        steps = _needed([*self.steps, (place, value)], place)
+        read = {node.name for _, step in steps for node in nodes(step) if isinstance(node, Local)}
+        cells = tuple(leaf for d in self.inputs if d.name not in self.constants_given
+                      for leaf in leaves_of(self.trees[d.name]) if leaf in read)
+        name = f"{self.stem}.{place}"
+        self.gaps[name] = self._function(name, cells, steps, place)
+        return Call(name, tuple(Local(cell, value.span) for cell in cells), (), value.span)
 
     def _scope(self, span: Span, iterators: Mapping[str, int] | None = None) -> Scope:
         """Local names first: they are members of a stand-in instance whose variables flatten to Local."""
@@ -255,15 +283,14 @@ class _Builder:
                         self._statement(part, iterators, steps, in_branch)
                 else:
                     self._branch(flat, then, otherwise, iterators, steps, span)
+            case CallEquation(Call("assert") as call, span):
+                self._assert(read_assertion(call, scope, span, self._local()))
             case _:
                 self._refuse(clause)
 
     def _refuse(self, clause: Clause) -> None:
         if (word := clause.span.text.rstrip(";").strip()) in FOREIGN_WORDS:
             fail("L0901", f"not of this language: {FOREIGN_WORDS[word][0]}", clause.span, FOREIGN_WORDS[word][1])
-        if isinstance(clause, CallEquation) and isinstance(clause.call, Call) and clause.call.function == "assert":
-            fail("L0902", "not supported yet: an assertion in a function", clause.span,
-                 "assert it where the function is called, among the equations of a model")
         fail("L0222", "this is no assignment", clause.span, _ASSIGN)
 
     def _target(self, target: Reference, scope: Scope) -> Tree:
@@ -339,10 +366,12 @@ class _Builder:
         """Both branches with fresh names, then one if expression for each variable that either assigns, under a fresh name too:
         what the condition and the other values read stays as it was. What one branch alone gives a value has none behind them."""
         before, known, ends, kept = self.current, self.constants, [], []
-        for clauses in (then, otherwise):
+        for clauses, taken in ((then, condition), (otherwise, Unary("not", condition, condition.span))):
             self.current, self.constants = dict(before), dict(known)
+            self.under.append(taken)
             for clause in clauses:
                 self._statement(clause, iterators, steps, in_branch=True)
+            self.under.pop()
             ends.append(self.current)
             kept.append(self.constants)
         self.current = dict(before)
@@ -380,12 +409,16 @@ def _renamed(tree: Tree, stem: str) -> Tree:
 class _LocalNames(Names):
     """Name resolution inside a function: its own variables, and the functions and constants of the kernel."""
 
-    def __init__(self, names: Names, trees: Mapping[str, Tree], current: Mapping[str, str], constants: Mapping[str, Flat]
-                 ) -> None:
+    def __init__(self, names: Names, trees: Mapping[str, Tree], current: Mapping[str, str], constants: Mapping[str, Flat],
+                 asserts: Callable[[Assertion], None]) -> None:
         super().__init__(names.table, names.report, names.define, work=names.work, made=names.made,
                          lookups=names.lookups, make_package=names.make_package,
                          packages=names.packages, space=names.space)
-        self.trees, self.current, self.constants = trees, current, constants
+        self.trees, self.current, self.constants, self.asserts = trees, current, constants, asserts
+
+    def require(self, one: Assertion, cells: Mapping[str, Flat], span: Span, scope: Scope) -> None:
+        """Of a function that is called here: it has to hold here, too."""
+        self.asserts(replace(one, condition=implied(self.under, with_cells(one.condition, cells))))
 
     def late(self, call: Call[Flat]) -> Ref:
         fail("L0901", "not supported yet: delay in a function", call.span, "delay what the function is given, or what it gives")

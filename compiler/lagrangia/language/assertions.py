@@ -4,36 +4,45 @@ What is known when the scene is compiled is checked at once; of all else a run t
 """
 
 from collections.abc import Mapping, Sequence
+from typing import Literal
 
-from lagrangia.base.diagnostics import LagError, Report, Span, fail
-from lagrangia.language.events import level_of
+from lagrangia.base.diagnostics import Report, Span, fail
 from lagrangia.language.flat import Guard
 from lagrangia.language.folding import fold
+from lagrangia.language.function_variables import Assertion
 from lagrangia.language.instances import Scope
 from lagrangia.language.names import Names
-from lagrangia.language.tree import Call, Expression, Flat, Reference, String
+from lagrangia.language.requirements import required
+from lagrangia.language.texts import said_by
+from lagrangia.language.tree import Call, Expression, Reference
 
 _WRITE = 'write: assert(n > 2, "three or more links");'
 _ENDS = 'write: when x > 1 then terminate("it is there"); end when;'
-_LEVELS: Mapping[str, str] = {"AssertionLevel.error": "error", "AssertionLevel.warning": "warning"}
+_LEVELS: Mapping[str, Literal["error", "warning"]] = {"AssertionLevel.error": "error", "AssertionLevel.warning": "warning"}
+
+
+def read_assertion(call: Call[Expression], scope: Scope, place: Span, names: Names) -> Assertion:
+    """What an assertion says. Raises LagError L0215, L0302."""
+    condition, text, level = _parts(call, place)
+    said = _text(text, scope, names, "what an assertion says is a text", _WRITE)
+    kind = _LEVELS.get(str(level), "error")
+    if level is not None and not (isinstance(level, Reference) and str(level) in _LEVELS):
+        fail("L0215", f"the level of an assertion is {' or '.join(_LEVELS)}", level.span)
+    flat = names.flatten(condition, scope)
+    holds = fold(flat)
+    if holds is not None and not isinstance(holds, bool):
+        fail("L0302", "a condition is true or false", condition.span, _WRITE)
+    return Assertion(flat, said, kind)
 
 
 def guard_of(call: Call[Expression], scope: Scope, place: Span, names: Names, report: Report) -> list[Guard]:
     """The guard of an assertion that parameters or the motion decide; of another one, an error or a warning L0238 where it does
     not hold. Raises LagError L0215, L0225, L0302."""
-    condition, text, level = _parts(call, place)
-    said = _text(text, scope, names, "what an assertion says is a text", _WRITE)
-    is_warning = False
-    if level is not None:
-        if not isinstance(level, Reference) or str(level) not in _LEVELS:
-            fail("L0215", f"the level of an assertion is {' or '.join(_LEVELS)}", level.span)
-        is_warning = _LEVELS[str(level)] == "warning"
-    flat = names.flatten(condition, scope)
+    one = read_assertion(call, scope, place, names)
+    flat, said, is_warning = one.condition, one.text, one.kind == "warning"
     holds = fold(flat)
     if holds is None:
-        return [Guard(flat, _required(flat), said, "warning" if is_warning else "error", scope.instance.path, place)]
-    if not isinstance(holds, bool):
-        fail("L0302", "a condition is true or false", condition.span, _WRITE)
+        return [Guard(flat, required(flat), said, one.kind, scope.instance.path, place)]
     if not holds and is_warning:
         report.warning("L0238", said, place, "the assertion does not hold")
     elif not holds:
@@ -54,20 +63,10 @@ def refuse_ending(place: Span) -> None:
 
 
 def _text(node: Expression, scope: Scope, names: Names, what: str, hint: str) -> str:
-    said = names.flatten(node, scope)
-    if not isinstance(said, String):
+    said = said_by(node, lambda part: names.known_part(part, scope))
+    if said is None:
         fail("L0302", what, node.span, hint)
-    return said.value
-
-
-def _required(condition: Flat) -> Flat:
-    """0 or more where a condition holds. Raises LagError L0225."""
-    try:
-        return level_of(condition)
-    except LagError as error:
-        span = error.diagnostics[0].span or condition.span
-        fail("L0225", "an assertion of what moves, or of parameters, compares: this is no comparison", span,
-             "compare with <, <=, > or >=, as abs(x) <= 1; conditions go together with and, or, not")
+    return said
 
 
 def _parts(call: Call[Expression], place: Span) -> tuple[Expression, Expression, Expression | None]:

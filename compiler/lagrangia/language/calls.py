@@ -17,6 +17,9 @@ from lagrangia.language.lookups import Lookup, lookup_of, options_of, plane_of
 from lagrangia.language.loops import Loops
 from lagrangia.language.matrices import ARRAY_FUNCTIONS as OF_ARRAYS
 from lagrangia.language.matrices import cross_of_three
+from lagrangia.language.requirements import Requirements
+from lagrangia.language.scoping import KERNEL
+from lagrangia.language.texts import text_of
 from lagrangia.language.tree import (
     Array,
     Call,
@@ -34,7 +37,7 @@ from lagrangia.language.tree import (
 ARRAY_FUNCTIONS = {**OF_ARRAYS, **ATTITUDES}
 
 
-class Calls(Loops, OwnCalls, Protocol):
+class Calls(Loops, Requirements, OwnCalls, Protocol):
     """What names.py does with calls."""
 
     table: ClassTable
@@ -53,6 +56,9 @@ class Calls(Loops, OwnCalls, Protocol):
                  "write: when sample(0, 0.01) then u = ...; end when;")
         if (own := self.table.function(node.function, node.span)) is not None:
             return self.own_call(node, own, scope)
+        if last != node.function and last in FUNCTIONS and self.table.scopes.package(
+                node.function.rpartition(".")[0], node.span) == KERNEL:
+            node = replace(node, function=last)
         arguments = tuple(self.flatten(a, scope) for a in node.arguments)
         named = tuple((name, self.flatten(a, scope)) for name, a in node.named)
         if node.function in scope.instance.members:
@@ -61,6 +67,8 @@ class Calls(Loops, OwnCalls, Protocol):
         call = Call(node.function, arguments, named, node.span)
         if node.function == "delay":
             return self.late(call)
+        if node.function == "String":
+            return text_of(replace(call, arguments=tuple(self.made.with_known_calls(a, self.work) for a in arguments)))
         return self.checked_call(call)
 
     def late(self, call: Call[Flat]) -> Ref:

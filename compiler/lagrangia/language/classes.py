@@ -8,6 +8,7 @@ from functools import cached_property
 from lagrangia.base.diagnostics import LIBRARY, Report, Source, Span, fail, suggest
 from lagrangia.base.records import dataclass
 from lagrangia.language.component_library import library_package
+from lagrangia.language.functions import FUNCTIONS
 from lagrangia.language.plain_tree import PlainClasses
 from lagrangia.language.scoping import Finder, Scopes, has_scopes, lifted, nowhere
 from lagrangia.language.tree import Argument, Array, ClassDefinition, Declaration, Expression, Extends, Section, Syntax
@@ -109,6 +110,9 @@ class ClassTable:
         if name.startswith("Modelica."):
             fail("L0201", f"'{name}' is of the Modelica Standard Library, which is not here", span,
                  *_of_modelica(name, self.library))
+        if name in FUNCTIONS:
+            fail("L0201", f"'{name}' is a function of the language, no class", span, "a function of one's own may call it: "
+                 f"function f input Real x; output Real y; algorithm y := {name}(x); end f;")
         if name == "ExternalObject":
             fail("L0901", "not of this language: external objects", span, "give the values as a table of a file: lag help tables")
         hint = f"a number is a {_FOREIGN[name]}, or a quantity such as Length" if name in _FOREIGN else suggest(name, known)

@@ -11,7 +11,8 @@ from lagrangia.language.shipped import made_of, ship
 from lagrangia.language.syntax import grammar_file, parse, reader_tables
 from lagrangia.language.tree import ClassDefinition, Syntax
 
-LIBRARY_PACKAGES = {"Rotational": "rotational.lag", "Translational": "translational.lag", "Blocks": "blocks.lag"}
+LIBRARY_PACKAGES = {"Rotational": "rotational.lag", "Translational": "translational.lag", "Blocks": "blocks.lag",
+                    "Modelica": "modelica.lag"}
 
 
 @cache

@@ -145,13 +145,13 @@ class _ExpressionNodes:
         return Comprehension("", children[0], children[1], self._span(meta))
 
     def reduction(self, meta: Place, children: list[Any]) -> Comprehension:
-        return Comprehension(str(children[0]), children[1], children[2], self._span(meta))
+        return Comprehension(_called(children[0]), children[1], children[2], self._span(meta))
 
     def call(self, meta: Place, children: list[Any]) -> Call[Expression]:
         function, *arguments = children
         named = tuple(a for a in arguments if isinstance(a, tuple))
         positional = tuple(a for a in arguments if a is not None and not isinstance(a, tuple))
-        return Call(str(function), positional, named, self._span(meta))
+        return Call(_called(function), positional, named, self._span(meta))
 
     def named_argument(self, meta: Place, children: list[Any]) -> tuple[str, Expression]:
         return name_of(children[0]), children[1]
@@ -167,3 +167,8 @@ class _ExpressionNodes:
 
     def whole(self, meta: Place, children: list[Any]) -> Whole:
         return Whole(self._span(meta))
+
+
+def _called(function: Reference) -> str:
+    """The name of a function; spaces and comments may stand about its dots."""
+    return str(function) if any(part.subscripts for part in function.parts) else ".".join(part.name for part in function.parts)

@@ -96,8 +96,7 @@ from lagrangia.language.without_effect import find_without_effect
 
 _AT_EVENTS = ("write: reinit(der(x), value);",
               "values that are held between instants: when sample(0, 0.01) then u = ...; end when;")
-
-
+_MOMENTS = {"initial": "an initial equation", "when": "an event", "sample": "a value that is held"}
 _IF = "what the motion decides is chosen by an if expression: y = if x > 1 then a else b"
 
 
@@ -134,7 +133,7 @@ class _Flattening:
         self.figures: list[Figure] = []
         self.resets: list[Reset] = []  # of the `when` that is being read
         self.endings: list[tuple[str, Span]] = []  # likewise: what is said where it ends the run
-        self.guards: list[Guard] = []
+        self.guards = self.names.guards
         self.at_rest: Span | None = None  # initial equation equilibrium();
         self.samplers: list[Sampler] = []
         self.held: list[Held] = []  # likewise
@@ -162,8 +161,9 @@ class _Flattening:
             tuple(self.energies), tuple(self.works), tuple(self.initial), tuple(self.whens), self.functions.flat,
             self.structural,
             experiment_of(self.table, definition, self.names, Scope(root)), definition.name_span, (), tuple(self.figures),
-            self.states, self.names.lookups, samplers=tuple(self.samplers), guards=tuple(self.guards), at_rest=self.at_rest,
-            allowed=allowed_of(self.table, definition), components=self.components, found=self.found, repeats=self.repeats,
+            self.states, self.names.lookups, samplers=tuple(self.samplers), guards=tuple(dict.fromkeys(self.guards)),
+            at_rest=self.at_rest, allowed=allowed_of(self.table, definition), components=self.components, found=self.found,
+            repeats=self.repeats,
         )
         model = with_delays(model, delays)
         for check in (refuse_states_elsewhere, check_held, check_delays):
@@ -303,7 +303,9 @@ class _Flattening:
     # ------------------------------------------------------------ clauses
 
     def _clause(self, kind: str, clause: Clause, scope: Scope) -> None:
+        self.names.moment = _MOMENTS.get(kind, "")
         self._guard(lambda: self._add_clause(kind, clause, scope), scope.instance)
+        self.names.moment = ""
 
     def _add_clause(self, kind: str, clause: Clause, scope: Scope) -> None:
         place = self._place(clause.span, scope.instance)

@@ -41,7 +41,6 @@ FOREIGN_CALLS: Mapping[str, str] = {
     "cardinality": "count what is connected yourself, with a parameter Integer n",
     "initial": "what holds at the start alone stands under `initial equation`",
     "terminal": "what is asked at the end is read from the results",
-    "String": "texts are not made of numbers: the units and values of results are shown by lag simulate",
     "getInstanceName": "texts are not made of names",
     "symmetric": "write the matrix: (A + transpose(A))/2",
     "promote": "write the matrix: matrix(x), or {x}",

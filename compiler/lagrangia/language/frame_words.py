@@ -3,7 +3,7 @@
 from lagrangia.base.diagnostics import Span, fail
 from lagrangia.language.elements import Size, element, length
 from lagrangia.language.frame_attributes import SPACE, Space
-from lagrangia.language.matrices import ARRAY_FUNCTIONS, cross_of_three, product
+from lagrangia.language.matrices import ARRAY_FUNCTIONS, cross_of_three, product, shape_of
 from lagrangia.language.spaces import FUNCTIONS, leave_plane, name_of_space, turn_of_plane, vector_of_plane
 from lagrangia.language.tree import Array, Binary, Call, Flat, FrameRef, Number, Part
 
@@ -49,6 +49,8 @@ def _of(frame: FrameRef, attribute: str) -> FrameRef:
 
 def _shift(call: Call[Flat], space: Space, size: Size) -> Flat:
     base, vector = call.arguments
+    if len(shape_of(vector, size)) > 1:
+        fail("L0303", "a shift is a vector, this is an array of arrays", vector.span, "write {x, y}, or {x, y, z}")
     fitted = in_space(vector, space, size, "a shift")
     return call if fitted is vector else Call("shift", (base, fitted), (), call.span)
 

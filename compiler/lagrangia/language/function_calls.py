@@ -1,11 +1,12 @@
 """Calls of people's own functions: what goes to which input, for which sizes the function is made, and what comes back."""
 
+from collections.abc import Mapping
 from typing import Any, Protocol
 
 from lagrangia.base.diagnostics import Span, fail, suggest
 from lagrangia.language.classes import ClassTable
 from lagrangia.language.folding import fold, folded
-from lagrangia.language.function_variables import Built, Given, Tree, dealt, flat_of, part_of
+from lagrangia.language.function_variables import Assertion, Built, Given, Tree, dealt, flat_of, leaves_of, part_of
 from lagrangia.language.instances import Scope
 from lagrangia.language.known_calls import MadeFunctions
 from lagrangia.language.matrices import shape_of
@@ -38,6 +39,9 @@ class OwnCalls(Protocol):
     def flatten(self, node: Expression, scope: Scope) -> Flat:
         """An expression with full names. Raises LagError."""
 
+    def require(self, one: Assertion, cells: Mapping[str, Flat], span: Span, scope: Scope) -> None:
+        """That an assertion of a function holds for what a call gives it. Raises LagError."""
+
     def size(self, ref: Ref) -> int | None:
         """Of the next dimension of a variable; None where it has none."""
 
@@ -59,16 +63,20 @@ class OwnCalls(Protocol):
         constants = _constants(own, inputs, values)
         built = self.define_function(own, Given(shapes, constants), call.span)
         self.made.functions |= built.functions
-        cells: list[Flat] = []
+        named: dict[str, Flat] = {}
         for name, tree in built.inputs.items():
-            cells += self._cells(given[name], values.get(name), tree, scope, f"'{name}' of {own.name}")
+            named |= zip(leaves_of(tree), self._cells(given[name], values.get(name), tree, scope, f"'{name}' of {own.name}"),
+                         strict=True)
+        cells = tuple(named.values())
+        for assertion in built.assertions:
+            self.require(assertion, named, call.span, scope)
         outputs = list(built.outputs.values())
         if output >= len(outputs):
             fail("L0303", f"{own.name} has {_counted(len(outputs), 'result')}, not {output + 1}", call.span)
         found = outputs[output]
         for name in way:
             found = part_of(found, name, call.span)
-        return flat_of(found, lambda function: Call(function, tuple(cells), (), call.span), call.span)
+        return flat_of(found, lambda function: Call(function, cells, (), call.span), call.span)
 
     def own_of(self, node: Expression) -> tuple[Call[Expression], ClassDefinition, int] | None:
         """The call of a function of people's own that an expression is a result of, the function, and which result."""

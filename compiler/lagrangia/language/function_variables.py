@@ -4,7 +4,7 @@ An array is a tuple of its elements; a record has a tree for each of its parts, 
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from typing import TypeAlias
+from typing import Literal, TypeAlias
 
 from lagrangia.base.diagnostics import Span, fail, suggest
 from lagrangia.base.records import dataclass
@@ -43,12 +43,22 @@ class Given:
 
 
 @dataclass(frozen=True)
+class Assertion:
+    """What a function asserts: each comparison is one with 0 of a function of its inputs, called with their names."""
+
+    condition: Flat
+    text: str
+    kind: Literal["warning", "error"]
+
+
+@dataclass(frozen=True)
 class Built:
     """A function for what is given: its results' trees have names of `functions`, which take the leaves of `inputs`."""
 
     inputs: Mapping[str, Tree]
     outputs: Mapping[str, Tree]
     functions: Mapping[str, FlatFunction]
+    assertions: tuple[Assertion, ...] = ()
 
 
 def leaves_of(tree: Tree) -> Iterator[str]:

@@ -138,6 +138,16 @@ class ReplacedClass:
 Member: TypeAlias = Slot | FrameSlot | Instance | list[Any]
 
 
+def key_of(declaration: Declaration) -> str:
+    """By which a member is found: what is inner and outer is two, and its name the outer one (Modelica 3.6, section 5.4)."""
+    return inner_key(declaration.name) if {"inner", "outer"} <= declaration.prefixes else declaration.name
+
+
+def inner_key(name: str) -> str:
+    """Of the inner one of two."""
+    return f"inner {name}"
+
+
 def outside(table: ClassTable, span: Span, owner: Instance | None) -> Span:
     """Where people look for what stands at `span`: for the inside of a library component, its declaration."""
     while owner is not None and span.source in table.library_sources:

@@ -19,6 +19,7 @@ from lagrangia.language.instances import (
     Scope,
     Slot,
     StructuralValues,
+    key_of,
     outside,
 )
 from lagrangia.language.modifications import deal_out, dealt_to_fields, merge, modification_of
@@ -213,13 +214,13 @@ class Instantiation:
             full = replace(declaration, prefixes=declaration.prefixes | more) if more else declaration
             slot = Slot(instance.child_path(declaration.name), full, base.builtin, attributes, change.value, scope,
                         is_final=change.is_final, enumeration=base.definition.name if base.definition is not None else "")
-            instance.members[declaration.name] = slot
+            instance.members[key_of(declaration)] = slot
             slots.append((slot, base.dimensions))
         for slot, _ in slots:
             if not self._is_there(slot.declaration, scope):
-                del instance.members[slot.declaration.name]
+                del instance.members[key_of(slot.declaration)]
         for slot, more_sizes in slots:
-            if slot.declaration.name not in instance.members:
+            if key_of(slot.declaration) not in instance.members:
                 continue
             if slot.declaration.dimensions or more_sizes:
                 slot.dimensions = self._dimensions(slot.declaration, scope, slot.binding, more_sizes)
@@ -292,7 +293,7 @@ class Instantiation:
         sizes = self._dimensions(declaration, scope)
         if self.count + prod(sizes) > _MOST_COMPONENTS:
             fail("L0209", f"more than {_MOST_COMPONENTS} components", outside(self.table, declaration.name_span, instance))
-        instance.members[declaration.name] = self._elements(instance, declaration, change, sizes, ())
+        instance.members[key_of(declaration)] = self._elements(instance, declaration, change, sizes, ())
 
     def _is_there(self, declaration: Declaration, scope: Scope) -> bool:
         """Whether its condition is true, or it has none. What is not there is kept in mind."""

@@ -23,7 +23,7 @@ def refuse_name(node: Reference, scope: Scope) -> NoReturn:
     elif scope.instance.parent is not None and first.name in scope.instance.parent.members:
         hints.append(f"'{first.name}' belongs to {scope.instance.parent.definition.name}: pass it in a modification")
     elif first.name == "Modelica":
-        hints = ["the Modelica Standard Library is not here: pi is a name of its own, other constants are numbers, and "
+        hints = ["of the Modelica Standard Library Constants, Units.SI, functions of Math, Mechanics and Blocks are here, and "
                  "lag import FILE.mo makes a .lag file of a Modelica one"]
     where = scope.instance.definition.name
     fail("L0204", f"'{first.name}' is not known in {where}", first.span, *filter(None, hints))

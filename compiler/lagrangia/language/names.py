@@ -10,6 +10,7 @@ from lagrangia.language.calls import Calls
 from lagrangia.language.classes import ENUMERATION, ClassTable
 from lagrangia.language.element_references import ElementReference, element_reference
 from lagrangia.language.elements import element, length
+from lagrangia.language.flat import Guard
 from lagrangia.language.folding import fold, folded
 from lagrangia.language.frame_attributes import PLANE, REACTIONS, SPATIAL_ONLY, Space, frame_shape
 from lagrangia.language.frame_words import attribute_of
@@ -21,6 +22,7 @@ from lagrangia.language.lookups import Lookup
 from lagrangia.language.loops import Work
 from lagrangia.language.matrices import EACH, each, matrix_power, product, shape_of, side_by_side
 from lagrangia.language.missing_names import ports_of, refuse_member, refuse_name
+from lagrangia.language.texts import joined
 from lagrangia.language.tree import (
     Array,
     Binary,
@@ -68,6 +70,9 @@ class Names(Calls):
     lookups: dict[Lookup, Span] = field(default_factory=dict)  # tables of files, and where they are asked for first
     delays: dict[str, Call[Flat]] = field(default_factory=dict)  # what acts late, by the names of what stands for it
     packages: dict[str, Instance] = field(default_factory=dict)  # of the constants of each
+    guards: list[Guard] = field(default_factory=list)  # what has to hold in a run
+    under: list[Flat] = field(default_factory=list)
+    moment: str = ""
     _structural: dict[Slot, Flat] = field(default_factory=dict)
     _pending: list[str] = field(default_factory=list)
     _arrays: dict[str, Slot] = field(default_factory=dict)  # variables that were named as arrays
@@ -197,7 +202,7 @@ class Names(Calls):
             case Binary(operator, left, right, span):
                 return self._operated(operator, self.flatten(left, scope), self.flatten(right, scope), span)
             case IfExpression():
-                return self._choose(node, scope)
+                return self.choose(node, scope)
             case Matrix(rows, span):
                 return side_by_side([[self.flatten(item, scope) for item in row] for row in rows], self.size, span)
             case Last(span):
@@ -228,8 +233,8 @@ class Names(Calls):
 
     def _operated(self, operator: str, left: Flat, right: Flat, span: Span) -> Flat:
         """Products of matrices, and what is done element after element, are written out; the rest is left to the evaluator."""
-        if operator == "+" and any(isinstance(side, String) for side in (left, right)):
-            fail("L0901", "not supported yet: texts that are put together", span, "write the whole text")
+        if operator == "+" and (isinstance(left, String) or isinstance(right, String)):
+            return joined(left, right, span)
         if operator in EACH:
             return each(operator, left, right, self.size, span)
         if operator == "*" and (self._is_matrix(left) or self._is_matrix(right)):
@@ -254,14 +259,6 @@ class Names(Calls):
             case Binary("/", left, _, _):
                 return self._is_matrix(left)
         return False
-
-    def _choose(self, node: IfExpression[Expression], scope: Scope) -> Flat:
-        condition = self.flatten(node.condition, scope)
-        known = fold(condition)
-        if isinstance(known, bool):
-            return self.flatten(node.then if known else node.otherwise, scope)
-        then, otherwise = self.flatten(node.then, scope), self.flatten(node.otherwise, scope)
-        return IfExpression(condition, then, otherwise, node.span)
 
     # ------------------------------------------------------------ records
 

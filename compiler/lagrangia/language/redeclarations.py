@@ -16,10 +16,11 @@ from lagrangia.language.instances import (
     Scope,
     Slot,
     StructuralValues,
+    inner_key,
 )
 from lagrangia.language.modifications import merge, modification_of
 from lagrangia.language.tree import Argument, Array, Call, CallEquation, ClassDefinition, Clause, Declaration, Extends
-from lagrangia.language.variants import check_kind, limit_of
+from lagrangia.language.variants import check_kind, limit_of_first
 
 _KEPT = frozenset({"parameter", "constant", "input", "output", "coordinate", "final", "inner", "protected"})
 
@@ -121,10 +122,9 @@ def replace_local_classes(table: ClassTable, report: Report, definition: ClassDe
                          f"write `replaceable` before it, at {local.name_span}")
             continue
         check_kind(new, local)
-        limit = limit_of(local)
-        wanted = (limit.type_name, limit.span) if limit is not None else (local.name, local.name_span)
-        keeps = limit is None and "redeclare" in local.prefixes  # the limit of what it has taken the place of
-        if not keeps and not _fits(table, report, (new.type_name, new.type_span), wanted, f"'{local.name}'"):
+        target, limit = limit_of_first(local, [c for base in table.lineage(definition) for c in base.classes])
+        wanted = (limit.type_name, limit.span) if limit is not None else (target.name, target.name_span)
+        if not _fits(table, report, (new.type_name, new.type_span), wanted, f"'{local.name}'"):
             continue
         check_constraint(table, report, new)
         said = modification_of(limit.arguments, Scope(instance), None, limit.span) if limit is not None else NOTHING
@@ -199,27 +199,26 @@ def _connected(clause: Clause) -> tuple[str, ...]:
 
 
 def add_outer(table: ClassTable, report: Report, instance: Instance, declaration: Declaration, change: Modification) -> bool:
-    """Whether it is an `outer` element, which is that of the same name that a component around declares `inner`."""
+    """Whether it is an `outer` element alone, which is that of the same name that a component around declares `inner`."""
     if "outer" not in declaration.prefixes:
         return False
     name = declaration.name
-    if "inner" in declaration.prefixes:
-        report.error("L0901", f"not supported yet: '{name}' both inner and outer", declaration.name_span, "declare two of them")
-        return True
-    if change.value is not None or change.children:
+    is_inner = "inner" in declaration.prefixes
+    if not is_inner and (change.value is not None or change.children):
         report.error("L0236", f"'{name}' is outer: it cannot be modified here", declaration.name_span,
                      "modify the inner one that it stands for")
     around = instance.parent
     while around is not None and name not in around.inner:
         around = around.parent
-    if around is not None and name in around.members:
-        instance.members[name] = found = around.members[name]
+    found = (around.members.get(inner_key(name)) or around.members.get(name)) if around is not None else None
+    if around is not None and found is not None:
+        instance.members[name] = found
         instance.outer.add(name)
         _check_outer(table, report, declaration, found, around)
     elif name != "world":  # which is there in any case
         report.error("L0236", f"no component around {instance.definition.name} has an inner '{name}'", declaration.name_span,
                      f"declare it where it belongs: inner {declaration.type_name} {name};")
-    return True
+    return not is_inner
 
 
 def _check_outer(table: ClassTable, report: Report, declaration: Declaration, found: Member, around: Instance) -> None:

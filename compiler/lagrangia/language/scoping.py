@@ -5,8 +5,10 @@ from dataclasses import field, replace
 
 from lagrangia.base.diagnostics import Source, Span, fail, suggest
 from lagrangia.base.records import dataclass
+from lagrangia.language.functions import FUNCTIONS
 from lagrangia.language.tree import ClassDefinition, Declaration, Extends, Import, Syntax
 
+KERNEL = "Modelica.Math"  # whose functions are those of this language
 Finder = Callable[[str], Syntax | None]  # the file of a package, or of a class of one
 
 
@@ -160,8 +162,7 @@ class Scopes:
                     found := self._within(scope.name, name)) is not None:
                 return found
             for package, element in self._imported(name, scope):
-                full = f"{package}.{element}" if package else element
-                if self._reach(full):
+                if (full := self._imports(f"{package}.{element}" if package else element)) is not None:
                     self.used.add(name)
                     return full
         return name if name in self.classes or (is_package and self._reach(name)) else None
@@ -185,7 +186,9 @@ class Scopes:
             for short, full in item.names:
                 if short == name:
                     package, _, element = full.rpartition(".")
-                    if not self._reach(full) and not (self._reach(package) and self.declares(package, element)):
+                    if package == KERNEL and element == short and element in FUNCTIONS:
+                        continue
+                    if self._imports(full) is None and not (self._reach(package) and self.declares(package, element)):
                         fail("L0204", f"there is no '{full}' to be imported", item.span, *self._hints(package or full))
                     yield package, element
         for item in scope.imports:
@@ -195,10 +198,15 @@ class Scopes:
                         fail("L0204", f"there is no package '{full}' to be imported", item.span, *self._hints(full))
                     yield full, name
 
+    def _imports(self, full: str) -> str | None:
+        """The class that an import names in full, which may stand in what a package extends."""
+        return full if self._reach(full) else self._resolved(full, ()) if "." in full else None
+
     def _hints(self, package: str) -> list[str]:
         if package.partition(".")[0] == "Modelica":
-            return ["quantities (Length, Mass), pi, Rotational, Translational and Blocks are in the library, without an import",
-                    "lag import FILE.mo makes a .lag file of a Modelica one"]
+            return ["of the Modelica Standard Library these are here: Units.SI, Constants, functions of Math, "
+                    "Mechanics.Rotational, Mechanics.Translational and Blocks, as far as lag help library has them",
+                    "lag import FILE.mo makes a .lag file of a Modelica one, and says what has no counterpart"]
         inside = [name for name in self.classes if name.rpartition(".")[0] == package]
         if inside:
             return [f"{package} has {', '.join(name.rpartition('.')[2] for name in inside)}"[:300]]

@@ -69,7 +69,7 @@ def parse(source: Source) -> Syntax:
     files = tuple(x for x in items if isinstance(x, ImportFile))
     classes = tuple(x for x in items if isinstance(x, ClassDefinition))
     within = next((x[1] for x in items if isinstance(x, tuple)), None)
-    return Syntax(source, files, classes, tuple(x for x in items if isinstance(x, Import)), within)
+    return Syntax(source, files, classes, tuple(x for x in items if isinstance(x, Import)), within, tuple(nodes.annotations))
 
 
 @cache
@@ -125,6 +125,13 @@ def _check_text(source: Source) -> None:
 
 class _Nodes(_ExpressionNodes):
     """Of files, classes and sections."""
+
+    def __init__(self, source: Source) -> None:
+        super().__init__(source)
+        self.annotations: list[Argument] = []  # of statements, which have none in the tree
+
+    def _keep(self, annotation: tuple[str, tuple[Argument, ...]] | None) -> None:
+        self.annotations += annotation[1] if annotation else ()
 
     # ---------------------------------------------------------------- file and classes
 
@@ -221,7 +228,8 @@ class _Nodes(_ExpressionNodes):
         return "visibility", str(children[0])
 
     def extends(self, meta: Place, children: list[Any]) -> Extends:
-        (name, _), arguments, _ = children
+        (name, _), arguments, annotation = children
+        self._keep(annotation)
         return Extends(name, arguments or (), self._span(meta))
 
     def annotation(self, meta: Place, children: list[Any]) -> tuple[str, tuple[Argument, ...]]:
@@ -301,10 +309,12 @@ class _Nodes(_ExpressionNodes):
         return Section("drawing", tuple(children), self._span(meta))
 
     def equality(self, meta: Place, children: list[Any]) -> Equality:
-        left, right, description, _ = children
+        left, right, description, annotation = children
+        self._keep(annotation)
         return Equality(left, right, text_of(description), self._span(meta))
 
     def call_equation(self, meta: Place, children: list[Any]) -> CallEquation:
+        self._keep(children[2])
         return CallEquation(children[0], self._span(meta))
 
     def drawn(self, meta: Place, children: list[Any]) -> CallEquation:

@@ -458,6 +458,7 @@ class Syntax:
     classes: tuple[ClassDefinition, ...]
     named: tuple[Import, ...] = ()  # imports of names, for all its classes
     within: str | None = None  # the package that it belongs to
+    annotations: tuple[Argument, ...] = ()  # of statements and extends clauses
 
 
 def over(first: tuple[Argument, ...], second: tuple[Argument, ...]) -> tuple[Argument, ...]:

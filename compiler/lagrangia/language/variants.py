@@ -261,8 +261,12 @@ class Variants:
             fail("L0235", f"'{name}' is a {target.kind}: the {new.kind} {new.name} cannot take its place", new_span)
         if target.kind == "type" and target.is_partial and not any(base.literals for base in self.table.lineage(new)):
             fail("L0235", f"'{name}' is any enumeration: {new.name}, which is none, cannot take its place", new_span)
-        limit = target.constraining
-        wanted = self.scopes.classes[old] if limit is None else self.table.lookup(limit.type_name, limit.span)
+        owners = self.scopes.lineage(old.rpartition(".")[0])
+        classes = {owner: self.scopes.classes[owner].classes for owner in owners}
+        first, _ = limit_of_first(target, [c for inside in classes.values() for c in inside])
+        of_first = next((f"{owner}.{name}" for owner, inside in classes.items() if any(c is first for c in inside)), old)
+        limit = first.constraining
+        wanted = self.scopes.classes[of_first] if limit is None else self.table.lookup(limit.type_name, limit.span)
         self._check_has(name, wanted, new, new_span)
 
     def _check_has(self, name: str, wanted: ClassDefinition, new: ClassDefinition, new_span: Span) -> None:
@@ -295,6 +299,18 @@ def limit_of(target: ClassDefinition) -> Constraining | None:
     if target.constraining is None and isinstance(base, Extends) and base.span == target.span:
         return Constraining(base.type_name, base.arguments, base.span)
     return target.constraining
+
+
+def limit_of_first(target: ClassDefinition, inherited: Sequence[ClassDefinition]) -> tuple[ClassDefinition, Constraining | None]:
+    """The class whose limit holds for what may take the place of a class, and that limit: of the one that a redeclaration without
+    a constraining clause has taken the place of (Modelica 3.6, section 7.3.2). `inherited`: classes in a class and in what it
+    extends."""
+    limit = limit_of(target)
+    for other in (c for c in inherited if c.name == target.name and c is not target):
+        if limit is not None or "redeclare" not in target.prefixes:
+            break
+        target, limit = other, limit_of(other)
+    return target, limit
 
 
 def _signature(argument: Argument) -> tuple[Any, ...]:

@@ -79,9 +79,11 @@ def find_without_effect(model: FlatModel, root: Instance, table: ClassTable) -> 
     return report
 
 
-def find_unused_imports(syntax: Syntax, files: Sequence[tuple[ImportFile, Sequence[Syntax]]]) -> Report:
-    """Of the files that one imports, each with all that it brings: those of which nothing is mentioned; and likewise of names."""
+def find_idle_words(syntax: Syntax, files: Sequence[tuple[ImportFile, Sequence[Syntax]]]) -> Report:
+    """Annotations of a file's statements that nobody knows; and of the files that it imports, each with all that it brings, those
+    of which nothing is mentioned; likewise of names."""
     report, mentioned, seen = Report(), set(_words(syntax.classes)), set[int]()
+    _look_at_annotation(syntax.annotations, (), report)
     for item, brought in files:
         if id(brought[0]) in seen:
             report.warning(CODE, f"'{item.path}' is imported already", item.span, "leave it out")
