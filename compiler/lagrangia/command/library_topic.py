@@ -35,6 +35,8 @@ Friction     tau_pos and mu_pos are rows of a rate and what it takes there; it s
              clutch.tau, brake.tau, spring.tau what goes through them. LossyGear rubs by the torque that it hands on, by the rows
              of its lossTable, and may lock itself.
 Starts       spring.phi_rel(start = 0.1, fixed = true) is an initial equation; without fixed it has no effect (L0608).
+             Where a start fits in two ways (der(b.s)^2 = 4, a loop whose crank alone is given) L0609 tells which was taken: the
+             one nearest to the starts of the others, which choose: b.v(start = 2).
 Planar       scenes have shafts by Rotational.HingeFlange(of = hinge.phi) and Translational.SliderFlange(of = slider.s).
 Sensors      TorqueSensor, ForceSensor and MultiSensor stand between two flanges: what the first side does to the second.
 Modelica     Its names are understood: import Modelica.Units.SI; Modelica.Mechanics.Rotational.Components.Inertia.

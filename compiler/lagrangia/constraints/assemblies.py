@@ -37,40 +37,75 @@ def find_alternatives(
     kinematics: Kinematics, initial: InitialConditions, assembly: Assembly, x: Vector
 ) -> tuple[Alternatives, ...]:
     """`x` (2 n,) is the state assembled. Other solutions with the coordinates held that the loops do not give."""
-    search = _Search(kinematics, initial, assembly, x)
+    search = Search(kinematics, initial, assembly, x)
     blocks = search.blocks()
-    most = min(_MOST_BLOCKS, max(_FEWEST_BLOCKS, _MOST_WORK // search.n))
-    found = [search.alternatives(rows, columns) for rows, columns in blocks[:most]]
+    most = search.most_blocks
+    found = [_alternatives(search, rows, columns) for rows, columns in blocks[:most]]
     told = [item for item in found if item is not None]
     if told and len(blocks) > most:
         told.append(Alternatives((), f"{len(blocks) - most} more loops were not tried for other assemblies"))
     return tuple(told)
 
 
-class _Search:
-    def __init__(self, kinematics: Kinematics, initial: InitialConditions, assembly: Assembly, x: Vector) -> None:
-        self.initial, self.assembly, self.x = initial, assembly, x
-        self.q = ca.vertcat(*kinematics.symbols.positions.values(), initial.lost_q)
-        self.residuals = at_declared_values(kinematics, [initial.residuals[: initial.n_positions]])[0]
+def _alternatives(search: "Search", rows: list[int], columns: list[int]) -> Alternatives | None:
+    others = search.others(rows, columns)
+    if not others:
+        return None
+    initial, shown = search.initial, search.shown(columns, others)
+    loops = dict.fromkeys(initial.residual_loops[k] for k in rows if initial.residual_loops[k])
+    what = "the loop " + " and ".join(loops) if loops else f"the equation at {initial.residual_spans[rows[0]]}"
+    text = (f"{what} closes in {len(others) + 1} ways: taken {search.values(search.x, shown)}; there is "
+            f"{search.told(others, shown)} (nearer start values choose it)")
+    return Alternatives(tuple(search.names[k] for k in shown), text)
+
+
+class Search:
+    """Of the positions, or of the rates at the positions assembled."""
+
+    def __init__(self, kinematics: Kinematics, initial: InitialConditions, assembly: Assembly, x: Vector, of_rates: bool = False
+                 ) -> None:
+        self.initial, self.assembly, self.state, self.of_rates = initial, assembly, x, of_rates
         self.coordinates: tuple[Coordinate, ...] = (*kinematics.graph.coordinates, *initial.lost)
-        self.n = len(self.coordinates)
-        self.angles = assembly.equations.is_angle
+        self.n = n = len(self.coordinates)
+        self.first = n if of_rates else 0  # of the values
+        positions = initial.n_positions
+        self.rows = slice(positions, None) if of_rates else slice(positions)
+        q = ca.vertcat(*kinematics.symbols.positions.values(), initial.lost_q)
+        self.q = ca.vertcat(*kinematics.symbols.rates.values(), initial.lost_v) if of_rates else q
+        (self.residuals,) = at_declared_values(kinematics, [initial.residuals[self.rows]])
+        if of_rates:
+            self.residuals = ca.substitute(self.residuals, q, ca.SX(x[:n]))
+        half = slice(self.first, self.first + n)
+        self.x, self.fixed, self.reach, self.guess = x[half], assembly.fixed[half], assembly.reach[half], assembly.guess[half]
+        self.names = [c.rate_name if of_rates else c.name for c in self.coordinates]
+        self.angles = np.zeros(n, bool) if of_rates else assembly.equations.is_angle
+        here, general = (self._scaled(jacobian) for jacobian in (assembly.equations(x)[1], assembly.general.jacobian))
+        length = assembly.general.length[self.rows]
+        self.sizes = np.where(length > 0, length, np.linalg.norm(here, axis=1))
+        self.slopes = here / np.where(self.sizes > 0, self.sizes, np.inf)[:, None]
+        self.pattern = np.maximum(np.abs(general), np.abs(here)) > _NOTHING * self.sizes[:, None]
         self.dependent: NDArray[np.int_] = np.zeros(0, int)
-        self.told = [k for k, c in enumerate(self.coordinates) if not c.attitude]  # by which ways are told apart
+        self.named = [k for k, c in enumerate(self.coordinates) if not c.attitude]  # by which ways are told apart
+
+    def _scaled(self, jacobian: Vector) -> Vector:
+        """Its rows and columns of these equations and values, in natural sizes."""
+        return np.asarray(jacobian[self.rows, self.first : self.first + self.n] * self.reach)
+
+    @property
+    def most_blocks(self) -> int:
+        """So many are looked at."""
+        return min(_MOST_BLOCKS, max(_FEWEST_BLOCKS, _MOST_WORK // self.n))
 
     def blocks(self) -> list[tuple[list[int], list[int]]]:
         """Rows and columns that are solved together, those that depend on no other block first."""
-        fixed, positions = self.assembly.fixed[: self.n], self.initial.n_positions
-        slopes = self.assembly.slopes(self.x)
-        ease = np.where(fixed == FIXED, 0.0, np.where(fixed == FREE, _EASE, 1.0))
-        is_told = np.isin(np.arange(self.n), self.told)
+        ease = np.where(self.fixed == FIXED, 0.0, np.where(self.fixed >= FREE, _EASE, 1.0))
+        is_told = np.isin(np.arange(self.n), self.named)
         ease = np.where(is_told, ease, ease / _EASE**2)
-        self.dependent = independent_columns(slopes * ease, _INDEPENDENT)
-        rows = independent_columns(slopes[:, self.dependent].T, _INDEPENDENT)
+        self.dependent = independent_columns(self.slopes * ease, _INDEPENDENT)
+        rows = independent_columns(self.slopes[:, self.dependent].T, _INDEPENDENT)
         if rows.size < self.dependent.size or not rows.size:
             return []
-        general = np.abs(self.assembly.general.jacobian[:positions, : self.n]) * self.assembly.reach[: self.n]
-        pattern = general[np.ix_(rows, self.dependent)] > _NOTHING * self.assembly.general.length[rows][:, None]
+        pattern = self.pattern[np.ix_(rows, self.dependent)]
         count, row_order, column_order, row_starts, column_starts, *_ = _sparse(pattern).btf()
         found = []
         for k in range(count):
@@ -79,28 +114,33 @@ class _Search:
             found.append(([int(rows[i]) for i in inside], [int(self.dependent[j]) for j in columns]))
         return found
 
-    def alternatives(self, rows: list[int], columns: list[int]) -> Alternatives | None:
+    def others(self, rows: list[int], columns: list[int]) -> list[Vector]:
+        """The whole of it (n,), with another solution of a block."""
         if len(columns) > _LARGEST_BLOCK or len(columns) != len(rows):
-            return None
+            return []
         others: list[Vector] = []
-        seen = [self.x[columns]]
-        for values in self._solutions(rows, columns):
-            if any(self._is_same(values, known, columns) for known in seen):
+        seen, system = [self.x[columns]], self._system(rows, columns)
+        for values in self._solutions(system, rows, columns):
+            if any(self._is_same(values, known, columns) or self._is_one(system, values, known, rows) for known in seen):
                 continue
             seen.append(values)
             whole = self._complete(values, columns)
             if whole is not None:
                 others.append(whole)
-        others = [x for x in others if not self._is_same(x[self.told], self.x[self.told], self.told)]
-        return self._tell(rows, columns, others) if others else None
+        return [x for x in others if not self._is_same(x[self.named], self.x[self.named], self.named)]
 
-    def _solutions(self, rows: list[int], columns: list[int]) -> list[Vector]:
+    def _is_one(self, system: ca.Function, one: Vector, other: Vector, rows: list[int]) -> bool:
+        """Whether what lies between two solutions is one as well: near a root of higher order all is."""
+        gaps = system((one + other) / 2)[0].full().ravel() / self.sizes[rows]
+        return bool(np.abs(gaps).max() < _SOLVED)
+
+    def _solutions(self, system: ca.Function, rows: list[int], columns: list[int]) -> list[Vector]:
         """Solutions of a block with everything else as it is, from starts spread over the circle and over the natural sizes."""
-        system = self._system(rows, columns)
         places = np.arange(1, _STARTS + 1)[:, None] * np.sqrt([2.0, 3.0, 5.0, 7.0, 11.0, 13.0, 17.0, 19.0])[: len(columns)] % 1
-        angles, reach = self.angles[columns], self.assembly.reach[columns]
+        angles = self.angles[columns]
+        reach = np.where(angles, 1.0, np.maximum(self.reach[columns], np.abs(self.x[columns])))
         y = self.x[columns] + np.where(angles, 2 * np.pi * places, 4 * reach * (places - 0.5))
-        size = self.assembly.general.length[rows]
+        size = self.sizes[rows]
         for _ in range(_ITERATIONS):
             g, J = (part.full().T for part in system(y.T))
             g = g / size
@@ -116,42 +156,46 @@ class _Search:
     def _system(self, rows: list[int], columns: list[int]) -> ca.Function:
         """y, the columns' values -> the rows' residuals, and their slopes column by column."""
         y = ca.SX.sym("y", len(columns))
-        values = ca.SX(self.x[: self.n])
+        values = ca.SX(self.x)
         values[columns] = y
         g = ca.substitute(self.residuals[rows], self.q, values)
         return ca.Function("block", [y], [ca.densify(g), ca.vec(ca.densify(ca.jacobian(g, y)))])
 
     def _complete(self, values: Vector, columns: list[int]) -> Vector | None:
-        """The whole assembly with a block's other solution, coordinates that no loop gives held."""
-        x = self.x.copy()
-        x[columns] = np.where(self.angles[columns], self.x[columns] + _turned(values - self.x[columns]), values)
-        found = self.assembly.close(x, self.dependent)
+        """The whole of it with a block's other solution, what no equation gives held."""
+        x = self.state.copy()
+        places = self.first + np.array(columns)
+        x[places] = np.where(self.angles[columns], self.x[columns] + _turned(values - self.x[columns]), values)
+        closed = self.assembly.close(x, self.rows, self.first + self.dependent, self.sizes)
+        found = closed[self.first : self.first + self.n] if closed is not None else None
         return found if found is not None and self._is_same(found[columns], values, columns) else None
 
     def _is_same(self, one: Vector, other: Vector, columns: list[int]) -> bool:
         gap = np.where(self.angles[columns], _turned(one - other), one - other)
-        return bool((np.abs(gap) < _SAME * self.assembly.reach[columns]).all())
+        return bool((np.abs(gap) < _SAME * self.reach[columns]).all())
 
-    def _tell(self, rows: list[int], columns: list[int], others: list[Vector]) -> Alternatives:
-        loops = dict.fromkeys(self.initial.residual_loops[k] for k in rows if self.initial.residual_loops[k])
-        what = "the loop " + " and ".join(loops) if loops else f"the equation at {self.initial.residual_spans[rows[0]]}"
+    def shown(self, columns: list[int], others: list[Vector]) -> list[int]:
+        """Of a block and of what differs with it, what is told."""
         differing = [k for k in self.dependent.tolist() if not self._is_same(others[0][[k]], self.x[[k]], [k])]
-        shown = [k for k in sorted({*columns, *differing}) if not self.coordinates[k].attitude][:_MOST_SHOWN]
-        told = " or ".join(self._values(other, shown) for other in others[:_MOST_TOLD])
-        more = f" or {len(others) - _MOST_TOLD} more" if len(others) > _MOST_TOLD else ""
-        return Alternatives(tuple(self.coordinates[k].name for k in shown), f"{what} closes in {len(others) + 1} ways: taken "
-                            f"{self._values(self.x, shown)}; there is {told}{more} (nearer start values choose it)")
+        return [k for k in sorted({*columns, *differing}) if not self.coordinates[k].attitude][:_MOST_SHOWN]
 
-    def _values(self, x: Vector, columns: list[int]) -> str:
-        return ", ".join(f"{self.coordinates[k].name} = {self._value(x[k], k)}" for k in columns)
+    def told(self, others: list[Vector], columns: list[int]) -> str:
+        """The other ways."""
+        more = f" or {len(others) - _MOST_TOLD} more" if len(others) > _MOST_TOLD else ""
+        return " or ".join(self.values(other, columns) for other in others[:_MOST_TOLD]) + more
+
+    def values(self, x: Vector, columns: list[int]) -> str:
+        """In words."""
+        return ", ".join(f"{self.names[k]} = {self._value(x[k], k)}" for k in columns)
 
     def _value(self, x: float, k: int) -> str:
         """To four digits, rounding errors taken for 0; angles from -180 to 180 degrees, -180 left out."""
         if self.angles[k]:
             degrees = round(float(np.degrees(_turned(np.array([x]))[0])), 6)
             return f"{180.0 if degrees == -180.0 else degrees + 0.0:.4g} deg"
-        value = x if abs(x) > _SAME * self.assembly.reach[k] else 0.0
-        return f"{value:.4g} {self.coordinates[k].unit}"
+        value = x if abs(x) > _SAME * self.reach[k] else 0.0
+        unit = self.coordinates[k].unit
+        return f"{value:.4g} {unit}{'/s' if self.of_rates else ''}".removesuffix(" 1")
 
 
 def _turned(x: Vector) -> Vector:

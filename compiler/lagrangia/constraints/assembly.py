@@ -191,17 +191,17 @@ class Assembly:
         size = self.general.length[:positions]
         return np.asarray(self.equations(x)[1][:positions, :n] * self.reach[:n] / np.where(size > 0, size, np.inf)[:, None])
 
-    def close(self, x: Vector, dependent: NDArray[np.int_]) -> Vector | None:
-        """The solution found from x in a few steps by moving these positions alone."""
-        size, positions = self.general.length[: self.equations.n_positions], self.equations.n_positions
+    def close(self, x: Vector, rows: slice, dependent: NDArray[np.int_], size: Vector) -> Vector | None:
+        """The solution of these equations, of this size, found from x in a few steps by moving these values alone."""
+        weight = np.where(size > 0, size, np.inf)
         for _ in range(_MOST_CLOSINGS):
-            g, jacobian = (part[:positions] for part in self.equations(x))
+            g, jacobian = (part[rows] for part in self.equations(x))
             if not (np.abs(g) > _CLOSED * size).any():
                 return x
             if not (np.isfinite(g).all() and np.isfinite(jacobian).all()):
                 return None  # turned over, where a joint in space is as far from closed as can be
-            slopes = jacobian[:, dependent] * self.reach[dependent] / np.where(size > 0, size, np.inf)[:, None]
-            step = np.linalg.lstsq(slopes, -g / np.where(size > 0, size, np.inf), rcond=_DEPENDENT)[0]
+            slopes = jacobian[:, dependent] * self.reach[dependent] / weight[:, None]
+            step = np.linalg.lstsq(slopes, -g / weight, rcond=_DEPENDENT)[0]
             step *= min(1.0, _LONGEST_STEP / max(float(np.abs(step).max()), _LONGEST_STEP))
             x = x.copy()
             x[dependent] += step * self.reach[dependent]

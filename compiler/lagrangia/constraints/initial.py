@@ -21,6 +21,7 @@ from lagrangia.base.diagnostics import Report, Span, fail
 from lagrangia.base.records import dataclass
 from lagrangia.constraints.parameters import default_parameters, input_symbols, parameter_symbols, with_declared_inputs
 from lagrangia.constraints.rows import Constraints
+from lagrangia.constraints.vanishing_sums import vanishing_parts
 from lagrangia.frames.evaluation import Value
 from lagrangia.frames.graph import Coordinate
 from lagrangia.frames.kinematics import Kinematics
@@ -322,20 +323,24 @@ class _Starts:
             self.report.error("L0303", "the sides of this equation have different sizes", equation.span)
             return
         pairs = zip(left, right, strict=True) if isinstance(left, tuple) else ((left, right),)
-        for a, b in pairs:
-            gap = ca.SX(a - b)
-            accelerations = ca.vertcat(ca.SX(0, 1), *self.kinematics.symbols.accelerations.values())
-            if ca.depends_on(gap, input_symbols(self.kinematics)) and not self.kinematics.graph.model.moving_inputs:
-                self.report.error("L0904", "not supported yet: an input in an initial equation", equation.span,
-                                  "name a parameter: the value of an input is known when the run begins")
-                continue
-            if ca.depends_on(gap, accelerations):
-                self.steady.append((self._at_start(gap), equation.span))
-                continue
-            if not ca.depends_on(gap, self._state()):
-                self.report.error("L0603", "this initial equation says nothing about positions or velocities", equation.span,
-                                  "name a coordinate, its rate or a place: hinge.phi = 0.5; der(hinge.phi) = 2;")
-            self.residuals.append((self._at_start(gap), equation.span))
+        for gap in (ca.SX(a - b) for a, b in pairs):
+            for part in vanishing_parts(self.kinematics, gap) or (gap,):
+                self._gap(part, equation.span)
+
+    def _gap(self, gap: ca.SX, span: Span) -> None:
+        """Of a side of an equation from the other."""
+        accelerations = ca.vertcat(ca.SX(0, 1), *self.kinematics.symbols.accelerations.values())
+        if ca.depends_on(gap, input_symbols(self.kinematics)) and not self.kinematics.graph.model.moving_inputs:
+            self.report.error("L0904", "not supported yet: an input in an initial equation", span,
+                              "name a parameter: the value of an input is known when the run begins")
+            return
+        if ca.depends_on(gap, accelerations):
+            self.steady.append((self._at_start(gap), span))
+            return
+        if not ca.depends_on(gap, self._state()):
+            self.report.error("L0603", "this initial equation says nothing about positions or velocities", span,
+                              "name a coordinate, its rate or a place: hinge.phi = 0.5; der(hinge.phi) = 2;")
+        self.residuals.append((self._at_start(gap), span))
 
     def _at_start(self, value: ca.SX) -> ca.SX:
         return self.kinematics.at_start([value])[0]

@@ -1,18 +1,19 @@
 """Sums that are nowhere negative, and equations that ask them to vanish: a length of 0, x^2 + y^2 = 0, |x| + |y| = 0.
 
 Such an equation has no slopes where it holds, though it says as much as one for each of its parts: each of them vanishes, and
-these have slopes.
+these have slopes. So it is with a root, sqrt(x) = 0, whose slope has no bound there.
 """
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import partial
+from math import nan
 
 import casadi as ca
 
 from lagrangia.algebra.duals import Scalar
 from lagrangia.algebra.scalars import symbols_in
-from lagrangia.constraints.parameters import at_declared_values
+from lagrangia.constraints.parameters import at_declared_values, parameter_symbols
 from lagrangia.constraints.rows import Constraints, Row, derived
 from lagrangia.frames.kinematics import Kinematics
 
@@ -37,13 +38,20 @@ def split_vanishing_sums(kinematics: Kinematics, constraints: Constraints) -> Co
     return replace(constraints, rows=tuple(rows), touching=tuple(found)) if found else None
 
 
+def vanishing_parts(kinematics: Kinematics, gap: ca.SX) -> list[ca.SX] | None:
+    """What vanishes with a gap, whatever the parameters are; None where it is no such sum."""
+    return _Sums(kinematics, is_general=True).parts_of(gap)
+
+
 def _value(part: ca.SX, kinematics: Kinematics, level: int) -> Scalar:
     return derived(part, kinematics, level)
 
 
 class _Sums:
-    def __init__(self, kinematics: Kinematics) -> None:
-        self.kinematics = kinematics
+    """With the parameters as declared, or where it `is_general` with none."""
+
+    def __init__(self, kinematics: Kinematics, is_general: bool = False) -> None:
+        self.kinematics, self.is_general = kinematics, is_general
         symbols = kinematics.symbols
         self.state = frozenset(x.__hash__() for x in (*symbols.positions.values(), *symbols.rates.values(), symbols.time)
                                ) | frozenset(x.__hash__() for x in kinematics.algebra.state.elements())
@@ -54,7 +62,7 @@ class _Sums:
         if not parts:
             return None
         fixed = [x for x in parts if not self._moves(x)]
-        if any(abs(self._number(x)) > _NOTHING for x in fixed):
+        if not all(abs(self._number(x)) <= _NOTHING for x in fixed):
             return None
         return [x for x in parts if self._moves(x)] or None
 
@@ -79,22 +87,25 @@ class _Sums:
         if term.is_symbolic() or term.is_constant() or term.n_dep() == 0:
             return None
         op, first = term.op(), term.dep(0)
-        if op in (ca.OP_SQ, ca.OP_FABS):
+        if op in (ca.OP_SQ, ca.OP_FABS, ca.OP_SQRT):
             return self._vanishing(first) or [first]
-        if op in (ca.OP_SQRT, ca.OP_TWICE):
+        if op == ca.OP_TWICE:
             return self._vanishing(first)
         if op not in (ca.OP_MUL, ca.OP_DIV):
             return None
         second = term.dep(1)
         for factor, other in ((first, second), (second, first))[op == ca.OP_DIV :]:
             if not self._moves(factor):
-                return self._parts(other) if self._number(factor) > 0 else None
+                return self._vanishing(other) if self._number(factor) > 0 else None
         return [first] if op == ca.OP_MUL and ca.is_equal(first, second, 1) else None
 
     def _moves(self, x: ca.SX) -> bool:
         return not self.state.isdisjoint(symbols_in(x))
 
     def _number(self, x: ca.SX) -> float:
+        """NaN where it is none yet."""
+        if self.is_general and ca.depends_on(x, parameter_symbols(self.kinematics)):
+            return nan
         return float(ca.evalf(at_declared_values(self.kinematics, [x])[0]))
 
 
