@@ -43,7 +43,7 @@ enum { LOOK_FOR_POLES = 4 }; /* steps of series */
 static const double FASTER = 1.2;
 /* Steps from row to row: fewer ask for dense output, or for one that costs less; that of closed loops costs projections of its
  * own. */
-static const double STEPS_A_ROW = 1.5, STEPS_A_ROW_OF_LOOPS = 0.4, STEPS_A_ROW_OF_PIRK = 0.03;
+static const double STEPS_A_ROW = 1.5, STEPS_A_ROW_OF_LOOPS = 0.4, STEPS_A_ROW_OF_PIRK = 0.01;
 /* Rows inside steps, of late, where nobody knows how far they are apart: LAG_LOOK each, less one for each step without. */
 enum { MOST_LOOKS = 6 };
 
@@ -279,7 +279,7 @@ int lag_decide(int32_t moment, int32_t from, const LagFacts *facts, LagDecision 
 
 LagFacts lag_facts(const LagModel *model, const LagSettings *settings)
 {
-    const int has_series = model->n_jets > 0 && !model->series_may_hide;
+    const int has_series = !model->series_may_hide && lag_methods_permit(model, LAG_SOLVER_TAYLOR);
     const double tolerance = settings->tolerance, erk_cost = lag_taylor_erk_cost(model);
     const double series_cost = has_series ? lag_taylor_cost(model, tolerance) : INFINITY;
     return (LagFacts){

@@ -8,6 +8,7 @@ import pytest
 
 import lagrangia as lag
 from lagrangia.base.diagnostics import LagError
+from lagrangia.base.folders import data_folder
 
 SOLVERS = ("auto", "erk", "erk5", "implicit", "pirk")
 
@@ -93,6 +94,13 @@ model Floating "euler_top_free of the shared cases, flying"
   Body b(m = 1, I = {1.3, 2.1, 3}, center(r(start = {1, 2, 3}), v(start = {0, 1, 0}), omega(start = {0.8, 0.9, -0.6})));
 end Floating;
 """
+
+
+def test_native_code_from_the_start_is_chosen_by_as_the_tape_is() -> None:
+    """Its library has series, which attitudes have no steps for: the run ended with "bad settings"."""
+    model = lag.load(data_folder("models") / "examples" / "top.lag")
+    model.native = True
+    assert model.simulate(stop=0.1).statistics.solver.name == "PIRK"
 
 
 def test_a_body_floats_with_an_attitude(tmp_path: Path) -> None:

@@ -93,9 +93,10 @@ def _words(kinematics: Kinematics, search: Search, k: int, other: Vector) -> str
     alias = next((v.name for v in model.variables.values() if rate_of(v) == name), "")
     if alias:
         return f"{alias}(start = {value})"
-    frame, _, part = name.rpartition(".")
+    frame = name.rpartition(".")[0]
     if frame in model.frames:
         places = [c.name for c in search.coordinates if c.name.rpartition(".")[0] == frame and c.unit == "m"]
         rates = ", ".join(f"{other[j]:.4g}" for j, c in enumerate(search.coordinates) if c.name in places)
-        return f"{frame}.w(start = {value})" if part == "phi" else f"{frame}.v(start = {{{rates}}})"
+        is_angle = search.coordinates[k].unit == "rad"
+        return f"{frame}.w(start = {value})" if is_angle else f"{frame}.v(start = {{{rates}}})"
     return f"Real v(start = {value}) = {search.names[k]}"
