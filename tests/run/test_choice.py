@@ -101,7 +101,7 @@ def test_rows_that_are_many_are_told() -> None:
     choice = last_choice(model, at=[k * 1e-5 for k in range(2001)])
     assert choice.rule == "many rows"
     assert choice.facts["rows_apart"] < choice.facts["limit"] == 0.01
-    assert f"rows {figure(choice.facts['rows_apart'])} steps apart, fewer than 0.03" in choice.why
+    assert f"rows {figure(choice.facts['rows_apart'])} steps apart, fewer than 0.01" in choice.why
     assert last_choice(model, at=[5.0]).rule == "smooth"
 
 
