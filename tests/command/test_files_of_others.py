@@ -41,3 +41,13 @@ def test_an_fmu_of_others_is_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
             archive.writestr("modelDescription.xml", f'<fmiModelDescription generationTool="{tool}"/>')
         with pytest.raises(LagError, match="it is kept") if is_kept else nullcontext():
             _keep_others("R", ("",))
+
+
+@pytest.mark.parametrize(("name", "told"), [("q.csv", "is a table"), ("q.fmu", "is an FMU"), ("q.mo", "lag import")])
+def test_what_is_no_scene_by_its_name_is_not_read_as_one(name: str, told: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
+                                                         capsys: pytest.CaptureFixture[str]) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path(name).write_bytes(b"time,x\n0,\xff\n")
+    for command in ("check", "explain", *(("simulate",) if name == "q.csv" else ())):
+        assert main([command, name]) == 2
+        assert "L0001" in (said := capsys.readouterr().err) and told in said

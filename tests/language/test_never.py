@@ -36,6 +36,13 @@ def test_what_never_comes_is_told(condition: str, scene: Write) -> None:
     assert said.startswith("this event never comes")
 
 
+def test_a_stop_time_counts_where_it_is_stated(scene: Write) -> None:
+    """One of 1 s had been taken for none."""
+    text = SCENE.replace("STATED", 'equation when time > 1 then terminate("x"); end when;')
+    assert len(told(scene(text.replace("StopTime = 5", "StopTime = 1")))) == 1
+    assert told(scene(text.replace("StopTime = 5", "Interval = 1"))) == []
+
+
 @pytest.mark.parametrize("condition", MAY)
 def test_what_may_come_is_not(condition: str, scene: Write) -> None:
     stated = f'equation when {condition} then terminate("x"); end when; assert({condition}, "x");'

@@ -15,6 +15,7 @@ from lagrangia.base.diagnostics import WARNINGS, fail, suggest
 from lagrangia.base.result_files import keep_apart, require_kind
 from lagrangia.base.tables import read_table
 from lagrangia.command.input_tables import named_tables, path_of, read_input, together
+from lagrangia.compile.sources import refuse_others
 from lagrangia.language.values import read_value
 from lagrangia.model import Model
 from lagrangia.run.remarks import input_remarks
@@ -261,6 +262,8 @@ def read_inputs(given: list[str], scene: Any) -> Any:
 
 def prepare_target(options: Namespace, kinds: Sequence[str] = _TABLES) -> str:
     """Where the rows go. Raises LagError L0004 for a place, or a picture's, that results cannot take."""
+    if options.file.suffix.lower() != ".fmu":
+        refuse_others(options.file)
     target: str = options.output or f"{options.file.stem}.csv"
     require_kind(target, *kinds)
     if options.plot is not None:

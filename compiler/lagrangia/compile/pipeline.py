@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 from lagrangia.base.diagnostics import Report, Source, fail, suggest
 from lagrangia.base.records import dataclass
 from lagrangia.compile.packages import Packages, enclosing
-from lagrangia.compile.sources import read_source
+from lagrangia.compile.sources import read_source, refuse_others
 from lagrangia.frames.attitude_starts import refuse_attitudes
 from lagrangia.language.classes import build_class_table
 from lagrangia.language.component_library import drawn_library, library_classes
@@ -298,6 +298,7 @@ def _brought(main: "Syntax", imported: "list[Syntax]") -> "list[tuple[ImportFile
 
 def read_files(path: Path, read: Callable[[Path], Source] = read_source) -> "tuple[Syntax, list[Syntax]]":
     """The file and all that it imports, each once; an editor reads what people have not saved yet. Raises LagError."""
+    refuse_others(path)
     main = parse(read(path))
     found: dict[Path, Syntax] = {path.resolve(): main}
     report = Report()

@@ -201,6 +201,9 @@ def _by_name(node: Call[Flat]) -> list[Flat]:
 
 
 def _refuse_named(node: Call[Flat]) -> NoReturn:
+    if node.function == "homotopy":
+        fail("L0215", "homotopy takes both of its arguments by name, or none", node.span,
+             "write: homotopy(actual = ..., simplified = ...); the actual one is what runs")
     values = ", ".join([*(a.span.text for a in node.arguments), *(value.span.text for _, value in node.named)])
     fail("L0215", f"{node.function} takes no named arguments", node.span, f"write them in their order: {node.function}({values})")
 

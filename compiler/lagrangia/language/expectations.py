@@ -46,6 +46,7 @@ _FOREIGN = {
 }
 _SECTIONS = ("equation", "algorithm", "energy", "initial")  # which stand in models
 _KINDS = {"class": "model", "block": "model", "struct": "record", "def": "function", "include": "import", "from": "import"}
+_BASES, _BEHIND = ("x", "o", "b"), (";", ")", ",", "")
 _ENERGIES = ("kinetic", "potential", "dissipation", "work")
 _CLOSES = {")": "(", "]": "[", "}": "{"}
 
@@ -219,7 +220,9 @@ def _guesses(stop: Stop) -> Iterator[str]:
 def _guesses_of_modelica(stop: Stop) -> Iterator[str]:
     """Where its habits, or those of other languages of formulas, meet what is not here."""
     word, accepted, last = stop.word, stop.accepted, stop.last(3)
-    if last[-1:] in (("ADD",), ("MULTIPLY",), ("EACH_ADD",), ("EACH_MULTIPLY",)) and word in ("+", "-"):
+    if last[-1:] == ("ADD",) and word == stop.before[-1] and stop.source.text[stop.span.end : stop.span.end + 1] in _BEHIND:
+        yield f"nothing is added by '{word}{word}': write n {word} 1"
+    elif last[-1:] in (("ADD",), ("MULTIPLY",), ("EACH_ADD",), ("EACH_MULTIPLY",)) and word in ("+", "-"):
         yield f"a sign behind an operator stands in brackets: a {stop.before[-1]} ({word}b)"
     if word == "^" and "POWER" not in accepted and "POWER" in stop.last(2):
         yield "a power of a power stands in brackets: (a^b)^c, or a^(b^c)"
@@ -239,6 +242,21 @@ def _guesses_of_modelica(stop: Stop) -> Iterator[str]:
         yield "a ':' alone stands for all of a size or an index: Real x[:], A[:, 1]"
 
 
+def _written_otherwise(stop: Stop) -> str:
+    """How a number is written that begins as in another language: 0x10, 0b11, 1_000."""
+    number, word = str(stop.before[-1]) if stop.last(1) == ("NUMBER",) else "", stop.word
+    if not number or stop.before[-1].end_pos != stop.span.start:
+        return ""
+    if number == "0" and word[:1].lower() in _BASES and word[1:].isalnum():
+        try:
+            return f"numbers are decimal: {int(number + word, 0)}"
+        except ValueError:
+            return "numbers are decimal"
+    if word.replace("_", "").isdigit() and word.startswith("_"):
+        return f"digits stand together: {number}{word.replace('_', '')}"
+    return ""
+
+
 def _section(stop: Stop) -> str:
     """The word that the section around the stop begins with; "" in front of the first."""
     words = ("EQUATION", "ALGORITHM", "ENERGY", "DRAWING", "CLASS_KIND")
@@ -248,7 +266,9 @@ def _section(stop: Stop) -> str:
 
 def _guesses_from_neighbours(stop: Stop) -> Iterator[str]:
     last, word = stop.last(2), stop.word
-    if last[-1:] == ("NUMBER",) and (word in ("[", "(") or word.isidentifier()) and not stop.is_first_of_line:
+    if hint := _written_otherwise(stop):
+        yield hint
+    elif last[-1:] == ("NUMBER",) and (word in ("[", "(") or word.isidentifier()) and not stop.is_first_of_line:
         yield "a unit stands in brackets behind its number: 2[mm], 1.5[kN/m]"
     if word in ("<", ">", "<=", ">=") and "AND" in stop.accepted:
         yield "comparisons are joined by `and`: a < b and b < c"

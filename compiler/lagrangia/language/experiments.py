@@ -49,7 +49,7 @@ def experiment_of(table: ClassTable, definition: ClassDefinition, names: Names, 
         if value is None or isinstance(value, bool):
             fail("L0208", f"{argument.name} must be a number known beforehand", argument.span)
         values[fields[argument.name]], places[argument.name] = float(value), argument.span
-    return _checked(Experiment(**values), places)
+    return _checked(Experiment(**values, ends="stop" in values), places)
 
 
 def _require_unit(argument: Argument) -> None:

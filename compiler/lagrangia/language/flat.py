@@ -218,6 +218,7 @@ class Experiment:
     stop: float = 1.0
     tolerance: float = 1e-8
     interval: float | None = None
+    ends: bool = False  # its StopTime is stated
 
 
 @dataclass(frozen=True)

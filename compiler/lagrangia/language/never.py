@@ -7,7 +7,7 @@ from itertools import combinations
 from lagrangia.base.diagnostics import Report
 from lagrangia.language.elsewhen import exclude
 from lagrangia.language.events import COMPARED, parts_of
-from lagrangia.language.flat import Experiment, FlatModel
+from lagrangia.language.flat import FlatModel
 from lagrangia.language.mentions import nodes
 from lagrangia.language.tree import Binary, Boolean, Call, Flat, Number, Ref, Time, Unary
 
@@ -30,7 +30,7 @@ def find_never(model: FlatModel, report: Report, code: str) -> None:
         can_be_true, can_be_false = bounding.truth(condition)
         if can_be_true and can_be_false:
             continue
-        late = any(isinstance(node, Time) for node in nodes(condition)) and model.experiment.stop != Experiment.stop
+        late = any(isinstance(node, Time) for node in nodes(condition)) and model.experiment.ends
         hints = [f"the run ends at StopTime = {model.experiment.stop:g} s"] if late else []
         why = "is never true" if not can_be_true else "is true from the start on"
         report.warning(code, f"this event never comes: '{condition.span.text}' {why}", span, *hints or ["leave it out"])
@@ -42,7 +42,7 @@ def find_never(model: FlatModel, report: Report, code: str) -> None:
 class _Bounding:
     def __init__(self, model: FlatModel) -> None:
         self.model = model
-        self.stop = model.experiment.stop if model.experiment.stop != Experiment.stop else math.inf
+        self.stop = model.experiment.stop if model.experiment.ends else math.inf
 
     def truth(self, node: Flat) -> tuple[bool, bool]:
         """Whether a condition can be true, and whether it can be false."""
