@@ -1,6 +1,7 @@
 """Functions of CasADi -> tapes: in Python and by the run time alike."""
 
 import math
+import struct
 from collections.abc import Callable
 
 import casadi as ca
@@ -41,7 +42,6 @@ def told(tape: Tape) -> tuple[object, ...]:
 @pytest.mark.parametrize("name", FUNCTIONS)
 def test_the_run_time_and_python_make_the_same_tapes(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     function = FUNCTIONS[name]()
-    monkeypatch.setattr(casadi_instructions, "_FEW", 5)  # all else is read at once
     assert start_runtime().library  # it is there
     arranged = tape_of(function)
     monkeypatch.setattr(instructions, "find_runtime", lambda: None)
@@ -52,24 +52,17 @@ def test_the_run_time_and_python_make_the_same_tapes(name: str, monkeypatch: pyt
         assert found == pytest.approx(exact.full().ravel().tolist(), rel=1e-15, nan_ok=True)
 
 
-def test_instructions_are_read_at_once_where_casadi_tells_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
-    function, asked = FUNCTIONS["long"](), 0
-    one = casadi_instructions._asked(function)
-
-    def count(_: ca.Function) -> Callable[[int], bytes]:
-        def ask(k: int) -> bytes:
-            nonlocal asked
-            asked += 1
-            return one(k)
-
-        return ask
-
-    monkeypatch.setattr(casadi_instructions, "_asked", count)
-    (known,) = read_instructions(function)
-    assert 0 < asked < 40 < function.n_instructions()
-    monkeypatch.setattr(casadi_instructions, "_places", lambda text, wanted: iter([0, 2, 100]))  # another form
-    asked = 0
-    assert read_instructions(function) == [known] and asked > function.n_instructions()
+@pytest.mark.parametrize("name", FUNCTIONS)
+def test_instructions_are_those_that_casadi_tells(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(casadi_instructions, "_AT_ONCE", 5)
+    function, expected = FUNCTIONS[name](), b""
+    for k in range(function.n_instructions()):
+        op, a, out = function.instruction_id(k), function.instruction_input(k), function.instruction_output(k)
+        if op == ca.OP_CONST:
+            expected += struct.pack("=iid", op, out[0], function.instruction_constant(k))
+        else:
+            expected += struct.pack("=4i", op, out[0], a[0], out[1] if op == ca.OP_OUTPUT else a[-1])
+    assert read_instructions(function) == expected
 
 
 @pytest.mark.parametrize("has_runtime", [True, False])

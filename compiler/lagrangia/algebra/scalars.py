@@ -3,10 +3,14 @@
 `a * b` on ca.SX looks through every signature that CasADi's Python interface knows: 12 us, where the product itself takes less
 than two. ca.SX.binary goes straight to it, and what wraps a ca.SX (`this`) is told from others at once: 1.9 us, not 3.4.
 Expressions are ca.SX in every other respect.
+
+What belongs to many alike elements comes as columns, and mostly goes into other columns: Cells stand for the elements, and what
+is made of columns of them is indexed. Each becomes an Expression when something is done with it alone.
 """
 
 from collections.abc import Callable, Sequence
 from functools import lru_cache
+from itertools import repeat
 from operator import attrgetter
 from typing import Any
 
@@ -16,7 +20,9 @@ _MOST_CONSTANTS = 10_000  # few numbers stand in many expressions
 _NUMBERS = (float, int)
 _OPERANDS = (ca.SX, float, int)
 _binary, _unary = ca.SX.binary, ca.SX.unary
-_THIS = attrgetter("this")
+_THIS, _SOURCE, _PLACE = attrgetter("this"), attrgetter("source"), attrgetter("place")
+_FEWEST = 8  # elements of a column that are worth Cells
+_SINGLY = 16  # of so many elements one is looked up alone; more of them are all at once
 
 
 def _operators(operation: int) -> tuple[Callable[[Any, Any], Any], Callable[[Any, Any], Any]]:
@@ -54,6 +60,38 @@ class Expression(ca.SX):  # type: ignore[misc]
         return apply_to_one(ca.OP_NEG, self)
 
 
+class _Source:
+    """A column whose elements Cells stand for."""
+
+    def __init__(self, column: ca.SX) -> None:
+        self.column = column
+        self.asked = 0
+        self.elements: list[ca.SX] = []
+
+    def wrapped(self, place: int) -> Any:
+        """What wraps an element."""
+        self.asked += 1
+        if not self.elements and self.asked * _SINGLY < self.column.numel():
+            return self.column[place].this
+        self.elements = self.elements or self.column.elements()
+        return self.elements[place].this
+
+
+class Cell(Expression):
+    """An element of a column, which nobody has looked up yet."""
+
+    def __init__(self, source: _Source, place: int) -> None:
+        self.source = source
+        self.place = place
+
+    def __getattr__(self, name: str) -> Any:
+        if name != "this":
+            raise AttributeError(name)
+        self.this = self.source.wrapped(self.place)
+        self.__class__ = Expression
+        return self.this
+
+
 def symbol(name: str) -> Expression:
     """A new symbol."""
     return as_expression(ca.SX.sym(name))
@@ -63,7 +101,7 @@ def as_expression(x: Any) -> Expression:
     """A number as an Expression; a ca.SX becomes one."""
     if x.__class__ is ca.SX:
         x.__class__ = Expression
-    if x.__class__ is Expression:
+    if x.__class__ is Expression or x.__class__ is Cell:
         return x
     if isinstance(x, _NUMBERS) and x != 0:  # 0.0 and -0.0 are one key
         return _constant(float(x))
@@ -71,23 +109,72 @@ def as_expression(x: Any) -> Expression:
 
 
 def column(*values: Any) -> ca.SX:
-    """Numbers and expressions, one below the other; (0, 1) of none. Of what wraps expressions, CasADi looks at each twice."""
+    """Numbers and expressions, one below the other; (0, 1) of none."""
+    if len(values) >= _FEWEST and Cell in {*map(type, values)}:
+        return _gathered(values)
     if not values:
         return ca.SX(0, 1)
     try:
-        return ca.vertcat(*map(_THIS, values))
+        return _stacked([*map(_THIS, values)])
     except AttributeError:  # of a number
-        return ca.vertcat(*(x.this if isinstance(x, ca.SX) else as_expression(x).this for x in values))
+        return _stacked([x.this if isinstance(x, ca.SX) else as_expression(x).this for x in values])
+
+
+def _stacked(wrapped: Sequence[Any]) -> ca.SX:
+    """Of what wraps expressions: CasADi looks at each twice. Scalars beside each other take less than below each other."""
+    if len(wrapped) < _FEWEST:
+        return ca.vertcat(*wrapped)
+    row = ca.horzcat(*wrapped)
+    return ca.reshape(row, row.numel(), 1) if row.numel() == len(wrapped) else ca.vertcat(*wrapped)
+
+
+def _gathered(values: Sequence[Any]) -> ca.SX:
+    """A column of which elements of others are a part."""
+    if {*map(type, values)} == {Cell} and len({*map(id, map(_SOURCE, values))}) == 1:
+        return values[0].source.column[[*map(_PLACE, values)]]
+    loose: tuple[list[int], list[Any]] = [], []
+    taken: dict[int, tuple[_Source, list[int], list[int]]] = {}
+    for k, x in enumerate(values):
+        if x.__class__ is Cell:
+            if (own := taken.get(id(x.source))) is None:
+                own = taken[id(x.source)] = x.source, [], []
+            own[1].append(k)
+            own[2].append(x.place)
+        else:
+            loose[0].append(k)
+            loose[1].append(x.this if isinstance(x, ca.SX) else as_expression(x).this)
+    parts = [source.column[places] for source, _, places in taken.values()]
+    whole = ca.vertcat(*parts, *([_stacked(loose[1])] if loose[1] else []))
+    order = [k for _, own, _ in taken.values() for k in own] + loose[0]
+    places = [0] * len(order)
+    for k, place in enumerate(order):
+        places[place] = k
+    return whole[places]
+
+
+def cells(matrix: ca.SX) -> list[Expression]:
+    """The elements of a dense matrix, column by column."""
+    count = matrix.numel()
+    if count >= _FEWEST and matrix.is_dense():
+        return [*map(Cell, repeat(_Source(ca.vec(matrix)), count), range(count))]
+    found: list[Expression] = matrix.elements()
+    for x in found:
+        x.__class__ = Expression
+    return found
 
 
 def scalars_in(column: ca.SX) -> list[Any]:
-    """The elements of a column: Expressions, and the float 0 for what is identically zero."""
-    return [0.0 if x.is_zero() else as_expression(x) for x in column.elements()]
+    """The elements of a dense column: Expressions, and the float 0 for what is identically zero."""
+    found: list[Any] = [0.0] * column.numel()
+    others = cells(column)
+    for k in ca.sparsify(column).row():
+        found[k] = others[k]
+    return found
 
 
 def symbols_in(x: ca.SX) -> frozenset[int]:
     """The hashes of the symbols that an expression mentions."""
-    return frozenset(s.__hash__() for s in ca.symvar(x))
+    return frozenset(map(ca.SX.element_hash, ca.symvar(x)))
 
 
 def apply(operation: int, a: Any, b: Any) -> Any:

@@ -12,7 +12,7 @@ from typing import TypeAlias
 import casadi as ca
 
 from lagrangia.algebra.duals import Scalar
-from lagrangia.algebra.scalars import Expression, as_expression, column, symbol
+from lagrangia.algebra.scalars import Expression, as_expression, cells, column, symbol
 from lagrangia.base.records import dataclass
 
 _FEWEST = 24  # elements: a Function for fewer takes longer than it saves
@@ -65,7 +65,7 @@ def _together(values: Sequence[Scalar]) -> Expression:
 
 
 def _apart(x: Scalar, count: int) -> Sequence[Scalar]:
-    return _scalars(x) if isinstance(x, ca.SX) and not x.is_scalar() else [x] * count
+    return cells(x) if isinstance(x, ca.SX) and not x.is_scalar() else [x] * count
 
 
 def _end(kinds: Sequence[Numbers], k: int) -> int:
@@ -95,23 +95,17 @@ class _Stamp:
         given = [x for values in inputs for x, number in zip(values, self.inputs, strict=True) if number is None]
         table = ca.reshape(column(*given), width, count)
         begin = column(*(x for x, number in zip(state, self.state, strict=True) if number is None))
-        found: list[Expression] = []
+        found: list[ca.SX] = []
         many = self.function.mapaccum("along", _AT_ONCE)
         for columns in ca.horzsplit(table, _AT_ONCE):
             together = many if columns.size2() == _AT_ONCE else self.function.mapaccum("along", columns.size2())
             states, made = together.call([begin, columns])
             begin = states[:, -1]
-            found += _scalars(made)
-        size, rest = self.function.numel_out(1), iter(_scalars(begin))
-        results = [self.row(found, k * size, values) for k, values in enumerate(inputs)]
+            found.append(made)
+        size, rest = self.function.numel_out(1), iter(cells(begin))
+        stamped = cells(ca.horzcat(*found))
+        results = [self.row(stamped, k * size, values) for k, values in enumerate(inputs)]
         return [next(rest) if number is None else number for number in self.state], results
-
-
-def _scalars(matrix: ca.SX) -> list[Expression]:
-    found: list[Expression] = matrix.elements()
-    for x in found:
-        x.__class__ = Expression
-    return found
 
 
 def _stamp(step: Step, state: Numbers, inputs: Numbers) -> _Stamp | None:

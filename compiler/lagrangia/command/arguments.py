@@ -12,6 +12,7 @@ from typing import Any
 
 from lagrangia.base.cutting import split_list
 from lagrangia.base.diagnostics import WARNINGS, fail, suggest
+from lagrangia.base.memory import keep_freed_memory
 from lagrangia.base.result_files import keep_apart, require_kind
 from lagrangia.base.tables import read_table
 from lagrangia.command.input_tables import named_tables, path_of, read_input, together
@@ -29,6 +30,7 @@ _TABLES = (".csv", ".txt", ".dat")
 def load_model(options: Namespace, given: list[tuple[str, str]], outputs: tuple[str, ...]) -> Model:
     """The model; parameters that turn out to be structural are compiled in, and its formulas are those that the others need.
     Raises LagError L0004 where a result would take the place of a table that it reads."""
+    keep_freed_memory()
     names = {name for name, _ in given}
     structural = {}
     if names:
@@ -39,7 +41,9 @@ def load_model(options: Namespace, given: list[tuple[str, str]], outputs: tuple[
     written = [getattr(options, name, None) for name in ("output", "plot", "animate")]
     keep_apart([*written, *(() if written[0] is not None else usual)], model.scene.notes["files"])
     model.native = {"native": True, "tape": False}.get(getattr(options, "engine", "auto"))
-    return model.fitting(open_parameters(model.scene, given))
+    model = model.fitting(open_parameters(model.scene, given))
+    options.made = options, model  # each other: what ends with the process is not taken apart piece by piece before
+    return model
 
 
 def tell(options: Namespace, model: Model, texts: Iterable[str]) -> None:

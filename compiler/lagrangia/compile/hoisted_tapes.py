@@ -30,7 +30,7 @@ def tapes_of(functions: Functions) -> dict[str, Tape]:
     reading = ["hoist", *(name for name, function in table.items() if "c" in function.name_in())]
     arguments = [0, *(table[name].index_in("c") for name in reading[1:])]
     others = [name for name in table if name not in reading]
-    everything, runtime = read_instructions(*(table[name] for name in (*reading, *others))), find_runtime()
+    everything, runtime = [read_instructions(table[name]) for name in (*reading, *others)], find_runtime()
     read = everything[: len(reading)]
     if runtime is not None and runtime.is_ready:
         made, count = take_out(runtime, read, arguments, functions.settled, KINDS)

@@ -41,8 +41,8 @@ def tape_of(function: ca.Function) -> Tape:
 
 def tapes_together(functions: Sequence[ca.Function]) -> list[Tape]:
     """Of each. Raises NotImplementedError as `tape_of` does."""
-    sizes = ((f, [f.numel_in(i) for i in range(f.n_in())], [f.numel_out(i) for i in range(f.n_out())]) for f in functions)
-    return [arranged(read, *own) for read, (_, *own) in zip(read_instructions(*functions), sizes, strict=True)]
+    return [arranged(read_instructions(f), [f.numel_in(i) for i in range(f.n_in())], [f.numel_out(i) for i in range(f.n_out())])
+            for f in functions]
 
 
 def arranged(read: bytes, sizes_in: Sequence[int], sizes_out: Sequence[int]) -> Tape:

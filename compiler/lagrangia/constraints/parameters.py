@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from lagrangia.algebra.duals import Scalar
 from lagrangia.algebra.orthogonal import general_numbers
-from lagrangia.algebra.scalars import apply, as_expression, column
+from lagrangia.algebra.scalars import apply, cells, column
 from lagrangia.base.checked_values import misfit
 from lagrangia.base.diagnostics import LagError, Report, Span, fail
 from lagrangia.frames.alike import evaluate_alike
@@ -175,7 +175,7 @@ class _ParameterLeaves:
         self.model = model
         # what CasadiAlgebra.choose makes of each, of all at once
         given, is_open = ca.SX.binary(ca.OP_IF_ELSE_ZERO, mask, given), ca.SX.unary(ca.OP_NOT, mask)
-        self.given, self.is_open = given.elements(), is_open.elements()
+        self.given, self.is_open = cells(given), cells(is_open)
         self.evaluator = Evaluator(model, kinematics.algebra, self)
         self.known: dict[str, Value] = {}
         self.pending: list[str] = []
@@ -193,8 +193,7 @@ class _ParameterLeaves:
             if bound:
                 places = [self.place[name] for name in bound]
                 values = ca.SX.binary(ca.OP_IF_ELSE_ZERO, is_open[places], column(*bound.values()))
-                chosen = ca.SX.binary(ca.OP_ADD, given[places], values).elements()
-                self.known.update(zip(bound, map(as_expression, chosen), strict=True))
+                self.known.update(zip(bound, cells(ca.SX.binary(ca.OP_ADD, given[places], values)), strict=True))
 
         bindings = {name: binding for name in self.place
                     if not (v := self.model.variables[name]).shape and (binding := v.binding) is not None}

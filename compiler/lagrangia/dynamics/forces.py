@@ -12,7 +12,7 @@ from dataclasses import field
 import casadi as ca
 
 from lagrangia.algebra.duals import Scalar
-from lagrangia.algebra.scalars import as_expression, column, scalars_in, symbols_in
+from lagrangia.algebra.scalars import as_expression, cells, column, scalars_in, symbols_in
 from lagrangia.algebra.with_casadi import CasadiAlgebra
 from lagrangia.base.records import dataclass
 from lagrangia.constraints.rows import Row
@@ -49,7 +49,7 @@ class _StepsAtRest(CasadiAlgebra):
     def new_symbols(self, count: int) -> list[Scalar]:
         """Of displacements."""
         self.columns.append(ca.SX.sym("displacement", count))
-        return [as_expression(x) for x in self.columns[-1].elements()]
+        return [*cells(self.columns[-1])]
 
     def _at_rest(self, x: Scalar) -> Scalar:
         if not isinstance(x, ca.SX):

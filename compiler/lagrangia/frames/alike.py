@@ -5,12 +5,13 @@ Python's besides. Element by element the results are the expressions that come o
 products are taken so: conditions, tables and lengths ask what their arguments are.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import Any
 
 import casadi as ca
 
 from lagrangia.algebra.duals import Dual, Scalar
-from lagrangia.algebra.scalars import as_expression, column
+from lagrangia.algebra.scalars import as_expression, cells, column
 from lagrangia.algebra.with_casadi import CasadiAlgebra
 from lagrangia.frames.evaluation import Evaluator, Value
 from lagrangia.language.tree import Array, Binary, Call, Flat, FrameRef, Number, Ref, Unary
@@ -53,31 +54,39 @@ def _groups(expressions: Sequence[Flat]) -> Iterator[dict[int, tuple[Flat, list[
 
 def _is_alike(a: Flat, b: Flat, names: list[str]) -> bool:
     """Whether b is made as a is, of what is taken by columns. `names`: those of b are added."""
-    if a.__class__ is not b.__class__:
-        return False
-    match a, b:
-        case Ref(), Ref():
-            names.append(b.name)
-            return a.index == b.index
-        case FrameRef(), FrameRef():
-            names.append(b.name)
-            return a.attribute == b.attribute != "" and a.index == b.index
-        case Number(), Number():
-            return a.value == b.value
-        case Binary(), Binary():
-            return (a.operator == b.operator and a.operator in _OPERATORS and _is_alike(a.left, b.left, names)
-                    and _is_alike(a.right, b.right, names))
-        case Unary(), Unary():
-            return a.operator == b.operator == "-" and _is_alike(a.operand, b.operand, names)
-        case Call(), Call():
-            return a.function == b.function and a.function in _FUNCTIONS and _are_alike(a.arguments, b.arguments, names)
-        case Array(), Array():
-            return _are_alike(a.items, b.items, names)
-    return False
+    look = _LOOKS.get(a.__class__)
+    return look is not None and a.__class__ is b.__class__ and look(a, b, names)
+
+
+def _are_names(a: Ref, b: Ref, names: list[str]) -> bool:
+    names.append(b.name)
+    return a.index == b.index
+
+
+def _are_of_frames(a: FrameRef, b: FrameRef, names: list[str]) -> bool:
+    names.append(b.name)
+    return a.attribute == b.attribute != "" and a.index == b.index
+
+
+def _are_binary(a: Binary[Flat], b: Binary[Flat], names: list[str]) -> bool:
+    return (a.operator == b.operator and a.operator in _OPERATORS and _is_alike(a.left, b.left, names)
+            and _is_alike(a.right, b.right, names))
 
 
 def _are_alike(a: Sequence[Flat], b: Sequence[Flat], names: list[str]) -> bool:
     return len(a) == len(b) and all(_is_alike(x, y, names) for x, y in zip(a, b, strict=True))
+
+
+_LOOKS: Mapping[type, Callable[[Any, Any, list[str]], bool]] = {
+    Ref: _are_names,
+    FrameRef: _are_of_frames,
+    Number: lambda a, b, names: bool(a.value == b.value),
+    Binary: _are_binary,
+    Unary: lambda a, b, names: a.operator == b.operator == "-" and _is_alike(a.operand, b.operand, names),
+    Call: lambda a, b, names: (a.function == b.function and a.function in _FUNCTIONS
+                               and _are_alike(a.arguments, b.arguments, names)),
+    Array: lambda a, b, names: _are_alike(a.items, b.items, names),
+}
 
 
 def _together(group: dict[int, tuple[Flat, list[str]]], evaluators: Sequence[Evaluator]) -> dict[int, Value] | None:
@@ -120,7 +129,8 @@ class _Columns:
 def _stacked(values: Sequence[Value]) -> Value:
     """Columns of what the values are made of; one scalar where it is the same for all. Raises _Unlike."""
     first = values[0]
-    if any(value.__class__ is not first.__class__ for value in values):
+    kinds = {*map(type, values)}
+    if len(kinds) > 1 and not all(issubclass(kind, ca.SX) for kind in kinds):
         raise _Unlike
     if all(value is first for value in values):
         return first
@@ -143,4 +153,4 @@ def _rows(value: Value, count: int) -> Sequence[Value]:
         return list(zip(*(_rows(part, count) for part in value), strict=True))
     if not isinstance(value, ca.SX) or value.is_scalar():
         return [value] * count
-    return [as_expression(x) for x in value.elements()]
+    return cells(value)

@@ -71,9 +71,18 @@ def choose_tree(
     `uses` counts the edges that each coordinate moves; `tied` are coordinates that equations speak of: they had better stay;
     `started` are coordinates with start values: of two joints of a kind the other one is cut.
     """
+    frames = [*frames]
+    whole = _joining(frames, edges, range(len(edges)))
+    if len(whole) == len(edges):  # without loops nothing is to be chosen
+        return whole
     depth = _depths(frames, edges, ground)
     nearest = [max(depth[edge.parent], depth[edge.child]) for edge in edges]
-    leader = {name: name for name in depth}
+    return _joining(frames, edges, sorted(range(len(edges)), key=lambda k: (_rank(edges[k], uses, tied, started), nearest[k], k)))
+
+
+def _joining(frames: Iterable[str], edges: tuple[Edge, ...], order: Iterable[int]) -> frozenset[int]:
+    """Of the edges at these places, one after the other, those that join what the ones before have not."""
+    leader = {name: name for name in frames}
 
     def find(name: str) -> str:
         while leader[name] != name:
@@ -82,7 +91,7 @@ def choose_tree(
         return name
 
     chosen = set()
-    for k in sorted(range(len(edges)), key=lambda k: (_rank(edges[k], uses, tied, started), nearest[k], k)):
+    for k in order:
         a, b = find(edges[k].parent), find(edges[k].child)
         if a != b:
             leader[a] = b

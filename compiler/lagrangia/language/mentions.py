@@ -13,7 +13,7 @@ _CHILDREN: Mapping[type, Callable[[Any], tuple[Flat, ...]]] = {
     Array: lambda node: node.items,
 }
 
-_LEAVES = (Ref, FrameRef, Time)
+_LEAVES = frozenset({Ref, FrameRef, Time})
 
 
 def children(node: Flat) -> tuple[Flat, ...]:
@@ -56,8 +56,8 @@ def leaves(roots: Iterable[Flat], bindings: Mapping[str, Flat | None]) -> list[R
             node = stack.pop()
             if (inside := known(node.__class__)) is not None:
                 stack.extend(inside(node))
-            elif isinstance(node, _LEAVES):
-                found.append(node)
+            elif node.__class__ in _LEAVES:
+                found.append(node)  # type: ignore[arg-type]
                 if node.__class__ is Ref and node.name not in seen:
                     seen.add(node.name)
                     if (binding := bindings.get(node.name)) is not None:

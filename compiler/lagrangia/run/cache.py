@@ -21,9 +21,9 @@ def find_scene(path: Path, model: str | None, structural: Mapping[str, Any], out
                formulas: Formulas = AS_DECLARED) -> Scene | None:
     """The scene compiled earlier from the same text, or None."""
     try:
-        stored = json.loads(find_kept("scenes", _key(path, model, structural, outputs, formulas)) or "")
-        if all(_digest(Path(name)) == digest for name, digest in stored["imports"].items()):
-            return from_json(stored["scene"])
+        imports, _, scene = (find_kept("scenes", _key(path, model, structural, outputs, formulas)) or b"").partition(b"\n")
+        if all(_digest(Path(name)) == digest for name, digest in json.loads(imports).items()):
+            return from_json(scene)
     except (OSError, ValueError, KeyError, TypeError, AttributeError):
         pass
     return None
@@ -32,7 +32,7 @@ def find_scene(path: Path, model: str | None, structural: Mapping[str, Any], out
 def keep_scene(scene: Scene, path: Path, model: str | None, structural: Mapping[str, Any], outputs: tuple[str, ...],
                imports: list[Path], formulas: Formulas = AS_DECLARED) -> None:
     """Store a scene."""
-    text = json.dumps({"imports": {str(p.resolve()): _digest(p) for p in imports}, "scene": to_json(scene)})
+    text = f"{json.dumps({str(p.resolve()): _digest(p) for p in imports})}\n{to_json(scene)}"
     keep("scenes", _key(path, model, structural, outputs, formulas), text.encode())
     prune()
 

@@ -6,7 +6,7 @@ import time
 import weakref
 from array import array
 from collections.abc import Sequence
-from ctypes import POINTER, addressof, c_double, cast
+from ctypes import POINTER, addressof, c_double, c_void_p, cast
 from typing import TYPE_CHECKING
 
 from lagrangia.base.diagnostics import RunError, fail
@@ -19,8 +19,7 @@ from lagrangia.run.simulate import explain, fail_start, loss, progress_of, short
 if TYPE_CHECKING:
     import numpy as np
 
-_PAUSE = 0.1  # seconds between two looks at the keyboard
-_ZERO = array("d", (0.0,))
+_PAUSE, _SOON = 0.1, 1e-3  # seconds between two looks at the keyboard; of runs before one for native code
 _LARGEST = sys.float_info.max
 _OK, _PAUSED = int(Status.OK), int(Status.PAUSED)
 
@@ -34,7 +33,9 @@ class PreparedRun:
         known = {p.name: k for k, p in enumerate(scene.parameters)}
         started: list[int] = [_start_place(scene, name) for name in initial]
         varied = [known[name] for name in parameters]
-        self.scene, self.experiment = scene, experiment
+        import numpy as np
+
+        self.scene, self.experiment, self._rows = scene, experiment, np.ndarray
         self.columns = ("time", *(c.name for c in (*scene.coordinates, *scene.rates, *scene.outputs)), "T", "V", "H",
                         "dissipated", "work")
         self._turned = [self.columns.index(name) for name in scene.turned]
@@ -42,43 +43,51 @@ class PreparedRun:
         self._run = start_run(scene, engine, experiment, values)
         weakref.finalize(self, self._run.close)
         self._library, self._handle = engine.runtime.library, self._run.handle
+        self._begin, self._go_on = self._library.lag_run_start, self._library.lag_run_advance  # looked up once
         self._times = array("d", [t for portion in experiment.times() for t in portion])
+        self._first_time, self._shape = self._times.buffer_info()[0], (len(self._times), self._run.width)
         self._given = (c_double * len(values.parameters))(*values.parameters)
         self._mask = (c_double * len(values.mask))(*values.mask)
         for place in varied:
             self._mask[place] = 1.0
         self._start = (c_double * (2 * scene.n))(*values.q, *values.v)
         self._rates = cast(addressof(self._start) + 8 * scene.n, POINTER(c_double))
-        limits = [(p.minimum, p.maximum) for p in scene.parameters]
-        self._limits = [(-_LARGEST if a is None else a, _LARGEST if b is None else b) for a, b in limits]
-        self._seconds = 0.0
+        place = cast(self._library.lag_run_parameters(self._handle), c_void_p).value or addressof(self._given)
+        self._found = (c_double * len(values.parameters)).from_address(place)  # all parameters, as C has them
+        self._limits = [(k, -_LARGEST if p.minimum is None else p.minimum, _LARGEST if p.maximum is None else p.maximum)
+                        for k, p in enumerate(scene.parameters) if p.minimum is not None or p.maximum is not None]
+        self._seconds = self._untold = 0.0  # of the latest run, and what the engine does not know of yet
 
     def __call__(self, start: Sequence[float] = (), parameters: Sequence[float] = ()) -> "np.ndarray":
         """Rows (times, columns), in the order of `columns`; values in SI units in the order in which their names were given.
 
         Raises LagError for values the scene cannot have, RunError when the run cannot go on.
         """
-        import numpy as np
-
         begin = time.perf_counter()
-        if len(start) != len(self._started) or len(parameters) != len(self._varied):
+        starts, varied = self._started, self._varied
+        if len(start) != len(starts) or len(parameters) != len(varied):
             fail("L0702", f"{len(self._started)} start values and {len(self._varied)} parameters are needed, "
                           f"not {len(start)} and {len(parameters)}")
         if not math.isfinite(sum(start)):
             self._refuse(start)
-        for place, value in zip(self._started, start, strict=True):
-            self._start[place] = value
-        if parameters:
+        own = self._start
+        for place, value in zip(starts, start):  # noqa: B905 (of one length, as was seen)
+            own[place] = value
+        if varied:
             self._set(parameters)
-        if self._library.lag_run_start(self._handle, self._start, self._rates) != _OK:
+        if self._begin(self._handle, own, self._rates) != _OK:
             fail_start(self.scene, self._run.failure, self._run.parameters)
-        values = self._advance()
+        rows = self._rows(self._shape)
+        count = self._advance(rows.__array_interface__["data"][0])
         self._seconds = time.perf_counter() - begin
-        if self._engine.upgrade is not None:
-            self._engine.look(self._seconds, 0.0)
-        rows = np.frombuffer(values).reshape(-1, self._run.width)
-        rows[:, self._turned] = math.nan  # numbers that say nothing without what attitudes are counted from
-        return rows
+        self._untold += self._seconds
+        if self._untold > _SOON:
+            if self._engine.upgrade is not None:
+                self._engine.look(self._untold, 0.0)
+            self._untold = 0.0
+        if self._turned:
+            rows[:, self._turned] = math.nan  # numbers that say nothing without what attitudes are counted from
+        return rows if count == len(rows) else rows[:count].copy()
 
     @property
     def statistics(self) -> Statistics:
@@ -93,26 +102,26 @@ class PreparedRun:
         return [*filter(None, [loss(progress)]), *shortcomings(progress)]
 
     def _set(self, parameters: Sequence[float]) -> None:
-        for place, value in zip(self._varied, parameters, strict=True):
-            self._given[place] = value
-        self._library.lag_run_set_parameters(self._handle, self._given, self._mask)
-        found = self._library.lag_run_parameters(self._handle)[: len(self._limits)]
-        if not all(a <= x <= b for x, (a, b) in zip(found, self._limits, strict=True)):
+        given = self._given
+        for place, value in zip(self._varied, parameters):  # noqa: B905 (of one length)
+            given[place] = value
+        self._library.lag_run_set_parameters(self._handle, given, self._mask)
+        found = self._found[:]
+        if not math.isfinite(sum(found)) or any(not a <= found[k] <= b for k, a, b in self._limits):
             check_parameters(self.scene, found)
 
-    def _advance(self) -> "array[float]":
-        count, width, done = len(self._times), self._run.width, self._run.done
-        values = _ZERO * (count * width)
-        times, place, reached = self._times.buffer_info()[0], values.buffer_info()[0], 0
+    def _advance(self, place: int) -> int:
+        """Rows to where they belong; how many."""
+        (count, width), done, reached = self._shape, self._run.done, 0
         while reached < count:
-            status = self._library.lag_run_advance(self._handle, times + 8 * reached, count - reached,
-                                                   place + 8 * width * reached, done, _PAUSE)
+            status = self._go_on(self._handle, self._first_time + 8 * reached, count - reached, place + 8 * width * reached, done,
+                                 _PAUSE)
             reached += done[0]
             if status == Status.ENDED:
-                return values[: reached * width]
+                break
             if status not in (_OK, _PAUSED):
                 raise RunError(explain(self.scene, self._run.failure, self._run.parameters))
-        return values
+        return reached
 
     def _refuse(self, start: Sequence[float]) -> None:
         names = [c.name for c in (*self.scene.coordinates, *self.scene.rates)]

@@ -163,7 +163,7 @@ def to_json(scene: Scene) -> str:
     return json.dumps(plain, separators=(",", ":"))
 
 
-def from_json(text: str) -> Scene:
+def from_json(text: str | bytes) -> Scene:
     """Raises ValueError, KeyError or TypeError when the text is no scene."""
     plain = json.loads(text)
     kinds = {"coordinates": Column, "rates": Column, "outputs": Column, "parameters": Parameter, "inputs": Parameter}
