@@ -10,15 +10,14 @@ from typing import Any
 
 import casadi as ca
 import numpy as np
-from casadi import _casadi
 from numpy.typing import NDArray
 
 SIZE = 16  # bytes of an instruction
 _AT_ONCE = 4096  # what is asked of so many fits into the processor's caches
-_ID: Callable[[Any, int], int] = _casadi.Function_instruction_id
-_INPUT: Callable[[Any, int], list[int]] = _casadi.Function_instruction_input
-_OUTPUT: Callable[[Any, int], list[int]] = _casadi.Function_instruction_output
-_CONSTANT: Callable[[Any, int], float] = _casadi.Function_instruction_constant
+_ID: Callable[[Any, int], int] = ca._casadi.Function_instruction_id
+_INPUT: Callable[[Any, int], list[int]] = ca._casadi.Function_instruction_input
+_OUTPUT: Callable[[Any, int], list[int]] = ca._casadi.Function_instruction_output
+_CONSTANT: Callable[[Any, int], float] = ca._casadi.Function_instruction_constant
 
 
 def read_instructions(function: ca.Function) -> bytes:

@@ -10,6 +10,7 @@ from array import array
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import field
 from enum import IntEnum
+from mmap import mmap
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
@@ -54,6 +55,7 @@ class Status(IntEnum):
 _STATUS = tuple(Status)
 GUARDED = (Status.ASSERTED, Status.ENDED)
 _ZERO = array("d", (0.0,))
+_LARGE = 1 << 17  # numbers of rows
 _OF_CHOICE = {"rule", "chosen", "facts"}
 
 
@@ -412,9 +414,18 @@ class Run:
         """Rows at ascending times, as many as could be reached (within so many seconds of wall time, if not 0)."""
         if times.__class__ is not array or times.typecode != "d":
             times = array("d", times)
-        values, done, most = _ZERO * (len(times) * self.width), self.done, len(times)
+        done, most, size = self.done, len(times), len(times) * self.width
+        if size > _LARGE:
+            return self._few_of(times, size, seconds)
+        values = _ZERO * size
         status = self._library.lag_run_advance(self._run, times.buffer_info()[0], most, values.buffer_info()[0], done, seconds)
         return self._rows(status, values, done[0])
+
+    def _few_of(self, times: "array[float]", size: int, seconds: float) -> Rows:
+        """The same of many numbers, of which a portion may reach a few: memory is touched where it is written."""
+        done, first = self.done, c.c_char.from_buffer(memory := mmap(-1, 8 * size))
+        status = self._library.lag_run_advance(self._run, times.buffer_info()[0], len(times), c.addressof(first), done, seconds)
+        return self._rows(status, array("d", memory[: 8 * done[0] * self.width]), done[0])
 
     def advance_steps(self, most: int, seconds: float = 0.0) -> Rows:
         """Rows after each step, until t_stop or `most` of them."""
