@@ -21,7 +21,7 @@ int lag_methods_permit(const LagModel *model, int32_t solver)
         && solver != LAG_SOLVER_IMPLICIT)
         return 0;
     if (model->n_attitudes > 0 && solver != LAG_SOLVER_ERK && solver != LAG_SOLVER_ERK5 && solver != LAG_SOLVER_ERK9
-        && solver != LAG_SOLVER_PIRK && solver != LAG_SOLVER_IMPLICIT)
+        && solver != LAG_SOLVER_PIRK && solver != LAG_SOLVER_IMPLICIT && solver != LAG_SOLVER_TAYLOR)
         return 0;
     switch (solver) {
     case LAG_SOLVER_ERK:

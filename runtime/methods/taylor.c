@@ -9,6 +9,7 @@
 
 #include "numbers/extremes.h"
 #include "numbers/lanes.h"
+#include "methods/taylor_attitudes.h"
 #include "methods/taylor_long.h"
 #include "model/function.h"
 #include "model/jet_tape.h"
@@ -179,29 +180,12 @@ static int build(LagRun *run, LagTaylor *s, int order)
         place_known(run, s->jets);
         for (int i = 0; i < 2 * m->n; ++i)
             *jet(run->model, s->jets, 1 + i) = m->y[i];
+        lag_taylor_place_turned(run, m->y, s->jets);
         ++run->motion.evaluations;
     }
     const int first = s->begun;
     s->begun = order;
     return first >= order || expand(run, s, s->jets, first, order);
-}
-
-/* sum of c_k h^k from k = 0 to the order: Horner in four chains, so that hardly one multiplication waits for another. */
-static inline double series(const double *c, int pitch, int order, double h)
-{
-    const double square = h * h, fourth = square * square;
-    const int rest = order % 4;
-    int k = order - rest;
-    const double *b = c + k * pitch;
-    double a0 = b[0], a1 = rest > 0 ? b[pitch] : 0, a2 = rest > 1 ? b[2 * pitch] : 0, a3 = rest > 2 ? b[3 * pitch] : 0;
-    for (k -= 4; k >= 0; k -= 4) {
-        b -= 4 * pitch;
-        a0 = a0 * fourth + b[0];
-        a1 = a1 * fourth + b[pitch];
-        a2 = a2 * fourth + b[2 * pitch];
-        a3 = a3 * fourth + b[3 * pitch];
-    }
-    return (a0 + a1 * h) + (a2 + a3 * h) * square;
 }
 
 /* The integral of a series from 0 to h, in two chains. */
@@ -224,10 +208,12 @@ static void displacement(const LagTaylor *s, const LagModel *model, double *jets
         lag_long_displacement(model, jets, order, h, step, s->share);
     else if (pitch > 1) /* apart from the next loop, whose pitch is a constant: 4 % of a small scene's time */
         for (int i = 0; i < 2 * n; ++i)
-            step[i] = series(jets + pitch + 1 + i, pitch, order - 1, h) * h;
+            step[i] = lag_jet_value(jets + pitch + 1 + i, pitch, order - 1, h) * h;
     else
         for (int i = 0; i < 2 * n; ++i)
-            step[i] = series(jets + (1 + i) * LAG_JET_STRIDE + 1, 1, order - 1, h) * h;
+            if (!lag_taylor_is_turned(model, i))
+                step[i] = lag_jet_value(jets + (1 + i) * LAG_JET_STRIDE + 1, 1, order - 1, h) * h;
+    lag_taylor_turn(model, jets, order, h, step);
     for (int i = 0; i < model->n_power; ++i)
         step[2 * n + i] = integral(power_jet(model, jets, i), pitch, order, h);
 }
@@ -262,6 +248,8 @@ static void weigh_state(LagRun *run, const LagTaylor *s, const double *end, doub
 {
     const int p = s->order, pitch = run->model->jet_pitch;
     for (int i = 0; i < 2 * run->model->n; ++i) {
+        if (lag_taylor_is_turned(run->model, i))
+            continue;
         const double unit = lag_scale_unit(&run->scale, i, run->motion.y, end), weight = unit > 0 ? 1 / unit : 0;
         const double *c = jet(run->model, s->jets, 1 + i), size = fabs(c[p * pitch]) * weight;
         if (size > *last) {
@@ -282,6 +270,7 @@ static double length_of(LagRun *run, const LagTaylor *s)
         lag_long_weigh(run, end, &last, &before);
     else
         weigh_state(run, s, end, &last, &before);
+    lag_taylor_weigh_turned(run, end, &last, &before);
     weigh_powers(run, s, &last, &before);
     return lag_min(lag_rough_power(s->last / last, lag_inverse[p - 1]), lag_rough_power(s->before_last / before, lag_inverse[p - 2]));
 }
@@ -295,7 +284,7 @@ static double gap(LagRun *run, const LagTaylor *s, double h)
     for (int i = 0; i < n; ++i) {
         const int place = run->model->jet_places[i];
         const double unit = lag_scale_unit(&run->scale, n + i, m->y, m->other);
-        const double slope = series(jet(run->model, s->jets, place), run->model->jet_pitch, s->order - 1, h);
+        const double slope = lag_jet_value(jet(run->model, s->jets, place), run->model->jet_pitch, s->order - 1, h);
         if (unit > 0)
             largest = lag_max(fabs(*jet(run->model, s->old_jets, place) - slope) / unit, largest);
     }
@@ -318,6 +307,7 @@ static int look_ahead(LagRun *run, LagTaylor *s, double t_new)
     m->t = t;
     for (int i = 0; i < 2 * m->n; ++i)
         *jet(run->model, s->old_jets, 1 + i) = m->other[i];
+    lag_taylor_place_turned(run, m->other, s->old_jets);
     ++m->evaluations;
     return expand(run, s, s->old_jets, 0, 1);
 }
@@ -330,7 +320,7 @@ static int is_good(LagRun *run, LagTaylor *s, double t_new, double length, doubl
     if (lag_project_step(run, t_new, 1, &worst) > 0)
         return 0;
     *wrong = INFINITY;
-    if (!look_ahead(run, s, t_new))
+    if (lag_taylor_turns_too_far(run, run->motion.other, length) || !look_ahead(run, s, t_new))
         return 0;
     *wrong = defect(run, s, length);
     const int is_noise = *wrong > REMAINS * before && *wrong * run->scale.tolerance < NOISE;
@@ -374,6 +364,8 @@ static LagStatus step(LagRun *run)
         return lag_turn_fall_back(run) ? run->methods.table->step(run) : lag_step_give_up(run, 0);
     const double longest = GROW * lag_max(run->step, lag_step_smallest(m->t)); /* at rest a series says nothing of what comes */
     double h = lag_min(length_of(run, s), longest);
+    if (lag_taylor_turns_too_far(run, m->y, h))
+        h = lag_taylor_longest_turn(run, m->y);
     if (run->settings.max_step > 0)
         h = lag_min(h, run->settings.max_step);
     for (;; h *= SHRINK) {
@@ -400,7 +392,7 @@ static LagStatus step(LagRun *run)
 /* The order from which on nothing is left of the latest step's series: digits are the same without. */
 static int top_of(const LagTaylor *s, const LagModel *model)
 {
-    const int n = model->n, pitch = model->jet_pitch;
+    const int n = model->n, pitch = model->jet_pitch, turned = lag_taylor_top_of_turned(model, s->old_jets, s->order);
     for (int k = s->order; k > 1; --k) {
         for (int i = 0; i < 2 * n; ++i)
             if (jet(model, s->old_jets, 1 + i)[k * pitch] != 0)
@@ -408,6 +400,8 @@ static int top_of(const LagTaylor *s, const LagModel *model)
         for (int i = 0; i < model->n_power; ++i)
             if (power_jet(model, s->old_jets, i)[(k - 1) * pitch] != 0)
                 return k;
+        if (k == turned)
+            return k;
     }
     return 1;
 }

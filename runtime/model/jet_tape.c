@@ -42,7 +42,7 @@ size_t lag_jet_room(const LagModel *model)
 {
     if (model->jet_pitch > 1)
         return (size_t)model->jet_pitch;
-    return (size_t)(model->jet_code ? model->n_jet_slots : model->n_jets);
+    return (size_t)(model->jet_code ? model->n_jet_slots : model->n_jets + 4 * model->n_attitudes);
 }
 
 size_t lag_jet_scratch(const LagModel *model)
@@ -161,12 +161,16 @@ static void next_state(const LagModel *model, const Place *p, int k, double *jet
         next[(size_t)i * stride] = v[(size_t)i * stride] * share;
     for (int i = 0; i < n; ++i)
         next[(size_t)(n + i) * stride] = p->now[(size_t)model->jet_rates[i] * p->stride] * share;
+    for (int i = 0; i < model->n_attitudes; ++i)
+        lag_jet_turn(jets + (size_t)(1 + 2 * n + model->n_inputs + 4 * i) * LAG_JET_STRIDE,
+                     jets + (size_t)(model->n_jets + 4 * i) * LAG_JET_STRIDE,
+                     jets + (size_t)(1 + n + model->attitudes[2 * i]) * LAG_JET_STRIDE, k);
 }
 
 void lag_jet_tape_run(const LagModel *model, int first, int end, const double *numbers, double *jets, double *scratch)
 {
     const int is_row = model->jet_pitch > 1, size = (model->n_angles + 3) / 4 * 4;
-    const size_t known = (size_t)(1 + 2 * model->n + model->n_inputs);
+    const size_t known = (size_t)(1 + 2 * model->n + model->n_inputs + 4 * model->n_attitudes);
     double *const sine = scratch, *const cosine = scratch + size, *const line = scratch + 2 * size;
     for (int k = first; k < end; ++k) {
         double *const row = jets + (size_t)k * (size_t)model->jet_pitch;

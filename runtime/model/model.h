@@ -29,7 +29,8 @@ typedef struct LagTable LagTable;
 typedef int (*LagCode)(const double *const *in, double *const *out, double *work);
 
 /* Taylor coefficients of the orders from `first` to before `end` of all jets, from those of lower order, and those of q and v of
- * one order more (jets.h); in: d, c. The first jets are t, q, v, u. */
+ * one order more (jets.h); in: d, c. The first jets are t, q, v, u, and four an attitude: its quaternion, in the place of q and of its
+ * reference; these lie once more behind the n_jets, in fours, order by order. */
 typedef void (*LagJets)(int first, int end, const double *const *in, double *jets);
 
 /* The same of eight motions at once (wide_jets.h): of order 0 in a line, from what is known there (first is 0), or of the orders from 1

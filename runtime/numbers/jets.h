@@ -108,6 +108,72 @@ LAG_UNROLLED double lag_jet_power(const double *u, const double *w, double expon
     return sum * (1.0 / k) * (1 / u[0]);
 }
 
+/* sum of c_k h^k from k = 0 to the order: Horner in four chains, so that hardly one multiplication waits for another. */
+static inline double lag_jet_value(const double *c, int pitch, int order, double h)
+{
+    const double square = h * h, fourth = square * square;
+    const int rest = order % 4;
+    int k = order - rest;
+    const double *b = c + k * pitch;
+    double a0 = b[0], a1 = rest > 0 ? b[pitch] : 0, a2 = rest > 1 ? b[2 * pitch] : 0, a3 = rest > 2 ? b[3 * pitch] : 0;
+    for (k -= 4; k >= 0; k -= 4) {
+        b -= 4 * pitch;
+        a0 = a0 * fourth + b[0];
+        a1 = a1 * fourth + b[pitch];
+        a2 = a2 * fourth + b[2 * pitch];
+        a3 = a3 * fourth + b[3 * pitch];
+    }
+    return (a0 + a1 * h) + (a2 + a3 * h) * square;
+}
+
+#ifdef LAG_HAS_VECTORS
+/* Q (0, w): sums of products of the parts of Q, which lie in fours by orders, and each part of w. */
+LAG_UNROLLED void lag_jet_turned(const double *quad, const double *w, int k, double *product)
+{
+    const LagLanes for_x = {-1, 1, 1, -1}, for_y = {-1, -1, 1, 1}, for_z = {-1, 1, -1, 1};
+    const double *const u = w + LAG_JET_STRIDE, *const v = u + LAG_JET_STRIDE;
+    LagLanes x = LAG_LANES_OF(0), y = x, z = x, four;
+    for (int j = 1; j < k; ++j) {
+        memcpy(&four, quad + 4 * j, sizeof four);
+        x = LAG_LANES_FUSED(four, LAG_LANES_OF(w[k - j]), x);
+        y = LAG_LANES_FUSED(four, LAG_LANES_OF(u[k - j]), y);
+        z = LAG_LANES_FUSED(four, LAG_LANES_OF(v[k - j]), z);
+    }
+    for (int j = k; j >= 0; j -= k > 0 ? k : 1) { /* the latest coefficients last */
+        memcpy(&four, quad + 4 * j, sizeof four);
+        x = LAG_LANES_FUSED(four, LAG_LANES_OF(w[k - j]), x);
+        y = LAG_LANES_FUSED(four, LAG_LANES_OF(u[k - j]), y);
+        z = LAG_LANES_FUSED(four, LAG_LANES_OF(v[k - j]), z);
+    }
+    const LagLanes sum = for_x * __builtin_shufflevector(x, x, 1, 0, 3, 2) + for_y * __builtin_shufflevector(y, y, 2, 3, 0, 1)
+        + for_z * __builtin_shufflevector(z, z, 3, 2, 1, 0);
+    memcpy(product, &sum, sizeof sum);
+}
+#else
+LAG_UNROLLED void lag_jet_turned(const double *quad, const double *w, int k, double *product)
+{
+    double sums[3][4] = {{0}};
+    for (int j = 0; j <= k; ++j)
+        for (int i = 0; i < 3; ++i)
+            for (int m = 0; m < 4; ++m)
+                sums[i][m] += quad[4 * j + m] * w[i * LAG_JET_STRIDE + k - j];
+    product[0] = -sums[0][1] - sums[1][2] - sums[2][3];
+    product[1] = sums[0][0] - sums[1][3] + sums[2][2];
+    product[2] = sums[0][3] + sums[1][0] - sums[2][1];
+    product[3] = -sums[0][2] + sums[1][1] + sums[2][0];
+}
+#endif
+
+/* The coefficients of order k + 1 of a quaternion Q with Q' = Q (0, w)/2: four jets, and once more in fours, order by order; the
+ * three jets of w lie one after another. */
+LAG_UNROLLED void lag_jet_turn(double *q, double *quad, const double *w, int k)
+{
+    double *next = quad + 4 * (k + 1), product[4];
+    lag_jet_turned(quad, w, k, product);
+    for (int m = 0; m < 4; ++m)
+        q[m * LAG_JET_STRIDE + k + 1] = next[m] = product[m] * (0.5 / (k + 1));
+}
+
 /* to_i = factor from_i: the next coefficients of a state whose jets lie order by order. */
 static inline void lag_jet_rows(double *to, const double *from, double factor, int n)
 {

@@ -59,6 +59,13 @@ static inline double LAG_LANES_OF_WORDS(LagLaneWords words)
 #define LAG_UNROLL_ALL
 #endif
 
+/* a b + c, rounded once where the compiler may take it that processors do so in one instruction: as in wide.h. */
+#if defined(LAG_HAS_VECTORS) && defined(__FMA__) && !defined(__clang__)
+#define LAG_LANES_FUSED(a, b, c) __builtin_ia32_vfmaddpd256(a, b, c)
+#else
+#define LAG_LANES_FUSED(a, b, c) ((a) * (b) + (c))
+#endif
+
 #define LAG_LANES_SIGN ((uint64_t)1 << 63)
 
 /* As in extremes.h: a NaN in `a` is passed over. */

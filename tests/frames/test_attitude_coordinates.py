@@ -187,7 +187,7 @@ def test_what_is_wrong_is_told(tmp_path: Path, line: str, told: str) -> None:
         scene(tmp_path, text + "end Wrong;\n")
 
 
-@pytest.mark.parametrize("solver", ["adams", "taylor", "conservative", "linear", "islands"])
+@pytest.mark.parametrize("solver", ["adams", "conservative", "linear", "islands"])
 def test_solvers_that_know_no_attitudes_are_refused(tmp_path: Path, solver: str) -> None:
     with pytest.raises(LagError, match="attitude"):
         scene(tmp_path, HEAVY).simulate(stop=1, solver=solver)

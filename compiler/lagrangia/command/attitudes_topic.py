@@ -24,8 +24,9 @@ Equations    of a Rotation are Euler's: d/dt dT/dw + w x dT/dw = torque. The sta
              attitude has turned since the latest step began, and w: no singular place, no norm to keep, no sines.
              lag equations prints them (forms lagrange, energies, matrix, first-order) with w1, w2, w3 and Q' = Q (0, w)/2;
              --angles zxz writes them by Euler's angles, in all forms, with momenta that stay and an effective potential.
-Solvers      erk, erk5, erk9, pirk, implicit, casadi:cvodes and its like. adams, taylor, conservative, linear and islands do not
-             know attitudes: auto takes none of them.
+Solvers      erk, erk5, erk9, pirk, taylor (series of the unit quaternion, Q' = Q (0, w)/2, and of w), implicit, casadi:cvodes and
+             its like. adams does not know attitudes: its past slopes are told against what each step moves; nor do conservative
+             (no positions belong to their momenta) and islands; linear never will, as they turn. auto takes none of these.
 FMUs         have the unit quaternion tip.S[1] to [4] and der(tip.S) (tip.w) as states. In Model Exchange dQ/dt = P (0, w)/2 +
              k (P - Q) with P = Q/|Q|: no other length says anything, and none lasts; k = 100/(stop - start). Co-Simulation steps
              as lag simulate does. A start is set as a whole: its length says nothing, parts that are not set are as declared.

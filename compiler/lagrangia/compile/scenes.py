@@ -90,11 +90,13 @@ def build_scene(
 
 def _refusals(kinematics: Kinematics) -> dict[str, str]:
     """Solvers that no attitudes have, and why."""
-    attitudes = kinematics.symbols.attitudes
-    if not attitudes:
-        return {}
-    why = f"not supported yet: attitudes as coordinates ({next(iter(attitudes))})"
-    return dict.fromkeys(("adams", "taylor", "conservative", "linear", "islands"), why)
+    name = next(iter(kinematics.symbols.attitudes), "")
+    return {} if not name else {
+        "adams": f"not supported yet: its past slopes are told against a reference of the attitude '{name}' that each step moves",
+        "conservative": f"not supported yet: no positions belong to the momenta of the attitude '{name}'",
+        "linear": f"the attitude '{name}' turns",
+        "islands": f"not supported yet: islands of scenes with attitudes as coordinates ('{name}')",
+    }
 
 
 def _rate_column(coordinate: Coordinate, state: Variable | None) -> Column:
@@ -233,7 +235,7 @@ def _evenness(motion: Motion) -> Tape | None:
 
 def _with_series(scene: Scene) -> Scene:
     """With Taylor coefficients of its motion, or the reason why there are none."""
-    found = jet_tape(scene.tapes) if not scene.patterns.get("attitudes") else scene.refused["taylor"]
+    found = jet_tape(scene.tapes, scene.patterns.get("attitudes", ()))
     if isinstance(found, str):
         return replace(scene, refused={**scene.refused, "taylor": found})
     sizes, patterns, tapes = found

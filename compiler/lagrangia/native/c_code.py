@@ -7,8 +7,9 @@ import math
 from collections.abc import Collection, Mapping, Sequence
 
 from lagrangia.base.table_data import TableData
-from lagrangia.native.series import NoSeriesError, Series, find_series
+from lagrangia.native.series import Series, find_series
 from lagrangia.native.series_code import sines_together, write_series
+from lagrangia.native.series_writer import NoSeriesError
 from lagrangia.native.table_code import write_tables
 from lagrangia.native.tapes import BINARY, SINES, Op, Tape
 from lagrangia.native.wide_code import write_wide
@@ -47,7 +48,7 @@ def write_c(
     """The C source of a scene. Equal input gives equal text. Functions `interpreted` stay tapes: data, which compile at once.
     Without its `tables` a scene with some takes them from elsewhere. `lanes`: with series of eight motions at once."""
     data = {*_DATA, *interpreted}
-    series = motion_series(tapes) if "rhs" not in data else ""
+    series = motion_series(tapes, patterns.get("attitudes", ())) if "rhs" not in data else ""
     if isinstance(series, Series):  # in C, not as instructions
         sizes = {name: size for name, size in sizes.items() if name not in _OF_JET_TAPES} | _sizes(series, tapes)
         patterns = {name: given for name, given in patterns.items() if name not in _OF_JET_TAPES} | {"jet_places": series.places}
@@ -105,22 +106,23 @@ def usual_rhs(tapes: Mapping[str, Tape]) -> Tape:
     return tapes[_usual(tapes)]
 
 
-def motion_series(tapes: Mapping[str, Tape]) -> Series | str:
-    """Taylor coefficients of the motion, or why there are none."""
+def motion_series(tapes: Mapping[str, Tape], attitudes: Sequence[int] = ()) -> Series | str:
+    """Taylor coefficients of the motion, or why there are none. `attitudes`: LagModel.attitudes."""
     if "delayed" in tapes:
         return "not supported yet: something acts late"
     if len(tapes["rhs"].code) // 4 > _LONGEST_SERIES:
         return f"not supported yet beyond {_LONGEST_SERIES} operations"
     try:
-        return find_series(tapes["rhs"])
+        return find_series(tapes["rhs"], attitudes)
     except NoSeriesError as error:
         return str(error)
 
 
-def jet_tape(tapes: Mapping[str, Tape]) -> tuple[dict[str, int], dict[str, tuple[int, ...]], dict[str, Tape]] | str:
+def jet_tape(tapes: Mapping[str, Tape], attitudes: Sequence[int] = ()
+             ) -> tuple[dict[str, int], dict[str, tuple[int, ...]], dict[str, Tape]] | str:
     """Taylor coefficients of the motion as instructions, by the members of LagModel: integers, lists and functions; or why there
     are none."""
-    series = motion_series(tapes)
+    series = motion_series(tapes, attitudes)
     if isinstance(series, str):
         return series
     sizes, lists, numbers = series.as_tape(tapes["rhs"].in_sizes[4:])

@@ -1,6 +1,6 @@
 """Whether forces may turn within so narrow a range that a wide step has no stage in it."""
 
-from lagrangia.native.series import RATES
+from lagrangia.native.series_writer import RATES
 from lagrangia.native.tapes import BINARY, EXPONENTIALS, Op, Tape
 
 _NARROW = frozenset(map(int, (Op.DIV, Op.INV, Op.SQRT, Op.ATAN, Op.ATAN2, Op.LOG, Op.POW, Op.CONSTPOW, Op.ASINH, Op.ERF)))

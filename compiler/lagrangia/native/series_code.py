@@ -7,7 +7,8 @@ import re
 from collections.abc import Callable, Mapping, Sequence
 
 from lagrangia.native.rolled import Constants, find_loops, needed, write_loop
-from lagrangia.native.series import OPERANDS, ORDERS, Instruction, Series, orders_apart
+from lagrangia.native.series import OPERANDS, ORDERS, Series, orders_apart
+from lagrangia.native.series_writer import Instruction
 from lagrangia.native.tapes import JetOp, Op
 
 _JET = re.compile(r"J\((\d+)\)(?:\[([0k])\])?")
@@ -81,7 +82,7 @@ def _text(series: Series, first: Sequence[str], later: Sequence[str], values: Se
             body = _long_body(statements, accelerations, series.known, constants, kept, pitch)
         else:
             sines = sines_together(angles) if angles and statements is first else []
-            body = [*_placed([*sines, *statements], kept, pitch), *_next_states(accelerations, kept, pitch)]
+            body = [*_placed([*sines, *statements], kept, pitch), *_next_states(series), *_next_turns(series)]
         lines += [f"LAG_UNROLLED void {name}(const int k, const double *c, double *jet)", "{", "    (void)c;"]
         lines += [*(f"    {line}" for line in body), "}", ""]
     arguments = "(int k, const double *c, double *jet)"
@@ -99,7 +100,7 @@ def _text(series: Series, first: Sequence[str], later: Sequence[str], values: Se
 
 
 def _apart(series: Series) -> int:
-    return orders_apart(series.n_products, len(series.instructions))
+    return max(1, orders_apart(series.n_products, len(series.instructions)))
 
 
 def sines_together(angles: Sequence[str]) -> list[str]:
@@ -110,12 +111,20 @@ def sines_together(angles: Sequence[str]) -> list[str]:
     return [f"double sine[{size}], cosine[{size}];", *calls]
 
 
-def _next_states(accelerations: Sequence[int], kept: Mapping[int, int], pitch: int) -> list[str]:
+def _next_states(series: Series) -> list[str]:
     """The coefficients of q and v of the next order."""
+    accelerations, kept, pitch = series.accelerations, series.kept, series.pitch
     n = len(accelerations)
     places = [f"{_coefficient(1 + i, 'k + 1', pitch)} = {_coefficient(1 + n + i, 'k', pitch)} * (1.0 / (k + 1));"
               for i in range(n)]
     return [*places, *(_next_rate(i, n, slot, kept, pitch) for i, slot in enumerate(accelerations))]
+
+
+def _next_turns(series: Series) -> list[str]:
+    """Those of quaternions of attitudes, which are the last known jets."""
+    first, behind, n = series.known - 4 * len(series.attitudes), len(series.kept), len(series.accelerations)
+    return [f"lag_jet_turn(J({first + 4 * i}), J({behind + 4 * i}), J({1 + n + place}), k);"
+            for i, place in enumerate(series.attitudes)]
 
 
 def _next_rate(i: int, n: int, slot: int, kept: Mapping[int, int], pitch: int) -> str:

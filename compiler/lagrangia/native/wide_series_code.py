@@ -6,7 +6,8 @@ body: a loop for several sums of products at a time, then a statement an instruc
 
 from collections.abc import Callable, Mapping, Sequence
 
-from lagrangia.native.series import OPERANDS, Instruction, Series
+from lagrangia.native.series import OPERANDS, Series
+from lagrangia.native.series_writer import Instruction
 from lagrangia.native.tapes import JetOp, Op
 
 _AT_ONCE = 12  # sums in one loop: so many registers are there on all processors with vectors
@@ -42,8 +43,8 @@ _SUMS: Mapping[JetOp, tuple[str, ...]] = {
 
 def write_wide_series(series: Series, expression: Callable[[int, str, str], str], number: Callable[[float], str]) -> list[str]:
     """C text. `expression` is C for an operation on numbers of one motion, `number` a literal. Nothing for a long state, whose
-    jets lie order by order."""
-    if series.pitch > 1:
+    jets lie order by order, and for attitudes."""
+    if series.pitch > 1 or series.attitudes:
         return []
     used = [x for i in series.instructions for kind, x in zip(OPERANDS[i.op], i.operands, strict=True) if kind == "n"]
     numbers = {k: f"LAG_WIDE_OF({number(series.numbers[k][1])})" if series.numbers[k][0] == Op.CONST else
