@@ -28,6 +28,9 @@
 static const double FARTHEST = 1e-7; /* correction of a position, of its nominal value, that is left to the stabilisation */
 static const double AFTER_EVENTS = 10; /* errors of an importer's first steps, in its tolerances */
 static const double CLEAR = 2;     /* slacks: farther from its place a condition needs none */
+/* Of all energy, what the account may miss by errors of an importer's method, which add up: in its tolerances, at all and for each step
+ * it tells of; at least and at most. */
+static const double MISSED = 2e3, MISSED_EACH = 10, MISSED_ROUNDING = 1e-8, MOST_MISSED = 0.1;
 static const double CLOSE = 1e-6; /* of the accelerations: the polynomial between two completed steps is the motion */
 
 LagAnswer lag_instance_set_time(LagInstance *s, double t)
@@ -178,32 +181,36 @@ static int agree(const double *a, const double *b, int n)
     return distance <= CLOSE * size;
 }
 
-/* Dissipated and work over the last step, by Gauss-Lobatto quadrature with four nodes, two of them at the ends. Returns 0 when
- * the motion between the ends is not the polynomial's. */
-static int account_by_polynomial(LagInstance *s, double h, double *sum)
+/* Dissipated and work over the last step, by Gauss-Lobatto quadrature with four nodes, two of them at the ends: `is_known`. Returns 0
+ * when the motion between the ends is not the polynomial's. */
+static int account_by_polynomial(LagInstance *s, double h, double *sum, int *is_known)
 {
     static const double INNER[2] = {0.27639320225002103, 0.72360679774997897}; /* (1 -+ 1/sqrt 5)/2 */
     const int n = s->model->n, states = lag_fmu_states(s->model);
     double *state = s->scratch, *slope = state + states, *acceleration = slope + states, power[2];
+    int agrees = 1;
     for (int k = 0; k < 2; ++k)
         sum[k] = h / 12 * (s->last_power[k] + s->power[k]);
     for (int i = 0; i < 2; ++i) {
         state_between(s, INNER[i], h, state, acceleration);
-        if (!lag_instance_slope_at(s, s->vital.last_time + h * INNER[i], state, slope, power) || !agree(acceleration, slope + states - n, n))
+        if (!lag_instance_slope_at(s, s->vital.last_time + h * INNER[i], state, slope, power))
             return 0;
+        agrees &= agree(acceleration, slope + states - n, n);
         for (int k = 0; k < 2; ++k)
             sum[k] += h / 12 * 5 * power[k];
     }
-    return 1;
+    *is_known = 1;
+    return agrees;
 }
 
-/* The same by a run of our own from the last state: importers that tell of every hundredth step only are held to account. Into
- * `is_same`: whether the equations are those that they were, which the importer must be told otherwise. */
+/* The same by a run of our own from the last state: importers that tell of every hundredth step only are held to account. Not known
+ * where it meets an event, which the importer's step has not: that takes its share when it comes. Into `is_same`: whether the equations are those that they were, which the importer must be told otherwise. */
 static int account_by_run(LagInstance *s, double *sum, int *is_same)
 {
     LagRun *run = s->run;
     const int n = run->model->n;
     const double coarse = run->impacts.coarse;
+    const int64_t events = run->statistics.events;
     int done = 0;
     lag_switches_keep(run, s->switches);
     stand_at(s, s->vital.last_time, lag_instance_plain(s, s->last));
@@ -220,19 +227,23 @@ static int account_by_run(LagInstance *s, double *sum, int *is_same)
     run->impacts.coarse = coarse;
     *is_same = lag_switches_resume(run, s->switches);
     lag_cones_note(run, s->vital.last_time, lag_instance_plain(s, s->last));
-    return is_known;
+    return is_known && run->statistics.events == events;
 }
 
 /* Returns whether the equations are the same after it. */
 static int keep_account(LagInstance *s)
 {
     const double h = s->vital.t - s->vital.last_time;
-    double sum[2] = {0, 0};
-    int is_same = 1;
-    if (s->model->n_power == 2 && h > 0 && lag_instance_slope(s) == LAG_ANSWER_OK
-        && (account_by_polynomial(s, h, sum) || account_by_run(s, sum, &is_same))) {
-        s->vital.dissipated += sum[0];
-        s->vital.work += sum[1];
+    double sum[2] = {0, 0}, of_run[2];
+    int is_same = 1, is_known = 0;
+    if (s->model->n_power == 2 && h > 0) {
+        const int is_run = lag_instance_slope(s) == LAG_ANSWER_OK && !account_by_polynomial(s, h, sum, &is_known)
+            && account_by_run(s, of_run, &is_same);
+        const double *found = is_run ? of_run : sum;
+        is_known |= is_run;
+        s->vital.dissipated += is_known ? found[0] : 0;
+        s->vital.work += is_known ? found[1] : 0;
+        s->vital.is_unaccounted |= !is_known;
         s->vital.energies_are_current = 0;
     }
     if (!is_same)
@@ -277,6 +288,27 @@ static LagAnswer meet_guards(LagInstance *s)
     return status == LAG_OK || status == LAG_ENDED ? LAG_ANSWER_OK : lag_instance_failed(s, status);
 }
 
+/* A warning as long as the energy account misses more than errors of the importer's method explain; told when it begins. */
+static LagAnswer judge_account(LagInstance *s)
+{
+    LagVital *vital = &s->vital;
+    lag_instance_energies(s);
+    for (int i = 0; i < LAG_ENERGY_RESIDUAL; ++i)
+        if (isfinite(s->energies[i]))
+            vital->energy_size = fmax(fabs(s->energies[i]), vital->energy_size);
+    vital->energy_miss = fmax(fabs(s->energies[LAG_ENERGY_RESIDUAL]), vital->energy_miss);
+    vital->steps += 1;
+    const double explained = fmin(fmax(vital->tolerance * (MISSED + MISSED_EACH * vital->steps), MISSED_ROUNDING), MOST_MISSED);
+    const int is_open = !vital->is_unaccounted && vital->energy_miss > explained * vital->energy_size;
+    if (is_open && !vital->is_told_open)
+        lag_instance_log(s, LAG_ANSWER_WARNING, "logStatusWarning",
+                         "at t = %.6g s the energy account misses by %.1e J, more than a tolerance of %g explains: the states are not "
+                         "the motion, which the importer has to integrate in smaller steps", vital->t, vital->energy_miss,
+                         vital->tolerance);
+    vital->is_told_open = is_open;
+    return is_open ? LAG_ANSWER_WARNING : LAG_ANSWER_OK;
+}
+
 LagAnswer lag_instance_completed_step(LagInstance *s, int *needs_event)
 {
     const LagAnswer answer = lag_instance_settle(s);
@@ -287,7 +319,8 @@ LagAnswer lag_instance_completed_step(LagInstance *s, int *needs_event)
     if (!has_switched)
         lag_cones_note(s->run, s->vital.t, lag_instance_projected(s, s->vital.t, s->x));
     *needs_event = answer == LAG_ANSWER_OK && (has_switched || has_changed || s->vital.t >= s->run->segment_end || is_astray(s));
-    return answer == LAG_ANSWER_OK && s->model->n_guards > 0 ? meet_guards(s) : answer;
+    const LagAnswer met = answer == LAG_ANSWER_OK && s->model->n_guards > 0 ? meet_guards(s) : answer;
+    return met == LAG_ANSWER_OK ? judge_account(s) : met;
 }
 
 static double next_event(LagInstance *s)

@@ -58,6 +58,8 @@ typedef struct {
     double t, start, stop, tolerance;
     double start_energy, supports_energy; /* H, and T + V - H, at the start */
     double dissipated, work, last_time;   /* Model Exchange: the energy account up to the last completed step */
+    int is_unaccounted;     /* there is a step of which it is not known, or an input has changed within one */
+    double steps, energy_size, energy_miss; /* completed; the largest of its entries, and of what it misses */
 } LagVital;
 
 /* Inputs over all time, linear between rows: of a page, which needs not wait for what its importer sets. */

@@ -76,6 +76,18 @@ void lag_cosimulation_take_row(LagInstance *s)
         lag_cosimulation_take(s);
 }
 
+/* What energies are large is told by nominal rates, where it begins at rest. */
+static double nominal_energy(LagInstance *s)
+{
+    const size_t n = (size_t)s->model->n;
+    double energies[3];
+    lag_fmu_by_coordinate(s->model, s->fmu->nominal, s->plain);
+    memcpy(s->projected, s->run->motion.y, n * sizeof *s->projected);
+    memcpy(s->projected + n, s->plain + n, n * sizeof *s->projected);
+    lag_energies(s->run, s->vital.t, s->projected, energies);
+    return isfinite(energies[0]) ? energies[0] : 0;
+}
+
 /* The state that the run has found. */
 static void take_start(LagInstance *s)
 {
@@ -90,6 +102,9 @@ static void take_start(LagInstance *s)
     vital->start_energy = energies[2];
     vital->supports_energy = energies[0] + energies[1] - energies[2];
     vital->dissipated = vital->work = 0;
+    vital->steps = vital->energy_miss = 0;
+    vital->energy_size = s->model->n > 0 ? nominal_energy(s) : 0;
+    vital->is_unaccounted = vital->is_told_open = 0;
     lag_instance_forget(s);
     if (s->kind == LAG_CO_SIMULATION) {
         lag_cosimulation_take_row(s);

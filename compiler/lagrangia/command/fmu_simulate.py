@@ -77,7 +77,8 @@ def simulate_fmu_command(options: Namespace) -> int:
         raise RunError(f"at t = {run.outcome.time:.9g}: {run.outcome.explanation}\n"
                        f"{run.rows} rows before it are kept in {target}")
     elif run.outcome.warns:
-        raise RunError(f"the FMU answered the last communication step with a warning; the rows are kept in {target}")
+        step = "communication step" if run.job.kind == "cs" else "step"
+        raise RunError(f"the FMU answered the last {step} with a warning; the rows are kept in {target}")
     return 0
 
 

@@ -42,9 +42,8 @@ class Importer:
         interface = self.description.modelExchange if kind == "ModelExchange" else self.description.coSimulation
         self.interface = interface
         self.next_event: float | None = None
-        self.warns = False  # the latest communication step was answered by a warning
-        if kind == "CoSimulation":
-            self._heed("fmi2DoStep" if self.is_fmi2 else "fmi3DoStep")
+        self.warns = False  # the latest step was answered by a warning
+        self._heed(("fmi2" if self.is_fmi2 else "fmi3") + ("DoStep" if kind == "CoSimulation" else "CompletedIntegratorStep"))
 
     def _heed(self, name: str) -> None:
         """Keeps the status of a function, which FMPy does not pass on where it is no error."""

@@ -73,7 +73,7 @@ class Outcome:
     interrupted: bool = False
     is_asked_for: bool = False  # by the FMU, in the way that the standard has for it
     is_given_up: bool = False  # after the time that was allowed
-    warns: bool = False  # the last communication step was answered by a warning
+    warns: bool = False  # the last step was answered by a warning
 
     @property
     def width(self) -> int:

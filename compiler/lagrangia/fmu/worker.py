@@ -82,7 +82,7 @@ def _work(job: dict[str, Any], folder: Path, result: dict[str, Any], count: Coun
             exchange(importer, table, job["times"], stop, tolerance, write, count)
         else:
             cosimulate(importer, table, job["times"], write, count)
-            result["warns"] = importer.warns
+        result["warns"] = importer.warns
     importer.fmu.terminate()
     importer.fmu.freeInstance()
 

@@ -1,0 +1,82 @@
+"""The energy account of Model Exchange: what an importer's method misses is told, what is as right as its tolerance is not."""
+
+from math import pi
+from pathlib import Path
+
+import pytest
+
+pytest.importorskip("fmpy")
+
+from fmpy.fmi1 import fmi1Warning
+
+from helpers.fmus import EXAMPLES, VERSIONS, Instance, fmu_of, unpacked
+from lagrangia.fmu.importer import Importer
+from lagrangia.fmu.run import open_fmu, simulate_fmu
+from lagrangia.run.request import Request
+
+SPRING = """
+model Swings
+  Block b(m = 1, base = world, s(start = 1)); Spring s(k = 4, stretch = b.s); Damper d(c = 0.01, rate = b.v);
+  annotation(experiment(StopTime = 10, Tolerance = 1e-6));
+end Swings;
+"""
+
+
+@pytest.fixture(scope="module")
+def swings(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("account") / "swings.lag"
+    path.write_text(SPRING)
+    return path
+
+
+def answers(one: Instance, step: float, stop: float) -> list[int]:
+    """Of completed steps: Euler's explicit method, which winds energy up."""
+    name = "fmi2CompletedIntegratorStep" if one.version == "2" else "fmi3CompletedIntegratorStep"
+    found: list[int] = []
+    inner = getattr(one.fmu, name)
+    setattr(one.fmu, name, lambda *arguments: found.append(inner(*arguments)) or found[-1])
+    t = 0.0
+    while t < stop:
+        x = [a + step * b for a, b in zip(one.states(), one.slopes(), strict=True)]
+        t += step
+        one.fmu.setTime(t)
+        one.set_states(x)
+        one.fmu.completedIntegratorStep()
+    return found
+
+
+@pytest.mark.parametrize("version", VERSIONS)
+def test_a_method_that_winds_energy_up_is_told(version: str, swings: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    one = Instance(swings, version, "ModelExchange").start(tolerance=1e-6)
+    found = answers(one, 0.02, 4.0)
+    first = found.index(fmi1Warning)
+    assert 0 < first < 20 and set(found[first:]) == {fmi1Warning}
+    assert one.get("energy.residual")[0] > 0.1
+    told = capfd.readouterr().out
+    assert told.count("energy account misses") == 1 and "smaller steps" in told
+    one.fmu.reset()
+    one.start(tolerance=1e-6)
+    assert set(answers(one, 1e-6, 1e-4)) == {0}  # and forgotten
+    one.free()
+
+
+def test_what_keeps_its_tolerance_says_nothing(swings: Path) -> None:
+    """Over 80 swings, and of a ball whose bounces come ever closer: each takes its energy once."""
+    run = simulate_fmu(open_fmu(fmu_of(swings, "2")), Request(stop=80 * pi, interval=1.0), "me")
+    assert not run.outcome.warns and not run.outcome.said
+    names = ("energy.dissipated", "energy.total", "energy.residual")
+    ball = simulate_fmu(open_fmu(fmu_of(EXAMPLES / "bouncing_ball.lag", "3")), Request(outputs=names, interval=0.1), "me")
+    assert not ball.outcome.warns and abs(ball["energy.residual"]).max() < 1e-5
+    assert ball["energy.dissipated"][-1] == pytest.approx(1.2753, abs=1e-5)  # 0.1 kg from 1.3 m, and 0.018 J stay
+
+
+def test_lag_simulate_heeds_it(swings: Path) -> None:
+    """Its importer, which makes it exit code 1."""
+    importer = Importer(str(unpacked(swings, "3")), "ModelExchange")
+    importer.initialise(0.0, 10.0, 1e-6, {}, lambda: None)
+    for t, x, warns in ((0.1, [1.0, 0.0], False), (0.2, [2.0, 0.0], True)):
+        importer.fmu.setTime(t)
+        importer.set_states(x)
+        assert not importer.completed_step() and importer.warns is warns
+    importer.fmu.terminate()
+    importer.fmu.freeInstance()
