@@ -11,6 +11,8 @@ Write = Callable[[str], lag.Model]
 BODY = "Block b(m = 1, base = world, s(start = 0.1)); Spring s(k = 2, stretch = b.s);"
 VAIN = {
     "equation connect(world, b.base);": "joined already", "equation connect(b.center, b.center);": "to itself",
+    "equation connect(b.center, shift(world, {b.s, 0})) annotation(Foo = 1, Line(points = {{0, 0}, {1, 1}}));":
+        "the annotation 'Foo' has no effect here",
     "equation": "this section is empty", "initial equation": "this section is empty", "energy": "this section is empty",
     "constant Real a = 3;": "nothing reads the constant 'a'", "parameter Integer n = 3;": "nothing reads the parameter 'n'",
     "parameter Boolean n = true;": "nothing reads the parameter 'n'",

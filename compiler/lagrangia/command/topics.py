@@ -94,7 +94,7 @@ contact_force(x)      the force that holds x at the contact of `when x < 0 then 
                       a run that finds no impulse either ends with a word.
 Friction in joints    forces and dissipation functions may feel reactions: mu*radius*norm(hinge.reaction)*abs(hinge.w). Both
                       are solved for together, in loops as well, and stick exactly. RoughRevolute, RoughPrismatic, RoughWheel,
-                      RoughGear and Capstan of the library are such; Friction(normal = abs(guide.reaction[2])) rubs anywhere.
+                      RoughGear, Capstan are such; RoughBelt slips; Friction(normal = abs(guide.reaction[2])) rubs anywhere.
                       Where friction presses by its own reaction more than it takes (a light slider that a long rod pushes
                       down, with a large mu) there is no solution, or several (Painleve): the run ends with a word. Not
                       supported yet beside events that reset rates, and in lag equilibrium, modes and equations.

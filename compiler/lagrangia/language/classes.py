@@ -8,6 +8,7 @@ from functools import cached_property
 from lagrangia.base.diagnostics import LIBRARY, Report, Source, Span, fail, suggest
 from lagrangia.base.records import dataclass
 from lagrangia.language.component_library import library_package
+from lagrangia.language.foreign_words import FOREIGN_CALLS
 from lagrangia.language.functions import FUNCTIONS
 from lagrangia.language.plain_tree import PlainClasses
 from lagrangia.language.scoping import Finder, Scopes, has_scopes, lifted, nowhere
@@ -113,6 +114,8 @@ class ClassTable:
         if name in FUNCTIONS:
             fail("L0201", f"'{name}' is a function of the language, no class", span, "a function of one's own may call it: "
                  f"function f input Real x; output Real y; algorithm y := {name}(x); end f;")
+        if name == "Clock":
+            fail("L0901", "not of this language: Clock", span, FOREIGN_CALLS[name])
         if name == "ExternalObject":
             fail("L0901", "not of this language: external objects", span, "give the values as a table of a file: lag help tables")
         hint = f"a number is a {_FOREIGN[name]}, or a quantity such as Length" if name in _FOREIGN else suggest(name, known)
@@ -271,6 +274,9 @@ def _collect(files: Iterable[Syntax], report: Report, known: dict[str, ClassDefi
 
 def _check_members(definition: ClassDefinition, report: Report) -> None:
     seen: dict[str, Declaration] = {}
+    for k, literal in enumerate(definition.literals):
+        if literal.name in [one.name for one in definition.literals[:k]]:
+            report.error("L0202", f"'{literal.name}' is twice a value of {definition.name}", literal.span)
     if definition.kind == "function":
         for extends in (e for e in definition.elements if isinstance(e, Extends) and e.type_name == "der"):
             report.error("L0901", "not of this language: functions that are derivatives of others", extends.span,

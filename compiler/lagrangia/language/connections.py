@@ -13,7 +13,7 @@ from lagrangia.base.diagnostics import Report, Span, fail
 from lagrangia.base.records import dataclass
 from lagrangia.language.flat import Equation, Variable
 from lagrangia.language.instances import FrameSlot, Instance, Member, Scope, Slot
-from lagrangia.language.mentions import leaves
+from lagrangia.language.mentions import leaves, nodes
 from lagrangia.language.tree import Array, Call, Expression, Flat, Ref, Reference, Whole
 
 _POSITIONS = frozenset({"rad", "m"})  # units of what a motion may decide
@@ -235,12 +235,18 @@ def _array(shape: tuple[int, ...], index: tuple[int, ...], elements: Mapping[tup
     return Array(tuple(_array(shape[1:], (*index, k), elements, span) for k in range(1, shape[0] + 1)), span)
 
 
-def require_bindings(variables: Mapping[str, Variable], report: Report) -> None:
-    """Reports L0211 for variables that nothing gives a value."""
+def require_bindings(variables: Mapping[str, Variable], equations: Sequence[Equation], report: Report) -> None:
+    """Reports L0211 for variables that nothing gives a value; `equations` have none alone on one side."""
+    missing = {v.name for v in variables.values() if v.kind == "variable" and v.binding is None}
+    named = {node.name: equation for equation in reversed(equations if missing else ())
+             for node in nodes(equation.left, equation.right) if isinstance(node, Ref)}
     for variable in variables.values():
-        if variable.kind == "variable" and variable.binding is None:
+        if variable.name in missing:
             *component, name = variable.name.split(".")
             hint = f"write: {component[-1]}({name} = ...)" if component else f"write: {name} = ..., or an equation for it"
+            if variable.name in named:
+                hint = (f"the equation at {named[variable.name].span} is not solved for it: write {name} = ..., for positions "
+                        "alone follow from what equations hold together")
             report.error("L0211", f"the variable '{variable.name}' has no value", variable.span, hint,
                          "what the motion decides is a coordinate: declare it with `coordinate`; a first-order state "
                          f"has an equation for its rate, der({name}) = ...")

@@ -18,6 +18,7 @@ from lagrangia.language.frame_attributes import dimension_of, known_of
 from lagrangia.language.function_variables import FlatFunction
 from lagrangia.language.functions import FRAME_FUNCTIONS
 from lagrangia.language.lookups import lookup_of, plane_of
+from lagrangia.language.number_checks import CONDITIONS, require_number, require_shape
 from lagrangia.language.tree import (
     Array,
     Binary,
@@ -52,7 +53,6 @@ class Quantity:
         return "any unit" if self.dimension is None else spell(self.dimension)
 
 
-_CONDITIONS = {"==", "<>", "<", "<=", ">", ">=", "and", "or"}
 _RADIANS_A_SECOND = ("rpm", "rad/s", "deg/s")
 ANY = Quantity(None)
 PURE = Quantity(ONE)
@@ -141,10 +141,12 @@ class _Checker:
     # ------------------------------------------------------------ checks
 
     def check_variable(self, variable: Variable) -> None:
+        require_shape(self.model, variable)
         declared = self.declared(variable)
         for value, what in ((variable.binding, f"'{variable.name}'"), (variable.start, f"the start of '{variable.name}'")):
             if value is None:
                 continue
+            require_number(value, self.report)
             if variable.is_attitude:
                 self.expect(value, ONE, what, "1")
             elif declared.dimension is not None:
@@ -274,6 +276,9 @@ class _Checker:
 
     def _binary(self, node: Binary[Flat], local: Mapping[str, Quantity] | None) -> Quantity:
         a, b = self.quantity(node.left, local), self.quantity(node.right, local)
+        if node.operator not in CONDITIONS:
+            require_number(node.left, self.report)
+            require_number(node.right, self.report)
         match node.operator:
             case "+" | "-":
                 return self.same(a, b, node.span, "be added" if node.operator == "+" else "be subtracted")
@@ -319,7 +324,7 @@ class _Checker:
         match node:
             case Boolean() | Unary("not", _, _):
                 pass
-            case Binary(operator, _, _, _) if operator in _CONDITIONS:
+            case Binary(operator, _, _, _) if operator in CONDITIONS:
                 pass
             case _:
                 self.report.error("L0302", "a condition is true or false", node.span, "compare it with something, as x > 0")

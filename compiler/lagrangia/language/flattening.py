@@ -482,7 +482,7 @@ class _Flattening:
             constraints += bindings.connect(self.connections)
         self.variables = bindings.with_inputs(self.inputs)
         if not self.report.errors:  # an equation that is wrong may have been meant to give the value
-            require_bindings(self.variables, self.report)
+            require_bindings(self.variables, constraints, self.report)
         self._let_vary()
         return tuple(constraints)
 

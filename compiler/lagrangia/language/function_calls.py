@@ -136,7 +136,10 @@ def _arranged(call: Call[Expression], name: str, inputs: dict[str, Declaration])
         wanted = f"{_counted(len(inputs), 'argument')} ({', '.join(inputs)})"
         fail("L0215", f"{name} takes {wanted}, not {len(call.arguments)}", call.span)
     for own, value in call.named:
-        if own not in inputs or own in given:
+        if own in given:
+            fail("L0215", f"the input '{own}' of {name} is given twice", call.span,
+                 f"values without a name come first, in their order: {', '.join(inputs)}")
+        if own not in inputs:
             fail("L0215", f"{name} has no other input '{own}'", call.span, *filter(None, [suggest(own, list(inputs))]))
         given[own] = value
     missing = [own for own, declaration in inputs.items() if own not in given and declaration.binding is None]

@@ -30,6 +30,7 @@ from lagrangia.language.redeclarations import (
     leave_out_connections,
     modifying,
     redeclared,
+    refuse_redeclared_nothing,
     replace_local_classes,
     with_redeclared_classes,
     with_redeclared_elements,
@@ -86,6 +87,7 @@ class Instantiation:
         self.stack.append(definition)
         members = list(self._members(definition, modification, Scope(instance)))
         self._check_names(instance, members, modification)
+        refuse_redeclared_nothing(definition, members, self.report)
         own = [m for m in members if not add_outer(self.table, self.report, instance, *m)]
         instance.inner |= {declaration.name for declaration, _ in own if "inner" in declaration.prefixes}
         self._add_variables(instance, [m for m in own if self._is_scalar(m[0])], roles)

@@ -31,6 +31,9 @@ def refuse_missing(table: ClassTable, slot: Slot, owner: Instance) -> NoReturn:
     """Of a parameter that has to be given. Raises LagError L0211."""
     name, span = slot.declaration.name, slot.declaration.name_span
     said = f" ({slot.declaration.description})" if slot.declaration.description else ""
+    if (fixed := slot.attributes.get("fixed")) is not None and fixed.expression.span.text == "false":
+        fail("L0901", f"not supported yet: the parameter '{name}' that initial equations would give", fixed.expression.span,
+             "give it a value, or start values that follow from it")
     if owner.parent is not None:
         fail("L0211", f"{owner.definition.name} '{owner.path}' needs a value for its parameter '{name}'{said}",
              outside(table, owner.span, owner.parent), f"write: {owner.span.text}({name} = ...)")

@@ -195,6 +195,17 @@ def _connected(clause: Clause) -> tuple[str, ...]:
     return tuple(map(str, call.arguments)) if is_connect and isinstance(call, Call) else ()
 
 
+def refuse_redeclared_nothing(definition: ClassDefinition, members: Sequence[tuple[Declaration, Modification]], report: Report
+                              ) -> None:
+    """Reports L0234 for `redeclare` before an element of a class that inherits none of its name."""
+    own = [e for e in definition.elements if isinstance(e, Declaration) and "redeclare" in e.prefixes]
+    names = {declaration.name for declaration, _ in members} if own else set()
+    for element in own:
+        if element.name not in names:
+            report.error("L0234", f"nothing is inherited that '{element.name}' could take the place of", element.name_span,
+                         "leave `redeclare` out: this is a component of its own")
+
+
 # ------------------------------------------------------------ inner and outer
 
 
