@@ -6,8 +6,10 @@ import pytest
 
 from lagrangia.base.diagnostics import Source
 from lagrangia.command.cli import main
+from lagrangia.compile import pipeline
 from lagrangia.editor import whole
 from lagrangia.editor.whole import read_back
+from lagrangia.language.syntax import parse
 
 SCENE = "model M Block b(m = 1, base = world); end M;"
 WRONG = {  # beside the scene; what is told of it
@@ -96,3 +98,15 @@ def test_an_editor_is_told_of_earlier_scenes(tmp_path: Path, capsys: pytest.Capt
     found = read_back(capsys.readouterr().out, Source(str(file), file.read_text()))
     assert [(one.code, one.message[:23]) for one in found] == [("L0605", "the parameter 'b.m' is ")] * 2
     assert found[0].span is not None and found[1].span is not None and found[0].span.start > found[1].span.start
+
+
+def test_a_file_of_many_models_is_read_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+                                            ) -> None:
+    """Each of them had it read anew: 100 models took 19 s."""
+    count = []
+    monkeypatch.setattr(pipeline, "parse", lambda source: count.append(source) or parse(source))
+    path = tmp_path / "many.lag"
+    path.write_text("".join(f"model M{k} Block b(m = {k}, base = world); end M{k};\n" for k in range(1, 5)))
+    assert main(["check", str(path)]) == 0
+    assert capsys.readouterr().out.count("1 degree of freedom") == 4
+    assert len(count) == 1

@@ -10,6 +10,7 @@ import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import replace
+from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -50,6 +51,7 @@ if TYPE_CHECKING:
 
 PHASES = ("syntax", "flat", "graph", "kinematics", "energies", "motion", "needs", "c")
 _DEEPEST_RECURSION = 50_000
+_MOST_TREES = 16
 
 
 @dataclass(frozen=True)
@@ -299,7 +301,8 @@ def _brought(main: "Syntax", imported: "list[Syntax]") -> "list[tuple[ImportFile
 def read_files(path: Path, read: Callable[[Path], Source] = read_source) -> "tuple[Syntax, list[Syntax]]":
     """The file and all that it imports, each once; an editor reads what people have not saved yet. Raises LagError."""
     refuse_others(path)
-    main = parse(read(path))
+    tree = _tree if read is read_source else parse  # an editor knows its sources again
+    main = tree(read(path))
     found: dict[Path, Syntax] = {path.resolve(): main}
     report = Report()
     pending = [(path, main)]
@@ -315,10 +318,20 @@ def read_files(path: Path, read: Callable[[Path], Source] = read_source) -> "tup
             if not target.is_file():
                 report.error("L0002", f"there is no file '{item.path}'", item.span, f"looked for {here.parent / item.path}")
                 continue
-            found[target] = parse(read(here.parent / item.path))
+            found[target] = tree(read(here.parent / item.path))
             pending.append((here.parent / item.path, found[target]))
     report.raise_errors()
     return main, [*(syntax for syntax in found.values() if syntax is not main), *enclosing(main)]
+
+
+def _tree(source: Source) -> "Syntax":
+    return _parsed(source.name, source.text)
+
+
+@lru_cache(maxsize=_MOST_TREES)
+def _parsed(name: str, text: str) -> "Syntax":
+    """The same tree for the same text: of a file of many models that are looked at in turn it is made once."""
+    return parse(Source(name, text))
 
 
 def _choose(syntax: "Syntax", table: "ClassTable", name: str | None) -> Any:

@@ -47,7 +47,6 @@ class ClassTable:
     files: dict[Source, Syntax] = field(default_factory=dict)  # those in which names may mean something else in each class
     find: Finder = nowhere
     functions: dict[int, tuple[ClassDefinition, ClassDefinition]] = field(default_factory=dict)  # with what they extend, by ids
-    words: dict[int, tuple[ClassDefinition, frozenset[str]]] = field(default_factory=dict)  # that stand in a class, by its id
 
     @cached_property
     def scopes(self) -> Scopes:

@@ -3,6 +3,7 @@ frames that are joined already, resets to what is there, structural numbers and 
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import fields, is_dataclass
+from functools import lru_cache
 from typing import Any
 
 from lagrangia.base.diagnostics import Report, Source, Span
@@ -33,6 +34,7 @@ from lagrangia.language.tree import (
 from lagrangia.language.unread import inside
 
 CODE = "L0224"
+_MOST_CLASSES = 20_000
 _OF_MODELS = ("experiment", "allow")
 _OF_PARAMETERS = ("Evaluate", "Varying", ANNOTATION)
 _PLACES = ((_OF_MODELS, "on a line of its own in a model"), (_OF_PARAMETERS, "behind a parameter"))
@@ -197,7 +199,7 @@ def _look_at_attributes(instances: Iterable[Instance], model: FlatModel, table: 
 
 def _look_at_parameters(own: Sequence[ClassDefinition], table: ClassTable, of_root: set[int], report: Report) -> None:
     """Constants and parameters whose names stand nowhere; idle.py tells of the others of the scene itself."""
-    mentioned = frozenset().union(*(_words_of(definition, table) for definition in (*own, *_all_classes(table.user.values()))))
+    mentioned = frozenset().union(*(_words_of(_This(x)) for x in (*own, *_all_classes(table.user.values()))))
     for definition in own:
         for element in definition.elements:
             is_looked_at = isinstance(element, Declaration) and "inner" not in element.prefixes and (
@@ -231,11 +233,25 @@ def _look_at_functions(functions: Iterable[ClassDefinition], report: Report) -> 
                                "leave it out")
 
 
-def _words_of(definition: ClassDefinition, table: ClassTable) -> frozenset[str]:
+class _This:
+    """A class itself, whose parts nobody compares."""
+
+    __slots__ = ("definition",)
+
+    def __init__(self, definition: ClassDefinition) -> None:
+        self.definition = definition
+
+    def __hash__(self) -> int:
+        return id(self.definition)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _This) and self.definition is other.definition
+
+
+@lru_cache(maxsize=_MOST_CLASSES)
+def _words_of(this: _This) -> frozenset[str]:
     """Of a class, which are looked for once however many models of a file are looked at."""
-    if id(definition) not in table.words:
-        table.words[id(definition)] = definition, frozenset(_words((definition.elements, definition.sections)))
-    return table.words[id(definition)][1]
+    return frozenset(_words((this.definition.elements, this.definition.sections)))
 
 
 def _words(part: Any) -> Iterator[str]:
