@@ -121,6 +121,7 @@ struct LagModel {
     int has_corners;  /* forces bend or jump somewhere: what does not fall as steps shrink need not be rounding */
     int may_hide;     /* forces have exponentials of what changes, which may be narrow within a step */
     int may_be_narrow; /* those and others of rates, as in friction that is rubbed smooth, so that steps that are wide look twice */
+    int loops_know_time; /* what moves in time stands in constraints: it may drive a linkage through dead points */
     int conditions_know_time; /* some event's condition does, besides at time events: no step of the motion tells how quick it is */
     int shares_bend;  /* accelerations are no linear functions of shares: friction feels reactions, which it changes */
     int is_swing;     /* one degree of freedom, energy is kept, and nothing but the state decides */

@@ -204,6 +204,16 @@ static void tell_failure(const LagRun *run, LagStatus status, LagOutcome *outcom
         outcome->failure = *lag_run_failure(run);
 }
 
+/* Bits of the guards that have warned. */
+static int32_t warned_of(LagRun *run)
+{
+    double when = 0;
+    uint32_t found = 0;
+    for (int guard = lag_run_warning(run, &when); guard > 0; guard = lag_run_warning(run, &when))
+        found |= 1U << (guard - 1 < LAG_GUARD_BITS - 1 ? guard - 1 : LAG_GUARD_BITS - 1);
+    return (int32_t)found;
+}
+
 void lag_batch_conclude(LagBatch *batch, LagFollower *f, int64_t i, LagStatus status)
 {
     LagOutcome *outcome = &batch->outcomes[i];
@@ -212,8 +222,7 @@ void lag_batch_conclude(LagBatch *batch, LagFollower *f, int64_t i, LagStatus st
     const LagStatistics *statistics = lag_run_statistics(f->run);
     for (size_t k = rows_size(batch, f->next_row); k < rows_size(batch, batch->sweep.n_rows); ++k)
         f->rows[k] = NAN;
-    double when = 0;
-    outcome->warned = lag_run_warning(f->run, &when);
+    outcome->warned = warned_of(f->run);
     if (outcome->kind == LAG_RUN_DONE && status != LAG_OK)
         tell_failure(f->run, status, outcome);
     if (outcome->kind != LAG_RUN_PARAMETER) {

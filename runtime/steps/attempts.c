@@ -101,15 +101,20 @@ static double next_way(LagRun *run, LagAttempts *attempts, double shorter)
 }
 
 /* Near singular positions at once, with a length that leads across, and for good: there will be more of them. Where time has no
- * shorter steps (what was held is let go, and begins from nothing), there is nothing to wait for. */
+ * shorter steps (what was held is let go, and begins from nothing), there is nothing to wait for; nor where a linkage is
+ * driven in time, as a crank by its slide: short steps lead so near its dead points that rounding decides. */
 int lag_attempts_leave(LagRun *run, const LagAttempts *attempts, double h, double error, double shorter)
 {
     const int is_loop = run->model->n_multipliers > 0, leaves = run->methods.table->leaves_trouble;
     const int is_last = shorter < lag_step_smallest(run->motion.t);
-    if (!leaves || (is_loop && !is_last && is_mendable(run, attempts, h, error)))
+    if (!leaves)
         return 0;
-    if (attempts->rejected < HOPELESS && !is_last && (!is_loop || lag_singularity(run, attempts->planned) < NEARLY))
-        return 0;
+    if (!run->model->loops_know_time && !is_last) {
+        if (is_loop && is_mendable(run, attempts, h, error))
+            return 0;
+        if (attempts->rejected < HOPELESS && (!is_loop || lag_singularity(run, attempts->planned) < NEARLY))
+            return 0;
+    }
     run->step = is_loop ? TO_OTHERS * fmax(attempts->planned, run->calm_step) : shorter;
     run->calm_step *= is_loop ? TO_OTHERS : 1;
     return (is_loop && lag_turn_fall_back(run)) || lag_turn_pass(run);

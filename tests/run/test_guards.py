@@ -98,8 +98,25 @@ def test_parameters_are_checked_at_the_start(scene: Write) -> None:
     assert "too low" in model.simulate(parameters={"h": 0.1}).warnings[0]
     prepared = model.prepare(parameters={"h": 1.0})
     assert prepared([], [1.0])[-1, 1] == pytest.approx(0, abs=1e-8)
+    assert prepared.ended.startswith("ended at t = 0.4515") and "down" in prepared.ended
     with pytest.raises(RunError, match="too high"):
         prepared([], [4.0])
+    assert not prepared.ended
+
+
+def test_runs_in_steps_end_where_they_are_terminated(scene: Write) -> None:
+    run = scene(CHECKED).start()
+    run.step(0.3)
+    kept = run.save()
+    for go_on in (lambda: run.step(0.3), lambda: run.steps(5, 0.1)):
+        run.restore(kept)
+        assert not run.ended
+        found = go_on()
+        assert run.ended.startswith("ended at t = 0.45152364: down") or "0.451523641: down" in run.ended
+        assert run.time == pytest.approx(0.4515236409857, abs=1e-9) and run["a.s"] == pytest.approx(0, abs=1e-8)
+        assert len(found) in (2, len(run.state)) and found.flat[-1] == (run.row[-1] if found.ndim == 2 else run.state[-1])
+        with pytest.raises(RunError, match="down"):
+            run.step(0.1)
 
 
 def test_sweeps_have_a_row_for_each_run(scene: Write) -> None:
@@ -108,6 +125,10 @@ def test_sweeps_have_a_row_for_each_run(scene: Write) -> None:
     assert list(sweep.failures) == [2] and "too high" in sweep.failures[2]
     assert sweep.warnings() == [f"1 of 3 runs: {sweep.warnings()[0].partition(': ')[2]}"] and "too low" in sweep.warnings()[0]
     assert "too high" in sweep.common_failures()[0][0]
+    both = 'assert(a.s > 0.9, "one", AssertionLevel.warning); assert(b.s > 1.9, "other", AssertionLevel.warning);'
+    sweep = scene(FALLING.replace("STATED", both)).simulate_many(parameters={"h": [1, 4]}, outputs=["final(a.s)"])
+    assert [told.partition(" (")[0] for told in sweep.warnings()] == [
+        "2 of 2 runs: an assertion does not hold: one", "2 of 2 runs: an assertion does not hold: other"]
 
 
 @pytest.mark.parametrize("end", [0.0, 1.23, 4.5])

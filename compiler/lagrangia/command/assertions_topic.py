@@ -25,6 +25,6 @@ islands and CasADi's, which refuse them. A condition counts as broken that is so
 state would make of it: what rests at a contact does not break x >= 0. Sweeps: a run whose assertion breaks is a failed row with
 its text, warnings are counted, and measures of a run that is terminated go up to its end, `final` too. FMUs: Co-Simulation ends
 at the same times, with an error, or by asking the importer to terminate; in Model Exchange completed steps are looked at. In
-Python: RunError; run.ended, run.warnings. `lag test` runs models whose names begin with Test, and fails where their assertions
-do. Positions of rest, modes and linearizations do not ask for them.
+Python: RunError; run.ended, run.warnings; runs in steps and prepared ones have `ended` too. `lag test` runs models whose names
+begin with Test, and fails where their assertions do. Positions of rest, modes and linearizations do not ask for them.
 """

@@ -17,7 +17,6 @@ from lagrangia.constraints.initial import InitialConditions, find_idle_starts
 from lagrangia.constraints.parameters import find_odd_inertias, scalars
 from lagrangia.constraints.rows import Constraints
 from lagrangia.constraints.several_starts import find_several_starts
-from lagrangia.dynamics.constrained_motion import ConstrainedMotion
 from lagrangia.dynamics.double_roots import touching_notes
 from lagrangia.dynamics.guarding import OF_PARAMETERS, tell_guards
 from lagrangia.dynamics.hamilton import is_separable
@@ -178,7 +177,7 @@ def _sizes(n: int, n_parameters: int, n_inputs: int, n_modes: int, functions: Fu
     found = {
         "n": n, "n_parameters": n_parameters, "n_hoisted": tapes["hoist"].out_sizes[0], "n_inputs": n_inputs,
         "n_modes": n_modes, "n_events": len(functions.event_kinds), "n_power": functions.n_power, **_of_switches(functions),
-        **_of_constraints(motion.constrained), **functions.sizes, "rhs_cost": count_operations(usual_rhs(tapes)),
+        **_of_constraints(motion), **functions.sizes, "rhs_cost": count_operations(usual_rhs(tapes)),
         "n_whens": motion.impacts.conditions.numel(), "n_resets": motion.impacts.rates.numel(),
         "n_roots": functions.table["roots"].numel_out(0) if "roots" in functions.table else 0,
         "n_rubs": len(functions.patterns.get("rubs", ())) // 3, "n_rests": len(functions.patterns.get("rests", ())),
@@ -200,8 +199,12 @@ def _sizes(n: int, n_parameters: int, n_inputs: int, n_modes: int, functions: Fu
     return found | ({"solver": int(Solver.LINEAR)} if functions.form and functions.form.takes is Solver.LINEAR else {})
 
 
-def _of_constraints(held: ConstrainedMotion | None) -> dict[str, int]:
-    return {"n_holonomic": held.rows.phi.numel() if held else 0, "n_multipliers": held.multipliers.numel() if held else 0}
+def _of_constraints(motion: Motion) -> dict[str, int]:
+    held = motion.constrained
+    if held is None:
+        return {"n_holonomic": 0, "n_multipliers": 0, "loops_know_time": 0}
+    return {"n_holonomic": held.rows.phi.numel(), "n_multipliers": held.multipliers.numel(),
+            "loops_know_time": int(ca.depends_on(held.rows.phi, motion.t))}
 
 
 def _is_steady(functions: Functions) -> bool:

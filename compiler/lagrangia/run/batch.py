@@ -140,6 +140,7 @@ class _Sweep(c.Structure):
     )  # fmt: skip
 
 
+GUARD_BITS = 31  # LAG_GUARD_BITS of batch.h: `warned` is a bit for each guard, the last one for all beyond
 # LagOutcome as a NumPy type: one record a run, in memory, on disk and between machines.
 OUTCOME = [
     ("kind", "<i4"), ("warned", "<i4"), ("status", "<i4"), ("index", "<i4"), ("rate", "<i4"), ("padding2", "<i4"),

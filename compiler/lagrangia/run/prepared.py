@@ -56,6 +56,7 @@ class PreparedRun:
         self._found = (c_double * len(values.parameters)).from_address(place)  # all parameters, as C has them
         self._limits = [(k, -_LARGEST if p.minimum is None else p.minimum, _LARGEST if p.maximum is None else p.maximum)
                         for k, p in enumerate(scene.parameters) if p.minimum is not None or p.maximum is not None]
+        self._is_over = False  # terminate(...) has ended the latest run
         self._seconds = self._untold = 0.0  # of the latest run, and what the engine does not know of yet
 
     def __call__(self, start: Sequence[float] = (), parameters: Sequence[float] = ()) -> "np.ndarray":
@@ -63,7 +64,7 @@ class PreparedRun:
 
         Raises LagError for values the scene cannot have, RunError when the run cannot go on.
         """
-        begin = time.perf_counter()
+        begin, self._is_over = time.perf_counter(), False
         starts, varied = self._started, self._varied
         if len(start) != len(starts) or len(parameters) != len(varied):
             fail("L0702", f"{len(self._started)} start values and {len(self._varied)} parameters are needed, "
@@ -95,6 +96,11 @@ class PreparedRun:
         return self._run.statistics
 
     @property
+    def ended(self) -> str:
+        """When terminate(...) has ended the latest run, and what it says; empty for one that went on to the end."""
+        return explain(self.scene, self._run.failure) if self._is_over else ""
+
+    @property
     def warnings(self) -> list[str]:
         """What kept the latest run from its tolerance, in words; empty when nothing did."""
         progress = progress_of(self.scene, self.experiment, rows=len(self._times), time=self._run.time, seconds=self._seconds,
@@ -118,6 +124,7 @@ class PreparedRun:
                                  _PAUSE)
             reached += done[0]
             if status == Status.ENDED:
+                self._is_over = True
                 break
             if status not in (_OK, _PAUSED):
                 raise RunError(explain(self.scene, self._run.failure, self._run.parameters))

@@ -59,6 +59,7 @@ class SteppedRun:
         self._pointers = self._u.ctypes.data if len(self._u) else None, self._row.ctypes.data
         self._begin, self._dt, self._count = self.time, math.nan, 0  # the present is so many equal steps after
         self._steps = 0
+        self.ended = ""  # what terminate(...) has said, and when: no step goes on from there
 
     @property
     def time(self) -> float:
@@ -118,7 +119,8 @@ class SteppedRun:
             self._u[place] = value
 
     def step(self, dt: float) -> "np.ndarray":
-        """Goes on by dt (s); answers the state, as `state`. Raises LagError L0702, RunError when the run cannot go on."""
+        """Goes on by dt (s); answers the state, as `state`: where terminate(...) comes before, that at the `ended` run's end.
+        Raises LagError L0702, RunError when the run cannot go on."""
         if dt != self._dt:
             self._pace(dt)
         u, row = self._pointers
@@ -126,7 +128,7 @@ class SteppedRun:
         begin = time.perf_counter() if looks else 0.0
         status = self._library.lag_run_steps(self._handle, self._begin, dt, self._count, 1, u, row, self._done, 0.0)
         if status != 0:
-            self._fail()
+            self._end(Status(status))
         if self._turned:
             self._row[self._turned] = math.nan
         self._count += 1
@@ -137,7 +139,8 @@ class SteppedRun:
 
     def steps(self, inputs: Any, dt: float) -> "np.ndarray":
         """A step of dt (s) for each row of `inputs`, (steps, inputs) in the order of `inputs`, or so many, where it is a number,
-        with what is held. Answers (steps, columns). Raises LagError L0702, L0605, RunError, KeyboardInterrupt."""
+        with what is held. Answers (steps, columns), fewer where terminate(...) ends the run. Raises LagError L0702, L0605,
+        RunError, KeyboardInterrupt."""
         import numpy as np
 
         count, u = self._rows_of(inputs)
@@ -157,9 +160,11 @@ class SteppedRun:
             if u is not None and done:
                 self._u[:] = u[min(done, count - 1)]
             if status not in (Status.OK, Status.PAUSED):
-                self._fail()
+                self._end(status)
+                rows[done], done = self._row, done + 1
+                break
         self._engine.look(time.perf_counter() - begin, 0.0)
-        return rows
+        return rows[:done]
 
     def _pace(self, dt: float) -> None:
         """Equal steps end where multiples of them do, however they are asked for."""
@@ -197,13 +202,20 @@ class SteppedRun:
         inner = kept[row + u :]
         if len(kept) <= row + u or self._library.lag_snapshot_restore(self._handle, inner, len(inner)) != 0:
             fail("L0702", "these bytes are no state of this run", None, "give what save() has answered, of the same model")
+        self.ended = ""
         self._begin, self._dt, count = np.frombuffer(kept[:_PACE]).tolist()
         self._count = int(count)
         self._row[:] = np.frombuffer(kept[_PACE:row])
         self._u[:] = np.frombuffer(kept[row : row + u])
 
-    def _fail(self) -> None:
-        raise RunError(explain(self.scene, self._run.failure, self._run.parameters))
+    def _end(self, status: Status) -> None:
+        """The row at which terminate(...) has ended the run. Raises RunError where something else did, or it ended before."""
+        said = explain(self.scene, self._run.failure, self._run.parameters)
+        if status is not Status.ENDED or self.ended:
+            raise RunError(said)
+        self.ended = said
+        self._row[:] = self._run.row().values
+        self._row[self._turned] = math.nan
 
     def __repr__(self) -> str:
         names = ", ".join(self.columns[1:7]) + (", ..." if len(self.columns) > 7 else "")

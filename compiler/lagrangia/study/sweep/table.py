@@ -12,7 +12,7 @@ from lagrangia.base.diagnostics import fail, suggest
 from lagrangia.base.html_table import headed, html_notes, html_table
 from lagrangia.base.records import dataclass
 from lagrangia.base.result_files import Target, cells, quoted, require_parquet
-from lagrangia.run.batch import Ending
+from lagrangia.run.batch import GUARD_BITS, Ending
 from lagrangia.run.guards import guard_in_general
 from lagrangia.run.runtime import Failure, Status
 from lagrangia.run.scene import Scene
@@ -99,9 +99,11 @@ class Sweep:
 
     def warnings(self) -> list[str]:
         """What assertions warned of, and in how many runs."""
-        warned = Counter(self.ledger.outcomes["warned"].tolist())
-        return [f"{count} of {self.runs} runs: {guard_in_general(self.job.scene, guard - 1)}"
-                for guard, count in sorted(warned.items()) if guard > 0]
+        warned = self.ledger.outcomes["warned"]
+        counts = [int((warned >> guard & 1).sum()) for guard in range(GUARD_BITS)] if warned.any() else []
+        later = dict.fromkeys([GUARD_BITS - 1], ", or a later one")
+        return [f"{count} of {self.runs} runs: {guard_in_general(self.job.scene, guard)}{later.get(guard, '')}"
+                for guard, count in enumerate(counts) if count]
 
     def _rows(self) -> Iterator[list[tuple[Any, ...]]]:
         """Cells, None where there is nothing, in portions."""
