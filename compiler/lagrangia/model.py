@@ -312,7 +312,7 @@ class Model(Analysed, Swept):
         """A solver or an engine for want of a C compiler. Raises LagError L0704."""
         engine = {True: "engine 'native'", False: "engine 'tape'", None: ""}[self.native]
         what = f"solver '{solver}'" if solver != AUTO else engine
-        fail("L0704", f"the {what} needs a C compiler, and none was found", None,
+        fail("L0704", f"the {what} needs a C compiler, and none that works was found", None,
              f"pip install ziglang brings one; without one, choose auto or {other}")
 
     def engine_for(self, solver: str) -> Engine | None:
