@@ -99,7 +99,7 @@ int lag_accelerations_abreast(LagRun *run, const double *t, const double *q, con
     if (model->wide)
         model->wide(in, out);
     else
-        lag_wide_tape_run(tape, in, out, work);
+        lag_wide_tape_run(tape, in, 1, out, work);
     double each[LAG_ABREAST] = {0};
     LagWide sum = LAG_WIDE_OF(0);
     for (int i = 0; i < (is_checked ? LAG_ABREAST : 0); i += LAG_WIDE)

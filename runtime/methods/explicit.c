@@ -21,11 +21,11 @@
 #include "methods/tsit5_tableau.h"
 #include "methods/verner9_tableau.h"
 
-static const LagTableau DOP853 = {LAG_DOP853_STAGES, LAG_DOP853_ALL_STAGES, LAG_DOP853_DENSE_ROWS, lag_dop853_node,
-                                  lag_dop853_stage, &lag_dop853_error5, &lag_dop853_error3, lag_dop853_dense, 0, 1};
+const LagTableau lag_dop853_tableau = {LAG_DOP853_STAGES, LAG_DOP853_ALL_STAGES, LAG_DOP853_DENSE_ROWS, lag_dop853_node,
+                                        lag_dop853_stage, &lag_dop853_error5, &lag_dop853_error3, lag_dop853_dense, 0, 1};
 static const LagTableau TSIT5 = {LAG_TSIT5_STAGES, LAG_TSIT5_STAGES + 1, LAG_TSIT5_DENSE_ROWS, lag_tsit5_node,
                                  lag_tsit5_stage, &lag_tsit5_error, NULL, lag_tsit5_dense, 1, 2};
-static const LagTableau VERNER9 = {LAG_VERNER9_STAGES, LAG_VERNER9_STAGES + 1, 0, lag_verner9_node,
+const LagTableau lag_verner9_tableau = {LAG_VERNER9_STAGES, LAG_VERNER9_STAGES + 1, 0, lag_verner9_node,
                                    lag_verner9_stage, &lag_verner9_error, NULL, NULL, 0, 0.6};
 enum { LONG = 16 }; /* coordinates from which on lanes pay, where numbers were written a moment ago */
 
@@ -39,11 +39,11 @@ static void layout(LagExplicit *s, const LagTableau *tableau, const LagMotion *m
     s->unit = lag_take(arena, 2 * (size_t)m->n);
 }
 
-static void layout_dop853(void *self, const LagMotion *m, LagArena *arena) { layout(self, &DOP853, m, arena); }
+static void layout_dop853(void *self, const LagMotion *m, LagArena *arena) { layout(self, &lag_dop853_tableau, m, arena); }
 
 static void layout_tsit5(void *self, const LagMotion *m, LagArena *arena) { layout(self, &TSIT5, m, arena); }
 
-static void layout_verner9(void *self, const LagMotion *m, LagArena *arena) { layout(self, &VERNER9, m, arena); }
+static void layout_verner9(void *self, const LagMotion *m, LagArena *arena) { layout(self, &lag_verner9_tableau, m, arena); }
 
 /* sum = weights of the row times slopes but the last one, for the first `size` components and what lies behind them in its lanes.
  * The last slope is the latest, written number by number a moment ago, and callers add it number by number: reading several at
@@ -243,7 +243,7 @@ LAG_UNROLLED double attempt(LagExplicit *s, LagMotion *m, const LagTableau *tabl
 
 static double attempt_dop853(void *self, LagMotion *m, double t_new, const LagScale *scale, int *worst)
 {
-    return attempt(self, m, &DOP853, t_new, scale, worst);
+    return attempt(self, m, &lag_dop853_tableau, t_new, scale, worst);
 }
 
 static double attempt_tsit5(void *self, LagMotion *m, double t_new, const LagScale *scale, int *worst)
@@ -253,7 +253,7 @@ static double attempt_tsit5(void *self, LagMotion *m, double t_new, const LagSca
 
 static double attempt_verner9(void *self, LagMotion *m, double t_new, const LagScale *scale, int *worst)
 {
-    return attempt(self, m, &VERNER9, t_new, scale, worst);
+    return attempt(self, m, &lag_verner9_tableau, t_new, scale, worst);
 }
 
 /* Rates of the state, which may have been projected, as slopes of its positions at the end. */
@@ -357,9 +357,9 @@ static void interpolate_verner9(void *self, LagMotion *m, double t, double *y)
 {
     LagExplicit *s = self;
     const double h = t - m->t_old;
-    for (int i = 1; i < VERNER9.stages; ++i)
-        stage(s, m, &VERNER9, i, m->t_old, m->other, h);
-    combine(s, &VERNER9.stage[VERNER9.stages], m->size, h, m->sum);
+    for (int i = 1; i < lag_verner9_tableau.stages; ++i)
+        stage(s, m, &lag_verner9_tableau, i, m->t_old, m->other, h);
+    combine(s, &lag_verner9_tableau.stage[lag_verner9_tableau.stages], m->size, h, m->sum);
     for (int i = 0; i < m->size; ++i)
         y[i] = m->other[i] + m->sum[i];
     ++m->dense_outputs;

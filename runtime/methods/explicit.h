@@ -34,6 +34,8 @@ typedef struct {
     int dense_ready;
 } LagExplicit;
 
+extern const LagTableau lag_verner9_tableau, lag_dop853_tableau;
+
 extern const LagMethod lag_verner9; /* Verner 9(8) */
 extern const LagMethod lag_dop853; /* Dormand-Prince 8(5,3) */
 extern const LagMethod lag_tsit5;  /* Tsitouras 5(4) */

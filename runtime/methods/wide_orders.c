@@ -5,6 +5,7 @@
 
 #include "methods/taylor.h"
 #include "numbers/extremes.h"
+#include "numbers/wide_power.h"
 
 /* The first order that short steps are looked at after; steps that are so many times longer than the one before are not short. */
 enum { FEWEST = 4 };
@@ -12,37 +13,15 @@ static const double NEAR = 4;
 
 /* -------- of as many lanes from `lane` on as a register holds */
 
-/* rough_power.h. */
-LAG_UNROLLED LagWide rough_log2(LagWide x)
-{
-    const LagWideWords bits = LAG_WIDE_WORDS(x), two52 = (LagWideWords)LAG_WIDE_WORDS(LAG_WIDE_OF(4503599627370496.0));
-    const LagWide exponent = LAG_WIDE_OF_WORDS((bits >> 52) | two52) - LAG_WIDE_OF(4503599627370496.0 + 1023);
-    const LagWide m = LAG_WIDE_OF_WORDS((bits & 0xfffffffffffff) | 0x3ff0000000000000) - LAG_WIDE_OF(1);
-    return exponent + m * (LAG_WIDE_OF(1.42286536) + m * (LAG_WIDE_OF(-0.58208551) + m * LAG_WIDE_OF(0.15922016)));
-}
-
-/* x^exponent for x >= 0 and small exponents. */
-LAG_UNROLLED LagWide rough_power(LagWide x, double exponent)
-{
-    const LagWide shift = LAG_WIDE_OF(6755399441055744.0), zero = LAG_WIDE_OF(0), one = LAG_WIDE_OF(1);
-    const LagWide y = LAG_WIDE_OF(exponent) * rough_log2(x), nearest = (y + shift) - shift;
-    const LagWide whole = nearest - LAG_WIDE_SELECT(nearest > y, one, zero), part = y - whole;
-    const LagWide scale = LAG_WIDE_OF_WORDS((LAG_WIDE_WORDS(whole + shift) + 1023) << 52);
-    const LagWide found = scale * (one + part * (LAG_WIDE_OF(0.69589012) + part * (LAG_WIDE_OF(0.22486495)
-                                                                                   + part * LAG_WIDE_OF(0.07924493))));
-    const LagWide few = LAG_WIDE_SELECT(x >= LAG_WIDE_OF(DBL_MIN), found, zero);
-    return LAG_WIDE_SELECT(x > LAG_WIDE_OF(DBL_MAX), LAG_WIDE_OF((double)INFINITY), few);
-}
-
 static void weigh(LagWideTaylor *s, int lane)
 {
-    const LagWide zero = LAG_WIDE_OF(0), one = LAG_WIDE_OF(1), step = lag_wide_read(s->length + lane);
+    const LagWide zero = LAG_WIDE_OF(0), one = LAG_WIDE_OF(1), step = lag_wide_read(s->lanes.length + lane);
     const LagWide uncertain = LAG_WIDE_OF(DBL_EPSILON) / step;
-    for (int i = 0; i < s->n; ++i) {
+    for (int i = 0; i < s->lanes.n; ++i) {
         LagWide unit[2];
-        lag_wide_scale_units(&s->scale, i, lane, s->y, s->old, step, uncertain, &unit[0], &unit[1]);
+        lag_wide_scale_units(&s->lanes.scale, i, lane, s->lanes.y, s->lanes.old, step, uncertain, &unit[0], &unit[1]);
         for (int is_rate = 0; is_rate < 2; ++is_rate)
-            lag_wide_write(s->weight + (size_t)(i + is_rate * s->n) * LAG_ABREAST + lane,
+            lag_wide_write(s->weight + (size_t)(i + is_rate * s->lanes.n) * LAG_ABREAST + lane,
                            LAG_WIDE_SELECT(unit[is_rate] > zero, one / unit[is_rate], zero));
     }
 }
@@ -51,15 +30,15 @@ static void weigh(LagWideTaylor *s, int lane)
 LAG_UNROLLED void last_terms(const LagWideTaylor *s, int lane, int p, LagWide *last, LagWide *before)
 {
     *last = *before = LAG_WIDE_OF(0);
-    for (int i = 0; i < 2 * s->n; ++i) {
+    for (int i = 0; i < 2 * s->lanes.n; ++i) {
         const double *c = lag_wide_jet(s, 1 + i) + lane;
         const LagWide weight = lag_wide_of(s->weight, i, lane);
         *last = lag_wide_max(LAG_WIDE_ABS(LAG_WIDE_TERM(c, p)) * weight, *last);
         *before = lag_wide_max(LAG_WIDE_ABS(LAG_WIDE_TERM(c, p - 1)) * weight, *before);
     }
-    for (int i = 0; i < s->size - 2 * s->n; ++i) {
+    for (int i = 0; i < s->lanes.size - 2 * s->lanes.n; ++i) {
         const double *c = lag_wide_power_jet(s, i) + lane;
-        const LagWide weight = lag_wide_read(s->energy + lane);
+        const LagWide weight = lag_wide_read(s->lanes.energy + lane);
         *last = lag_wide_max(LAG_WIDE_ABS(LAG_WIDE_TERM(c, p - 1)) * LAG_WIDE_OF(lag_inverse[p - 1]) * weight, *last);
         *before = lag_wide_max(LAG_WIDE_ABS(LAG_WIDE_TERM(c, p - 2)) * LAG_WIDE_OF(lag_inverse[p - 2]) * weight, *before);
     }
@@ -71,12 +50,12 @@ LAG_UNROLLED LagWide length_of(const LagWideTaylor *s, int lane)
     const int p = s->order;
     LagWide last, before;
     last_terms(s, lane, p, &last, &before);
-    return lag_wide_min(rough_power(LAG_WIDE_OF(s->last) / last, lag_inverse[p - 1]),
-                        rough_power(LAG_WIDE_OF(s->before_last) / before, lag_inverse[p - 2]));
+    return lag_wide_min(lag_wide_power_of(LAG_WIDE_OF(s->last) / last, lag_inverse[p - 1]),
+                        lag_wide_power_of(LAG_WIDE_OF(s->before_last) / before, lag_inverse[p - 2]));
 }
 
 /* Lengths of steps to the ends of segments. */
-LAG_UNROLLED LagWide left_of(const LagWideTaylor *s, int lane) { return lag_wide_read(s->stop + lane) - lag_wide_read(s->t + lane); }
+LAG_UNROLLED LagWide left_of(const LagWideTaylor *s, int lane) { return lag_wide_read(s->lanes.stop + lane) - lag_wide_read(s->lanes.t + lane); }
 
 /* Orders that are known before there are any coefficients: 0 where a short step may do with less. Their latest orders tell where to
  * look first. */
@@ -84,10 +63,10 @@ static void wait_for_order(LagWideTaylor *s, int lane)
 {
     lag_wide_write(s->first + lane, lag_wide_read(s->own + lane) - LAG_WIDE_OF(2));
     const LagWide zero = LAG_WIDE_OF(0), few = LAG_WIDE_OF((double)FEWEST), all = LAG_WIDE_OF((double)s->order);
-    const LagWide near = lag_wide_min(LAG_WIDE_OF(NEAR) * lag_wide_read(s->length + lane), LAG_WIDE_OF(s->longest));
+    const LagWide near = lag_wide_min(LAG_WIDE_OF(NEAR) * lag_wide_read(s->lanes.length + lane), LAG_WIDE_OF(s->lanes.longest));
     const LagWide most = lag_wide_min(near, lag_wide_read(s->limit + lane));
     const LagWide own = LAG_WIDE_SELECT(left_of(s, lane) <= most, zero, all);
-    lag_wide_write(s->own + lane, LAG_WIDE_SELECT(lag_wide_read(s->moves + lane) > zero, own, few));
+    lag_wide_write(s->own + lane, LAG_WIDE_SELECT(lag_wide_read(s->lanes.moves + lane) > zero, own, few));
 }
 
 /* Whether the order p is enough. */

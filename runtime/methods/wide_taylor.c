@@ -22,18 +22,13 @@ int lag_wide_taylor_serves(const LagModel *model)
         && !model->is_long_state && !model->series_may_hide && model->n_jet_slots <= MOST_SLOTS;
 }
 
-void lag_wide_taylor_layout(LagWideTaylor *s, const LagRun *like, LagArena *arena)
+static void layout(void *self, const LagRun *like, LagArena *arena)
 {
+    LagWideTaylor *s = self;
     const LagModel *model = like->model;
-    const size_t size = (size_t)like->motion.size * LAG_ABREAST;
-    s->model = model;
-    s->n = model->n;
-    s->size = like->motion.size;
-    lag_wide_scale_layout(&s->scale, &like->scale, arena);
+    lag_wide_steps_layout(&s->lanes, like, arena);
     lag_wide_series_layout(&s->series, model, arena);
-    double **const vectors[] = {&s->y, &s->carry, &s->old, &s->made, &s->made_carry, &s->weight};
-    for (size_t i = 0; i < sizeof vectors / sizeof *vectors; ++i)
-        *vectors[i] = lag_take(arena, size);
+    s->weight = lag_take(arena, 2 * (size_t)model->n * LAG_ABREAST);
     s->slope = lag_take(arena, (size_t)model->n_inputs * LAG_ABREAST);
 }
 
@@ -44,30 +39,17 @@ static void plan(LagWideTaylor *s, const LagRun *like)
     s->order = one->order;
     s->last = one->last;
     s->before_last = one->before_last;
-    s->longest = like->settings.max_step > 0 ? like->settings.max_step : INFINITY;
     s->faint = FAINT / like->scale.tolerance;
 }
 
 /* -------- motions come and go */
 
-static void place(double *wide, int lane, const double *one, int count)
-{
-    for (int i = 0; i < count; ++i)
-        wide[i * LAG_ABREAST + lane] = one[i];
-}
-
-static void take(const double *wide, int lane, double *one, int count)
-{
-    for (int i = 0; i < count; ++i)
-        one[i] = wide[i * LAG_ABREAST + lane];
-}
-
 static void place_numbers(LagWideTaylor *s, int lane, LagRun *run)
 {
     LagTaylor *own = &run->methods.taylor;
     const double *in[] = {run->d, run->c};
-    lag_call(&s->model->series, in, (double *[]){own->numbers}, own->work);
-    place(s->series.numbers, lane, own->numbers, s->model->series.out_size[0]);
+    lag_call(&s->lanes.model->series, in, (double *[]){own->numbers}, own->work);
+    lag_wide_place(s->series.numbers, lane, own->numbers, s->lanes.model->series.out_size[0]);
 }
 
 static double energy_weight(const LagRun *run)
@@ -93,8 +75,31 @@ static int foresee(LagRun *run)
     return h > 0;
 }
 
-int lag_wide_taylor_load(LagWideTaylor *s, int lane, LagRun *run)
+static void enter(void *self, int lane, LagRun *run)
 {
+    LagWideTaylor *s = self;
+    const int n_inputs = s->lanes.model->n_inputs;
+    s->lanes.stop[lane] = lag_min(run->segment_end, run->settings.t_stop);
+    s->lanes.is_fresh |= s->lanes.model->n_modes > 0;
+    if (s->lanes.model->n_modes > 0) { /* what jumps may have set it in motion */
+        lag_wide_scale_load(&s->lanes.scale, lane, &run->scale);
+        lag_wide_place(s->lanes.y, lane, run->motion.y, s->lanes.size);
+        lag_wide_place(s->lanes.carry, lane, run->motion.carry, s->lanes.size);
+        lag_wide_place(s->series.line + LAG_ABREAST, lane, run->motion.y, 2 * s->lanes.n);
+        place_numbers(s, lane, run);
+    }
+    if (n_inputs == 0)
+        return;
+    lag_inputs_slope(&run->inputs, run->u);
+    s->lanes.is_fresh = 1;
+    lag_wide_place(s->slope, lane, run->u, n_inputs);
+    lag_inputs_at(&run->inputs, s->lanes.t[lane], run->u);
+    lag_wide_place(s->series.line + lag_wide_input(s) * LAG_ABREAST, lane, run->u, n_inputs);
+}
+
+static int load(void *self, int lane, LagRun *run)
+{
+    LagWideTaylor *s = self;
     const LagMotion *m = &run->motion;
     const LagTaylor *own = &run->methods.taylor;
     const int is_series = run->methods.solver == LAG_SOLVER_TAYLOR && run->stiffness.passes == 0 && !run->rests;
@@ -102,73 +107,36 @@ int lag_wide_taylor_load(LagWideTaylor *s, int lane, LagRun *run)
     if (!is_series || !(goes_on || (own->is_fresh && own->begun == 0 && !run->segment_over && foresee(run))))
         return 0;
     plan(s, run);
-    lag_wide_scale_load(&s->scale, lane, &run->scale);
-    place(s->y, lane, m->y, s->size);
-    place(s->carry, lane, m->carry, s->size);
-    place(s->old, lane, m->other, s->size);
+    lag_wide_steps_load(&s->lanes, lane, run);
     s->series.line[lane] = m->t;
-    place(s->series.line + LAG_ABREAST, lane, m->y, 2 * s->n);
-    s->is_fresh = 1;
+    lag_wide_place(s->series.line + LAG_ABREAST, lane, m->y, 2 * s->lanes.n);
     place_numbers(s, lane, run);
-    s->t[lane] = m->t;
-    s->t_old[lane] = m->t_old;
-    s->length[lane] = goes_on ? m->t - m->t_old : run->step;
     s->limit[lane] = s->wrong[lane] = INFINITY;
-    s->energy[lane] = energy_weight(run);
-    s->moves[lane] = s->taken[lane] = 1;
-    s->steps[lane] = (double)run->statistics.steps;
-    s->in_vain[lane] = s->missed[lane] = s->own[lane] = 0;
-    lag_wide_taylor_enter(s, lane, run);
+    s->lanes.energy[lane] = energy_weight(run);
+    s->own[lane] = 0;
+    enter(s, lane, run);
     return 1;
 }
 
-void lag_wide_taylor_enter(LagWideTaylor *s, int lane, LagRun *run)
+static void show(void *self, int lane, LagRun *run, int is_whole)
 {
-    const int n_inputs = s->model->n_inputs;
-    s->stop[lane] = lag_min(run->segment_end, run->settings.t_stop);
-    s->is_fresh |= s->model->n_modes > 0;
-    if (s->model->n_modes > 0) { /* what jumps may have set it in motion */
-        lag_wide_scale_load(&s->scale, lane, &run->scale);
-        place(s->y, lane, run->motion.y, s->size);
-        place(s->carry, lane, run->motion.carry, s->size);
-        place(s->series.line + LAG_ABREAST, lane, run->motion.y, 2 * s->n);
-        place_numbers(s, lane, run);
-    }
-    if (n_inputs == 0)
-        return;
-    lag_inputs_slope(&run->inputs, run->u);
-    s->is_fresh = 1;
-    place(s->slope, lane, run->u, n_inputs);
-    lag_inputs_at(&run->inputs, s->t[lane], run->u);
-    place(s->series.line + lag_wide_input(s) * LAG_ABREAST, lane, run->u, n_inputs);
-}
-
-void lag_wide_taylor_show(LagWideTaylor *s, int lane, LagRun *run, int is_whole)
-{
+    LagWideTaylor *s = self;
     LagMotion *m = &run->motion;
     LagTaylor *own = &run->methods.taylor;
-    m->t = m->t_end = s->t[lane];
-    m->t_old = s->t_old[lane];
-    take(s->y, lane, m->y, s->size);
-    if (is_whole || s->model->n_roots > 0)
-        take(s->old, lane, m->other, s->size);
-    run->statistics.steps = (int64_t)s->steps[lane];
-    run->statistics.tolerance_missed = (int32_t)s->missed[lane];
-    run->step = s->length[lane];
-    s->energy[lane] = energy_weight(run);
+    lag_wide_steps_show(&s->lanes, lane, run, is_whole);
+    run->step = s->lanes.length[lane];
+    s->lanes.energy[lane] = energy_weight(run);
     if (!is_whole)
         return;
-    take(s->carry, lane, m->carry, s->size);
-    lag_wide_scale_store(&s->scale, lane, &run->scale);
     own->begun = own->old_top = 0;
-    for (int i = 0; i < s->size; ++i) {
-        const int slot = i < 2 * s->n ? 1 + i : s->model->jet_places[s->n + i - 2 * s->n];
+    for (int i = 0; i < s->lanes.size; ++i) {
+        const int slot = i < 2 * s->lanes.n ? 1 + i : s->lanes.model->jet_places[s->lanes.n + i - 2 * s->lanes.n];
         double *c = own->old_jets + (size_t)slot * LAG_JET_STRIDE;
-        const int made = (int)s->own[lane] + (i < 2 * s->n);
-        take(lag_wide_jet(s, slot), lane, c, made);
+        const int made = (int)s->own[lane] + (i < 2 * s->lanes.n);
+        lag_wide_take(lag_wide_jet(s, slot), lane, c, made);
         for (int k = made; k <= s->order; ++k)
             c[k] = 0;
-        c[0] = i < 2 * s->n ? m->other[i] : c[0];
+        c[0] = i < 2 * s->lanes.n ? m->other[i] : c[0];
     }
 }
 
@@ -177,18 +145,18 @@ void lag_wide_taylor_show(LagWideTaylor *s, int lane, LagRun *run, int is_whole)
 /* What the last steps have made becomes the beginning of the series, where they were good. */
 static void begin_series(LagWideTaylor *s, int lane)
 {
-    const int n = s->n;
-    const LagWide zero = LAG_WIDE_OF(0), good = lag_wide_read(s->taken + lane);
-    for (int slot = 0; slot < s->model->n_jets; ++slot) {
+    const int n = s->lanes.n;
+    const LagWide zero = LAG_WIDE_OF(0), good = lag_wide_read(s->lanes.taken + lane);
+    for (int slot = 0; slot < s->lanes.model->n_jets; ++slot) {
         double *c = lag_wide_jet(s, slot) + lane;
         lag_wide_write(c, LAG_WIDE_SELECT(good > zero, lag_wide_of(s->series.line, slot, lane), lag_wide_read(c)));
     }
     for (int i = 0; i < n; ++i) {
         double *q = lag_wide_jet(s, 1 + i) + LAG_ABREAST + lane, *v = lag_wide_jet(s, 1 + n + i) + LAG_ABREAST + lane;
         lag_wide_write(q, lag_wide_read(lag_wide_jet(s, 1 + n + i) + lane));
-        lag_wide_write(v, lag_wide_read(lag_wide_jet(s, s->model->jet_places[i]) + lane));
+        lag_wide_write(v, lag_wide_read(lag_wide_jet(s, s->lanes.model->jet_places[i]) + lane));
     }
-    for (int i = 0; i < s->model->n_inputs; ++i)
+    for (int i = 0; i < s->lanes.model->n_inputs; ++i)
         lag_wide_write(lag_wide_jet(s, lag_wide_input(s) + i) + LAG_ABREAST + lane, lag_wide_of(s->slope, i, lane));
     lag_wide_write(lag_wide_jet(s, 0) + LAG_ABREAST + lane, LAG_WIDE_OF(1));
 }
@@ -226,85 +194,53 @@ LAG_UNROLLED LagWide mean(const double *c, int order, LagWide h, LagWide own, in
 static const double GROW = LAG_TAYLOR_GROW, WRONG = LAG_TAYLOR_WRONG, SHRINK = LAG_TAYLOR_SHRINK, REMAINS = LAG_TAYLOR_REMAINS,
                     NOISE = LAG_TAYLOR_NOISE;
 
-/* The shortest step from t: lag_step_smallest. */
-LAG_UNROLLED LagWide smallest(LagWide t) { return lag_wide_max(LAG_WIDE_OF(4 * DBL_EPSILON) * LAG_WIDE_ABS(t), LAG_WIDE_OF(DBL_MIN)); }
-
-/* Where the next step ends: lag_step_end. */
-LAG_UNROLLED LagWide end_of(const LagWideTaylor *s, int lane, LagWide t, LagWide h)
-{
-    const LagWide stop = lag_wide_read(s->stop + lane), left = stop - t, half = LAG_WIDE_OF(0.5) * left;
-    return LAG_WIDE_SELECT(h >= left, stop, t + LAG_WIDE_SELECT(h + h > left, half, h));
-}
-
 /* Where the steps end. */
 LAG_UNROLLED LagWide next_time(const LagWideTaylor *s, int lane)
 {
-    const LagWide t = lag_wide_read(s->t + lane), before = lag_wide_max(lag_wide_read(s->length + lane), smallest(t));
+    const LagWide t = lag_wide_read(s->lanes.t + lane), before = lag_wide_max(lag_wide_read(s->lanes.length + lane), lag_wide_smallest(t));
     const LagWide all = LAG_WIDE_OF((double)s->order);
     if (s->made_to < s->order)
-        return lag_wide_read(s->stop + lane);
+        return lag_wide_read(s->lanes.stop + lane);
     LagWide wish = lag_wide_min(lag_wide_read(s->reach + lane), LAG_WIDE_OF(GROW) * before);
-    wish = lag_wide_min(lag_wide_min(wish, LAG_WIDE_OF(s->longest)), lag_wide_read(s->limit + lane));
-    return LAG_WIDE_SELECT(lag_wide_read(s->own + lane) < all, lag_wide_read(s->stop + lane), end_of(s, lane, t, wish));
+    wish = lag_wide_min(lag_wide_min(wish, LAG_WIDE_OF(s->lanes.longest)), lag_wide_read(s->limit + lane));
+    return LAG_WIDE_SELECT(lag_wide_read(s->own + lane) < all, lag_wide_read(s->lanes.stop + lane), lag_wide_end_of(&s->lanes, lane, t, wish));
 }
 
 LAG_UNROLLED void go(LagWideTaylor *s, int lane, int is_own)
 {
-    const int n = s->n, p = s->made_to, u = lag_wide_input(s);
-    const LagWide own = lag_wide_read(s->own + lane), t_new = next_time(s, lane), h = t_new - lag_wide_read(s->t + lane);
+    const int n = s->lanes.n, p = s->made_to, u = lag_wide_input(s);
+    const LagWide own = lag_wide_read(s->own + lane), t_new = next_time(s, lane), h = t_new - lag_wide_read(s->lanes.t + lane);
     const LagWide square = h * h;
-    for (int i = 0; i < s->size; ++i) {
+    for (int i = 0; i < s->lanes.size; ++i) {
         const size_t place = (size_t)i * LAG_ABREAST + (size_t)lane;
         const double *c = (i < 2 * n ? lag_wide_jet(s, 1 + i) : lag_wide_power_jet(s, i - 2 * n)) + lane;
         const LagWide way = i < 2 * n ? series(c + LAG_ABREAST, p - 1, h, square, own, is_own) : mean(c, p - 1, h, own, is_own);
-        const LagWide y = lag_wide_read(s->y + place), whole = way * h + lag_wide_read(s->carry + place);
-        const LagWide sum = y + whole, taken = sum - y;
-        lag_wide_write(s->made + place, sum);
-        lag_wide_write(s->made_carry + place, (y - (sum - taken)) + (whole - taken));
+        const LagWide sum = lag_wide_add(&s->lanes, place, way * h);
         if (i < 2 * n)
             lag_wide_write(s->series.line + LAG_ABREAST + place, sum);
     }
-    for (int i = 0; i < s->model->n_inputs; ++i)
+    for (int i = 0; i < s->lanes.model->n_inputs; ++i)
         lag_wide_write(s->series.line + (size_t)(u + i) * LAG_ABREAST + (size_t)lane,
                        lag_wide_read(lag_wide_jet(s, u + i) + lane) + lag_wide_of(s->slope, i, lane) * h);
     lag_wide_write(s->series.line + lane, t_new);
-    lag_wide_write(s->next + lane, t_new);
+    lag_wide_write(s->lanes.next + lane, t_new);
 }
 
 /* How far the accelerations at the end of the step are from the slope of the series there, in units of rates. */
 LAG_UNROLLED LagWide gap(const LagWideTaylor *s, int lane, LagWide h, LagWide own, int is_own)
 {
-    const LagWide zero = LAG_WIDE_OF(0), square = h * h, before = lag_wide_read(s->length + lane);
+    const LagWide zero = LAG_WIDE_OF(0), square = h * h, before = lag_wide_read(s->lanes.length + lane);
     LagWide largest = zero;
-    for (int i = 0; i < s->n; ++i) {
-        const int place = s->model->jet_places[i];
+    for (int i = 0; i < s->lanes.n; ++i) {
+        const int place = s->lanes.model->jet_places[i];
         const LagWide slope = series(lag_wide_jet(s, place) + lane, s->made_to - 1, h, square, own, is_own);
         const LagWide miss = LAG_WIDE_ABS(lag_wide_of(s->series.line, place, lane) - slope);
         LagWide unit[2];
-        lag_wide_scale_units(&s->scale, i, lane, s->y, s->made, before, LAG_WIDE_OF(DBL_EPSILON) / before, &unit[0], &unit[1]);
+        lag_wide_scale_units(&s->lanes.scale, i, lane, s->lanes.y, s->lanes.made, before, LAG_WIDE_OF(DBL_EPSILON) / before, &unit[0], &unit[1]);
         const LagWide gap = LAG_WIDE_SELECT(unit[1] > zero, miss / unit[1], zero);
         largest = LAG_WIDE_SELECT(gap <= largest, largest, gap); /* a NaN stays */
     }
     return largest;
-}
-
-LAG_UNROLLED void choose(double *numbers, int i, int lane, LagWide is_good, LagWide good)
-{
-    double *place = numbers + (size_t)i * LAG_ABREAST + lane;
-    lag_wide_write(place, LAG_WIDE_SELECT(is_good > LAG_WIDE_OF(0), good, lag_wide_read(place)));
-}
-
-static void accept(LagWideTaylor *s, int lane, LagWide good, LagWide h)
-{
-    for (int i = 0; i < s->size; ++i) {
-        choose(s->old, i, lane, good, lag_wide_of(s->y, i, lane));
-        choose(s->y, i, lane, good, lag_wide_of(s->made, i, lane));
-        choose(s->carry, i, lane, good, lag_wide_of(s->made_carry, i, lane));
-    }
-    choose(s->t_old, 0, lane, good, lag_wide_read(s->t + lane));
-    choose(s->t, 0, lane, good, lag_wide_read(s->next + lane));
-    choose(s->length, 0, lane, good, h);
-    lag_wide_scale_note(&s->scale, lane, s->y);
 }
 
 LAG_UNROLLED void judge(LagWideTaylor *s, int lane, int is_own)
@@ -312,20 +248,17 @@ LAG_UNROLLED void judge(LagWideTaylor *s, int lane, int is_own)
     const LagWide own = lag_wide_read(s->own + lane);
     const LagWide part = is_own ? LAG_WIDE_OF(1) / (own + LAG_WIDE_OF(1)) : LAG_WIDE_OF(1.0 / (s->order + 1));
     const LagWide zero = LAG_WIDE_OF(0), one = LAG_WIDE_OF(1), infinite = LAG_WIDE_OF((double)INFINITY);
-    const LagWide t = lag_wide_read(s->t + lane), h = lag_wide_read(s->next + lane) - t, before = lag_wide_read(s->wrong + lane);
+    const LagWide t = lag_wide_read(s->lanes.t + lane), h = lag_wide_read(s->lanes.next + lane) - t, before = lag_wide_read(s->wrong + lane);
     const LagWide wrong = gap(s, lane, h, own, is_own) * h * part;
-    const LagWide is_faint = LAG_WIDE_SELECT(wrong * LAG_WIDE_OF(s->scale.tolerance) < LAG_WIDE_OF(NOISE), one, zero);
+    const LagWide is_faint = LAG_WIDE_SELECT(wrong * LAG_WIDE_OF(s->lanes.scale.tolerance) < LAG_WIDE_OF(NOISE), one, zero);
     const LagWide is_noise = LAG_WIDE_SELECT(wrong > LAG_WIDE_OF(REMAINS) * before, is_faint, zero);
     const LagWide is_near = LAG_WIDE_SELECT(wrong <= LAG_WIDE_OF(WRONG), one, is_noise);
-    const LagWide is_long = LAG_WIDE_SELECT(h >= smallest(t), one, zero);
-    const LagWide good = is_near * is_long * lag_wide_read(s->moves + lane);
-    lag_wide_write(s->taken + lane, good);
-    lag_wide_write(s->steps + lane, lag_wide_read(s->steps + lane) + good);
-    lag_wide_write(s->missed + lane, lag_wide_read(s->missed + lane) + LAG_WIDE_SELECT(wrong > one, good, zero));
-    lag_wide_write(s->in_vain + lane, LAG_WIDE_SELECT(good > zero, zero, lag_wide_read(s->in_vain + lane) + one));
+    const LagWide is_long = LAG_WIDE_SELECT(h >= lag_wide_smallest(t), one, zero);
+    const LagWide good = is_near * is_long * lag_wide_read(s->lanes.moves + lane);
+    lag_wide_write(s->lanes.missed + lane, lag_wide_read(s->lanes.missed + lane) + LAG_WIDE_SELECT(wrong > one, good, zero));
     lag_wide_write(s->wrong + lane, LAG_WIDE_SELECT(good > zero, infinite, wrong));
     lag_wide_write(s->limit + lane, LAG_WIDE_SELECT(good > zero, infinite, LAG_WIDE_OF(SHRINK) * h));
-    accept(s, lane, good, h);
+    lag_wide_accept(&s->lanes, lane, good, h);
 }
 
 /* Whether some lane does with fewer orders than have been made. */
@@ -349,11 +282,12 @@ static void judge_all(LagWideTaylor *s, int is_own)
         is_own ? judge(s, lane, 1) : judge(s, lane, 0);
 }
 
-void lag_wide_taylor_step(LagWideTaylor *s)
+static void step(void *self)
 {
-    if (s->is_fresh)
+    LagWideTaylor *s = self;
+    if (s->lanes.is_fresh)
         lag_wide_series_begin(&s->series);
-    s->is_fresh = 0;
+    s->lanes.is_fresh = 0;
     for (int lane = 0; lane < LAG_ABREAST; lane += LAG_WIDE)
         begin_series(s, lane);
     lag_wide_orders_expand(s);
@@ -362,3 +296,5 @@ void lag_wide_taylor_step(LagWideTaylor *s)
     lag_wide_series_begin(&s->series);
     judge_all(s, is_own);
 }
+
+const LagWideMethod lag_wide_taylor = {LAG_SOLVER_TAYLOR, layout, load, enter, show, step, 0};

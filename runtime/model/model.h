@@ -37,7 +37,7 @@ typedef void (*LagJets)(int first, int end, const double *const *in, double *jet
  * to before `end`; numbers: what is constant in a step, of each motion. */
 typedef void (*LagWideJets)(int first, int end, const double *numbers, double *jets, double *line);
 
-/* t, q, v, u, d, c -> a, power, doubt of eight states at once (wide.h); d and c are shared. Where doubt is not 0, it does not hold. */
+/* t, q, v, u, d, c -> a, power, doubt of eight states at once (wide.h), which share d and c. Where doubt is not 0, it does not hold. */
 typedef void (*LagWideCode)(const double *const *in, double *const *out);
 
 /* Either `code` or `tape` is set; neither: the function is absent and its outputs are empty. */
@@ -191,6 +191,7 @@ struct LagModel {
     LagFunction series;    /* d, c -> numbers that are constant in a step */
 
     LagWideCode wide; /* NULL: states are evaluated one by one */
+    LagWideCode wide_each; /* the same, where each state has d and c of its own; NULL: by the tape */
     LagWideJets wide_taylor; /* NULL: by the instructions */
 };
 

@@ -4,7 +4,7 @@
 
 #include "numbers/wide.h"
 
-enum { FIELDS = 4, SHARED = 4 }; /* inputs from there on are those of all states */
+enum { FIELDS = 4, SHARED = 4 }; /* inputs from there on may be those of all states */
 
 static double *slot(double *work, int32_t number) { return work + (size_t)number * LAG_ABREAST; }
 
@@ -69,7 +69,7 @@ static void run_uncommon(int32_t op, const double *a, const double *b, double *o
         o[i] = lag_tape_uncommon(op, a[i], b[i]);
 }
 
-void lag_wide_tape_run(const LagTape *tape, const double *const *in, double *const *out, double *work)
+void lag_wide_tape_run(const LagTape *tape, const double *const *in, int is_shared, double *const *out, double *work)
 {
     const int32_t *end = tape->code + FIELDS * tape->n_instructions;
     for (const int32_t *i = tape->code; i < end; i += FIELDS) {
@@ -77,7 +77,7 @@ void lag_wide_tape_run(const LagTape *tape, const double *const *in, double *con
         const double *a = slot(work, i[2]), *b = slot(work, i[3]);
         switch (i[0]) {
         case LAG_OP_INPUT:
-            if (i[2] >= SHARED)
+            if (is_shared && i[2] >= SHARED)
                 fill(o, in[i[2]][i[3]]);
             else
                 memcpy(o, in[i[2]] + (size_t)i[3] * LAG_ABREAST, LAG_ABREAST * sizeof *o);

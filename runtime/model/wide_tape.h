@@ -4,7 +4,8 @@
 
 #include "model/tape.h"
 
-/* in: t, q, v, u, d, c, the last two of all states; out: as the tape's; work: eight times that of a single state. */
-void lag_wide_tape_run(const LagTape *tape, const double *const *in, double *const *out, double *work);
+/* in: t, q, v, u, d, c, the last two of all states where they are shared; out: as the tape's; work: eight times that of a single
+ * state. */
+void lag_wide_tape_run(const LagTape *tape, const double *const *in, int is_shared, double *const *out, double *work);
 
 #endif

@@ -49,7 +49,7 @@ typedef LagLaneWords LagWideWords;
 /* a b + c: rounded once where the compiler may take it that processors do so in one instruction. What is made of it has the same digits
  * on all of these, whatever the width of their registers. */
 #if defined(LAG_HAS_VECTORS) && defined(__AVX512F__) && defined(__FMA__) && !defined(__clang__)
-#define LAG_WIDE_FUSED(a, b, c) __builtin_ia32_vfmaddpd512_mask(a, b, c, -1, 4) /* all lanes, rounded as is set */
+#define LAG_WIDE_FUSED(a, b, c) __builtin_ia32_vfmaddpd512_mask(a, b, c, 0xff, 4) /* all lanes, rounded as is set */
 #elif defined(LAG_HAS_VECTORS) && defined(__FMA__) && !defined(__clang__)
 #define LAG_WIDE_FUSED(a, b, c) __builtin_ia32_vfmaddpd256(a, b, c)
 #elif defined(__FMA__) || defined(__ARM_FEATURE_FMA)

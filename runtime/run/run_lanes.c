@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "methods/taylor.h"
+#include "methods/wide_explicit.h"
 #include "methods/wide_taylor.h"
 #include "numbers/extremes.h"
 #include "run/advance.h"
@@ -21,11 +22,16 @@ enum { MOST_FIRST = 3, PATIENCE = 4 };
 enum { GLANCE = 16, FIRST_LOOK = 64, LOOK = 256, CLOSE_LOOK = 16, LOOKS = 4 };
 enum { LOOK_FOR_PROGRESS = 1 << 17 };
 static const double MOST_STEPS = 1e10; /* as in step.c */
+static const double MOST_TOLERANCE = 2e-4; /* of Verner's pair, as in choice.c */
+static const double CAREFUL = 16; /* by which iterated collocation errs less than Runge-Kutta pairs at the same tolerance */
 
 struct LagRunLanes {
     LagBatch *batch;
     void *block;
+    const LagWideMethod *method;
+    LagWideSteps *steps;
     LagWideTaylor taylor;
+    LagWideExplicit explicit;
     int may_turn;  /* others go on where stability rules */
     int are_shared; /* inputs */
     int opened;    /* lanes whose follower and run are there */
@@ -80,6 +86,20 @@ static int is_plain(const LagModel *model, const LagSweep *sweep)
 
 /* -------- birth and death */
 
+/* By series where equations are short; else by a Runge-Kutta pair: where measures look inside steps, by that which has dense output. */
+static int choose(LagRunLanes *s, const LagModel *model, const LagSettings *settings)
+{
+    const LagBatch *batch = s->batch;
+    s->steps = &s->taylor.lanes;
+    s->method = &lag_wide_taylor;
+    if (lag_wide_taylor_serves(model))
+        return 1;
+    s->steps = &s->explicit.lanes;
+    s->method = batch->n_at < batch->sweep.n_reductions || settings->tolerance > MOST_TOLERANCE ? &lag_wide_dop853 : &lag_wide_verner9;
+    s->explicit.caution = lag_run_solver(model, settings, NULL) == LAG_SOLVER_PIRK ? CAREFUL : 1;
+    return settings->solver != LAG_SOLVER_TAYLOR && lag_wide_explicit_serves(model);
+}
+
 static int open_lane(LagRunLanes *s, const LagSettings *settings)
 {
     const LagBatch *batch = s->batch;
@@ -89,7 +109,8 @@ static int open_lane(LagRunLanes *s, const LagSettings *settings)
     if (!run)
         return 0;
     ++s->opened;
-    lag_taylor_plan_for_eight(&run->methods.taylor, batch->model, run->scale.tolerance);
+    if (settings->solver == LAG_SOLVER_TAYLOR)
+        lag_taylor_plan_for_eight(&run->methods.taylor, batch->model, run->scale.tolerance);
     if (!lag_follow_new(f, batch->model, run, &batch->sweep, batch->at, batch->n_at))
         return 0;
     f->window.is_plain = is_plain(batch->model, &batch->sweep);
@@ -104,13 +125,13 @@ static int open(LagRunLanes *s, const LagSettings *settings)
         if (!open_lane(s, settings))
             return 0;
     const LagRun *like = run_in(s, 0);
-    lag_wide_taylor_layout(&s->taylor, like, &arena);
+    s->method->layout(s->steps, like, &arena);
     s->block = calloc(arena.used + LAG_CACHE_LINE, sizeof(double));
     if (!s->block)
         return 0;
     arena.base = lag_at_cache_line(s->block);
     arena.used = 0;
-    lag_wide_taylor_layout(&s->taylor, like, &arena);
+    s->method->layout(s->steps, like, &arena);
     return 1;
 }
 
@@ -119,15 +140,16 @@ LagRunLanes *lag_lanes_new(LagBatch *batch)
     const LagModel *model = batch->model;
     LagSettings settings = batch->alone.run->settings;
     const int is_wanted = batch->sweep.in_lanes && is_asked(&settings) && takes_one_run(&batch->sweep);
-    if (!is_wanted || model->n_guards > 0 || !lag_wide_taylor_serves(model) || !fits(model, &settings))
+    if (!is_wanted || model->n_guards > 0 || !fits(model, &settings))
         return NULL;
     LagRunLanes *s = calloc(1, sizeof *s);
     if (!s)
         return NULL;
     s->batch = batch;
-    s->may_turn = lag_methods_turn(&settings) && lag_methods_alternate(model, LAG_SOLVER_TAYLOR);
-    settings.solver = LAG_SOLVER_TAYLOR;
-    if (!open(s, &settings)) {
+    const int is_served = choose(s, model, &settings);
+    s->may_turn = lag_methods_turn(&settings) && lag_methods_alternate(model, s->method->solver);
+    settings.solver = s->method->solver;
+    if (!is_served || !open(s, &settings)) {
         lag_lanes_free(s);
         return NULL;
     }
@@ -181,7 +203,7 @@ static int make_alone(LagRunLanes *s, int64_t i)
 static void leave(LagRunLanes *s, int lane)
 {
     s->job[lane] = -1;
-    s->taylor.moves[lane] = 0;
+    s->steps->moves[lane] = 0;
 }
 
 /* The run in the lane is over. What is not well is made again, and told as it then is. */
@@ -205,7 +227,9 @@ static int end_run(LagRunLanes *s, int lane, LagStatus status)
 static void set_due(LagRunLanes *s, int lane)
 {
     const LagFollower *f = &s->follower[lane];
-    s->due[lane] = f->n_pending > 0 || s->batch->model->n_roots > 0 ? -INFINITY : lag_min(f->next, s->taylor.stop[lane]);
+    if (s->method->ends_at_rows)
+        s->steps->stop[lane] = lag_min(f->next, lag_min(f->run->segment_end, f->run->settings.t_stop));
+    s->due[lane] = f->n_pending > 0 || s->batch->model->n_roots > 0 ? -INFINITY : lag_min(f->next, s->steps->stop[lane]);
 }
 
 /* Other inputs are in force from the present time of the lane on, or other modes. */
@@ -221,7 +245,7 @@ static LagStatus enter_segment(LagRunLanes *s, int lane)
     run->segment_over = 0;
     if (status != LAG_OK)
         return status;
-    lag_wide_taylor_enter(&s->taylor, lane, run);
+    s->method->enter(s->steps, lane, run);
     return f->n_pending > 0 ? lag_follow_enter(f, run->motion.t) : LAG_OK;
 }
 
@@ -229,7 +253,7 @@ static LagStatus enter_segment(LagRunLanes *s, int lane)
 static int settle_in(LagRunLanes *s, int lane)
 {
     const LagRun *run = run_in(s, lane);
-    const int is_over = run->segment_over || lag_run_time(run) >= s->taylor.stop[lane];
+    const int is_over = run->segment_over || lag_run_time(run) >= s->steps->stop[lane];
     const LagStatus status = is_over ? enter_segment(s, lane) : LAG_OK;
     s->glance[lane] = run->statistics.steps + GLANCE;
     s->look[lane] = FIRST_LOOK;
@@ -253,7 +277,7 @@ static int begin_run(LagRunLanes *s, int lane, int64_t i)
     for (int k = 0; status == LAG_OK; ++k) {
         if (lag_run_time(run) >= s->batch->sweep.t_stop)
             return end_run(s, lane, status);
-        if (lag_wide_taylor_load(&s->taylor, lane, run))
+        if (s->method->load(s->steps, lane, run))
             return settle_in(s, lane);
         if (k == MOST_FIRST)
             break;
@@ -276,7 +300,7 @@ static int is_unfit(LagRunLanes *s, int lane)
     if (steps < s->look[lane])
         return 0;
     const double t = run->motion.t, done = t - s->batch->sweep.t_start;
-    const int looks = s->may_turn ? lag_stiffness_look(run, s->taylor.length[lane]) : 0;
+    const int looks = s->may_turn ? lag_stiffness_look(run, s->steps->length[lane]) : 0;
     const int64_t further = looks > 0 ? CLOSE_LOOK : steps < LOOK ? steps : LOOK;
     s->look[lane] = steps + further;
     return looks >= LOOKS
@@ -292,7 +316,7 @@ static LagStatus end_row(LagRunLanes *s, int lane)
     if (!f->window.is_plain)
         return lag_run_row(run, f->window.end);
     f->window.end[0] = run->motion.t;
-    memcpy(f->window.end + 1, run->motion.y, 2 * (size_t)s->taylor.n * sizeof *run->motion.y);
+    memcpy(f->window.end + 1, run->motion.y, 2 * (size_t)s->steps->n * sizeof *run->motion.y);
     return LAG_OK;
 }
 
@@ -304,7 +328,7 @@ static LagStatus watch(LagRunLanes *s, int lane, int is_shown)
         return status;
     const int open = lag_follow_glance(f);
     if (open && !is_shown)
-        lag_wide_taylor_show(&s->taylor, lane, f->run, 1);
+        s->method->show(s->steps, lane, f->run, 1);
     return lag_follow_watch(f, open);
 }
 
@@ -312,12 +336,12 @@ static LagStatus watch(LagRunLanes *s, int lane, int is_shown)
 static int attend(LagRunLanes *s, int lane)
 {
     LagFollower *f = &s->follower[lane];
-    const double t = s->taylor.t[lane];
-    const int glances = s->taylor.steps[lane] >= (double)s->glance[lane], is_over = t >= s->batch->sweep.t_stop;
-    const int has_event = !is_over && t >= s->taylor.stop[lane];
+    const double t = s->steps->t[lane];
+    const int glances = s->steps->steps[lane] >= (double)s->glance[lane], is_over = t >= s->batch->sweep.t_stop;
+    const int has_event = !is_over && t >= s->steps->stop[lane];
     const int is_shown = glances || is_over || t > f->next || (has_event && s->batch->model->n_modes > 0);
     LagStatus status = LAG_OK;
-    lag_wide_taylor_show(&s->taylor, lane, f->run, is_shown);
+    s->method->show(s->steps, lane, f->run, is_shown);
     if (lag_roots_suspect(f->run))
         return end_run(s, lane, LAG_PAUSED);
     if (glances) {
@@ -361,18 +385,18 @@ static int is_busy(const LagRunLanes *s)
 /* A step in all lanes. Returns 0 when it was stopped. */
 static int step(LagRunLanes *s)
 {
-    LagWideTaylor *taylor = &s->taylor;
-    lag_wide_taylor_step(taylor);
+    LagWideSteps *steps = s->steps;
+    s->method->step(steps);
     s->counts[LAG_LANES_ROOM] += LAG_ABREAST;
     for (int lane = 0; lane < LAG_ABREAST; ++lane) {
         if (s->job[lane] < 0)
             continue;
         ++s->counts[LAG_LANES_STEPS];
         int goes_on = 1;
-        if (taylor->taken[lane] > 0) {
-            if (taylor->t[lane] >= s->due[lane] || taylor->steps[lane] >= (double)s->glance[lane])
+        if (steps->taken[lane] > 0) {
+            if (steps->t[lane] >= s->due[lane] || steps->steps[lane] >= (double)s->glance[lane])
                 goes_on = attend(s, lane);
-        } else if (taylor->in_vain[lane] > PATIENCE) {
+        } else if (steps->in_vain[lane] > PATIENCE) {
             goes_on = end_run(s, lane, LAG_PAUSED);
         }
         if (!goes_on)

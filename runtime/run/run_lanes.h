@@ -1,7 +1,7 @@
 /* Runs in lanes: eight runs of a batch go on together, each at its own time and with its own steps, and a lane whose run has ended takes
  * the next one.
  *
- * Steps are wide_taylor.h's, of what choice.c would leave to explicit methods or to series, and as good: a run whose steps turn out to
+ * Steps are those of series (wide_taylor.h), or of Runge-Kutta pairs (wide_explicit.h), of what choice.c would leave to such methods, and as good: a run whose steps turn out to
  * be bound by stability, that steps do not get on with, or whose energy account does not close, is made again alone, as it would be
  * without lanes. Whether and how a run goes in a lane depends on nothing but itself, and so do its digits.
  */

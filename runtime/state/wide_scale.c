@@ -2,7 +2,7 @@
 
 #include <float.h>
 
-enum { VECTORS = 6 };
+enum { VECTORS = 7 };
 
 void lag_wide_scale_layout(LagWideScale *s, const LagScale *like, LagArena *arena)
 {
@@ -18,6 +18,7 @@ void lag_wide_scale_layout(LagWideScale *s, const LagScale *like, LagArena *aren
     s->group = lag_take(arena, 2 * (size_t)like->kinds * all);
     s->noise = lag_take(arena, n * all);
     s->onset = lag_take(arena, n * all);
+    s->idle = lag_take(arena, n * all);
 }
 
 /* The vectors of one motion, and of eight; how long they are. */
@@ -30,7 +31,8 @@ static void pairs(const LagWideScale *s, const LagScale *one, Pair *all)
 {
     const int n = s->n;
     const Pair found[VECTORS] = {{one->largest, s->largest, 2 * n}, {one->floor, s->floor, 2 * n}, {one->size, s->size, n},
-                                 {one->group, s->group, 2 * s->kinds}, {one->noise, s->noise, n}, {one->onset, s->onset, n}};
+                                 {one->group, s->group, 2 * s->kinds}, {one->noise, s->noise, n}, {one->onset, s->onset, n},
+                                 {one->idle, s->idle, n}};
     memcpy(all, found, sizeof found);
 }
 

@@ -13,7 +13,7 @@ typedef struct {
     double *cap;                    /* 2 n: the same for all motions */
     double *largest, *floor, *size; /* 2 n */
     double *group;                  /* 2 kinds */
-    double *noise, *onset;          /* n */
+    double *noise, *onset, *idle;   /* n */
 } LagWideScale;
 
 void lag_wide_scale_layout(LagWideScale *scale, const LagScale *like, LagArena *arena);
@@ -51,7 +51,8 @@ LAG_UNROLLED void lag_wide_scale_units(const LagWideScale *s, int i, int lane, c
     const LagWide tolerance = LAG_WIDE_OF(s->tolerance);
     const LagWide way = lag_wide_magnitude(s, i, lag_wide_of(y_old, i, lane), lag_wide_of(y_new, i, lane));
     const LagWide speed = lag_wide_magnitude(s, r, lag_wide_of(y_old, r, lane), lag_wide_of(y_new, r, lane));
-    const LagWide unseen = step * step * lag_wide_of(s->onset, i, lane), noise = step * lag_wide_of(s->noise, i, lane);
+    const LagWide least = lag_wide_max(lag_wide_of(s->onset, i, lane), lag_wide_of(s->idle, i, lane));
+    const LagWide unseen = step * step * least, noise = step * lag_wide_of(s->noise, i, lane);
     const LagWide rounding = uncertain * lag_wide_max(way, lag_wide_of(s->size, i, lane));
     *place = lag_wide_max(tolerance * lag_wide_max(way, lag_wide_of(s->floor, i, lane)), unseen);
     *rate = lag_wide_max(tolerance * lag_wide_max(speed, lag_wide_of(s->floor, r, lane)), lag_wide_max(rounding, noise));

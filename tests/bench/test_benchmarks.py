@@ -11,6 +11,7 @@ from lagrangia.bench.peers import Solver
 from lagrangia.bench.reference import find_reference
 
 FOLDER = Path(__file__).parents[1] / "benchmarks"
+EXAMPLES = FOLDER.parents[1] / "models" / "examples"
 sys.path.insert(0, str(FOLDER))
 
 import peer_exudyn  # noqa: E402
@@ -33,6 +34,7 @@ COMMANDS = [
     ["stepping.py", "--steps", "200", "--repeats", "1"],
     ["rollouts.py", "--runs", "20", "--repeats", "1"],
     ["ensemble.py", "--runs", "20", "--repeats", "1"],
+    ["lanes_errors.py", "--runs", "9", "--stop", "0.2", *(f"{EXAMPLES}/{name}.lag" for name in ("chain", "four_bar"))],
     pytest.param(["fmu_steps.py", "--repeats", "2"], marks=pytest.mark.slow, id="fmu_steps.py --repeats"),
     pytest.param(["suite.py", "--scenes", "pendulum,four-bar", "--solvers", "erk,casadi:erk,heyoka,mujoco,exudyn,rumoca", *TINY],
                  marks=pytest.mark.slow, id="suite.py --scenes"),

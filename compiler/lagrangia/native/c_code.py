@@ -46,7 +46,7 @@ def write_c(
     lanes: bool = False,
 ) -> str:
     """The C source of a scene. Equal input gives equal text. Functions `interpreted` stay tapes: data, which compile at once.
-    Without its `tables` a scene with some takes them from elsewhere. `lanes`: with series of eight motions at once."""
+    Without its `tables` a scene with some takes them from elsewhere. `lanes`: with what runs eight at a time ask for."""
     data = {*_DATA, *interpreted}
     series = motion_series(tapes, patterns.get("attitudes", ())) if "rhs" not in data else ""
     if isinstance(series, Series):  # in C, not as instructions
@@ -55,13 +55,14 @@ def write_c(
         tapes = {name: tape for name, tape in tapes.items() if name not in _OF_JET_TAPES}
     lines = [f"/* {_comment(name)}: generated, do not edit. */", *INCLUDES]
     lines += ['#include "numbers/jets.h"', f'#include "numbers/{"wide_jets" if lanes else "wide"}.h"']
-    wide = write_wide(usual_rhs(tapes), "regular" in tapes, _expression, _number) if "rhs" not in data else []
+    wide_series = write_wide_series(series, _expression, _number) if lanes and isinstance(series, Series) else []
+    has_each = lanes and not wide_series
+    wide = write_wide(usual_rhs(tapes), "regular" in tapes, _expression, _number, has_each) if "rhs" not in data else []
     functions, initializers = write_functions(tapes, data, () if wide else (_usual(tapes),))
     lines += [*write_tables(tables), "", *functions]
     lines += [_ints(name, places) for name, places in patterns.items()]
     lines += wide
     lines += [write_series(series, _expression, _number)] if isinstance(series, Series) else []
-    wide_series = write_wide_series(series, _expression, _number) if lanes and isinstance(series, Series) else []
     lines += wide_series
     lines += [_ints("coordinate_kind", coordinate_kind), _ints("fixed_start", fixed), _ints("event_kind", event_kind), ""]
     lines += ["LAG_API extern const LagModel lag_model;", "const LagModel lag_model = {"]
@@ -72,6 +73,7 @@ def write_c(
     lines += ["    .tables = tables,"] if tables else []
     lines += ["    .taylor = taylor,"] if isinstance(series, Series) else []
     lines += ["    .wide = wide,"] if wide else []
+    lines += ["    .wide_each = wide_each,"] if wide and has_each else []
     lines += ["    .wide_taylor = wide_taylor,"] if wide_series else []
     return "\n".join([*lines, "};", ""])
 

@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping, Sequence
 from lagrangia.native.tapes import SINES, Op, Tape
 
 _LONGEST = 10_000  # instructions: compilers take time that grows faster than a function's length
-_SHARED = (4, 5)  # inputs that are the same for all states: modes, and what was hoisted
+_SHARED = (4, 5)  # inputs that may be the same for all states: modes, and what was hoisted
 _KEPT = 2  # outputs: accelerations and powers
 _DOUBT = "doubt"
 
@@ -22,9 +22,10 @@ _TEMPLATES: Mapping[int, str] = {
 
 
 def write_wide(
-    tape: Tape, has_doubt: bool, expression: Callable[[int, str, str], str], number: Callable[[float], str],
+    tape: Tape, has_doubt: bool, expression: Callable[[int, str, str], str], number: Callable[[float], str], each: bool,
 ) -> list[str]:
-    """C text of a LagWideCode; nothing where the tape is long.
+    """C text of a LagWideCode, `wide`; nothing where the tape is long. `each`: and of `wide_each`, for states whose parameters
+    differ.
 
     `has_doubt`: the tape's third output tells where it does not hold. `expression` is C for an operation on numbers of one state.
     """
@@ -52,10 +53,13 @@ def write_wide(
     lines = [*declared, f"LagWide largest = zero, {_DOUBT} = zero;", *body,
              f"{_DOUBT} = LAG_WIDE_SELECT(largest > LAG_WIDE_OF(LAG_LARGEST_ANGLE), one, {_DOUBT});",
              f"lag_wide_write(out[{_KEPT}] + lane, {_DOUBT});"]
-    return ["static void wide(const double *const *in, double *const *out)", "{",
-            "    const LagWide zero = LAG_WIDE_OF(0.0), one = LAG_WIDE_OF(1.0);", "    (void)in; (void)one;",
+    arguments = "const double *const *in, double *const *out"
+    wide = [f"static void wide({arguments}) {{ wide_of(in, out, 1); }}"]
+    wide += [f"static void wide_each({arguments}) {{ wide_of(in, out, 0); }}"] if each else []
+    return [f"LAG_UNROLLED void wide_of({arguments}, const int is_shared)", "{",
+            "    const LagWide zero = LAG_WIDE_OF(0.0), one = LAG_WIDE_OF(1.0);", "    (void)in; (void)one; (void)is_shared;",
             "    for (int lane = 0; lane < LAG_ABREAST; lane += LAG_WIDE) {", *(f"        {line}" for line in lines), "    }",
-            "}", ""]
+            "}", "", *wide, ""]
 
 
 def _output(out: int, a: int, b: int, has_doubt: bool) -> list[str]:
@@ -73,8 +77,8 @@ def _sines(angle: int, found: Sequence[str]) -> list[str]:
 def _statement(op: int, out: int, a: int, b: int, constants: Sequence[float], expression: Callable[[int, str, str], str],
                number: Callable[[float], str]) -> list[str]:
     if op == Op.INPUT:
-        return [f"w{out} = LAG_WIDE_OF(in[{a}][{b}]);" if a in _SHARED else
-                f"w{out} = lag_wide_read(in[{a}] + {b} * LAG_ABREAST + lane);"]
+        own = f"lag_wide_read(in[{a}] + {b} * LAG_ABREAST + lane)"
+        return [f"w{out} = is_shared ? LAG_WIDE_OF(in[{a}][{b}]) : {own};" if a in _SHARED else f"w{out} = {own};"]
     if op == Op.CONST:
         return [f"w{out} = LAG_WIDE_OF({number(constants[a])});"]
     if op in _TEMPLATES:

@@ -1,7 +1,8 @@
 """The Taylor coefficients of eight motions at once (series.py) as C: the function `wide_taylor`, a LagWideJets.
 
 Recurrences are those of runtime/numbers/wide_jets.h, and digits those of runtime/model/wide_jet_tape.c. All orders share one
-body: a loop for several sums of products at a time, then a statement an instruction, whose values stay in registers.
+body: a loop for several sums of products at a time, then a statement an instruction, whose values stay in registers. Two orders
+go together, as their sums ask for the same coefficients, which take longer to read than to multiply.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -10,7 +11,7 @@ from lagrangia.native.series import OPERANDS, Series
 from lagrangia.native.series_writer import Instruction
 from lagrangia.native.tapes import JetOp, Op
 
-_AT_ONCE = 12  # sums in one loop: so many registers are there on all processors with vectors
+_AT_ONCE = 15  # registers of sums in one loop: so many are there on all processors with vectors
 _ALONE = "for (int i = 0; i < LAG_WIDE; ++i)"
 # Of order 0, and of order k: xa is the present coefficient of jet a, fa that of order 0; s and t number sums without their ends.
 _FIRST: Mapping[JetOp, str] = {
@@ -63,8 +64,9 @@ def write_wide_series(series: Series, expression: Callable[[int, str, str], str]
 
 _ORDERS = (
     "static void wide_orders(int first, int end, const double *numbers, double *jets)", "{",
-    "    LagWide inverse[INVERSES];", "    wide_inverses(jets, inverse);", "    for (int k = first; k < end; ++k)",
-    "        wide_later(k, numbers, jets, inverse);", "}", "")
+    "    LagWide inverse[INVERSES];", "    int k = first;", "    wide_inverses(jets, inverse);",
+    "    for (; k + 1 < end; k += 2)", "        wide_two(k, numbers, jets, inverse);",
+    "    if (k < end)", "        wide_one(k, numbers, jets, inverse);", "}", "")
 
 
 def _indented(lines: Sequence[str], by: int = 4) -> list[str]:
@@ -144,22 +146,49 @@ def _later(series: Series, numbers: Mapping[int, str], head: Sequence[str]) -> l
         statements += [f"lag_wide_write(JET({1 + c}) + (k + 1) * LAG_ABREAST, x{1 + n + c} * next);",
                        f"lag_wide_write(JET({1 + n + c}) + (k + 1) * LAG_ABREAST, x{series.accelerations[c]} * next);"]
     shares = ["const LagWide order = LAG_WIDE_OF((double)k), share = LAG_WIDE_OF(1.0 / k), next = LAG_WIDE_OF(1.0 / (k + 1));",
-              "(void)order; (void)share; (void)i;"]
+              "(void)order; (void)share;"]
+    arguments = "const double *numbers, double *jets, const LagWide *i"
+    given = [f"LagWide s{m}" for m in range(len(pairs))]
+    passed = "".join(f", s{m}" for m in range(len(pairs)))
+    ends = [f"s{m} = lag_wide_ends(s{m}, JET({a}), JET({b}), k);" for m, (a, b) in enumerate(pairs)]
+    declared = _declared("s", len(pairs))
     return [f"enum {{ INVERSES = {max(len(inverses), 1)} }};", "static void wide_inverses(const double *jets, LagWide *i)", "{",
             *_indented([head[0], "(void)jets; (void)i; (void)zero; (void)one; (void)two; (void)half;",
                         *(f"i[{m}] = {text};" for m, text in enumerate(inverses))]), "}", "",
-            "static void wide_later(int k, const double *numbers, double *jets, const LagWide *i)", "{",
-            *_indented([*head, *shares, *_sums(pairs), *statements]), "}", ""]
+            f"LAG_UNROLLED void wide_later({', '.join(['int k', arguments, *given])})", "{",
+            *_indented([*head, "(void)i;", *shares, *ends, *statements]), "}", "",
+            f"static void wide_one(int k, {arguments})", "{",
+            *_indented(["const LagWide zero = LAG_WIDE_OF(0.0);", "(void)zero;", *declared, *_sums(pairs, 1),
+                        f"wide_later(k, numbers, jets, i{passed});"]), "}", "",
+            f"static void wide_two(int k, {arguments})", "{",
+            *_indented(["const LagWide zero = LAG_WIDE_OF(0.0);", "(void)zero;", *declared, *_declared("t", len(pairs)),
+                        *_sums(pairs, 2), f"wide_later(k, numbers, jets, i{passed});",
+                        f"wide_later(k + 1, numbers, jets, i{passed.replace('s', 't')});"]), "}", ""]
 
 
-def _sums(pairs: Sequence[tuple[int, int]]) -> list[str]:
-    """All but the ends that wait for the latest coefficients."""
+def _declared(letter: str, count: int) -> list[str]:
+    """Sums that begin at 0."""
+    return [f"LagWide {', '.join(f'{letter}{m} = zero' for m in range(count))};"] if count else []
+
+
+def _sums(pairs: Sequence[tuple[int, int]], orders: int) -> list[str]:
+    """All but the ends that wait for the latest coefficients, of order k, and of order k + 1, which asks for the same ones."""
     lines: list[str] = []
-    most = -(-len(pairs) // -(-len(pairs) // _AT_ONCE)) if pairs else 1  # loops of few sums wait for each addition
+    at_once = _AT_ONCE // (2 * orders - 1)
+    most = -(-len(pairs) // -(-len(pairs) // at_once)) if pairs else 1  # loops of few sums wait for each addition
     for first in range(0, len(pairs), most):
         group = range(first, min(first + most, len(pairs)))
-        lines += [f"LagWide {', '.join(f's{m} = zero' for m in group)};", "for (int j = 2; j < k - 1; ++j) {"]
+        if orders == 2:
+            lines += [f"LagWide {', '.join(f'b{m} = zero' for m in group)};", "if (k > 2) {",
+                      *(f"    b{m} = LAG_WIDE_TERM(JET({pairs[m][1]}), k - 1);" for m in group), "}"]
+        lines += ["for (int j = 2; j < k - 1; ++j) {"]
         for m, (a, b) in ((m, pairs[m]) for m in group):
-            lines += [f"    s{m} = LAG_WIDE_FUSED(LAG_WIDE_TERM(JET({a}), j), LAG_WIDE_TERM(JET({b}), k - j), s{m});"]
-        lines += ["}", *(f"s{m} = lag_wide_ends(s{m}, JET({pairs[m][0]}), JET({pairs[m][1]}), k);" for m in group)]
+            here, there = f"LAG_WIDE_TERM(JET({a}), j)", f"LAG_WIDE_TERM(JET({b}), k - j)"
+            both = [f"const LagWide a{m} = {here}, c{m} = {there};", f"s{m} = LAG_WIDE_FUSED(a{m}, c{m}, s{m});",
+                    f"t{m} = LAG_WIDE_FUSED(a{m}, b{m}, t{m});", f"b{m} = c{m};"]
+            lines += _indented(both if orders == 2 else [f"s{m} = LAG_WIDE_FUSED({here}, {there}, s{m});"])
+        lines += ["}"]
+        if orders == 2:
+            lines += ["if (k > 2) {", *(f"    t{m} = LAG_WIDE_FUSED(LAG_WIDE_TERM(JET({pairs[m][0]}), k - 1), b{m}, t{m});"
+                                        for m in group), "}"]
     return lines

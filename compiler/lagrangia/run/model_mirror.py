@@ -117,5 +117,6 @@ class ModelMirror(c.Structure):
         ("jet_rates", Ints),
         ("series", FunctionMirror),
         ("wide", c.c_void_p),
+        ("wide_each", c.c_void_p),
         ("wide_taylor", c.c_void_p),
     )

@@ -1,0 +1,51 @@
+#include "methods/wide_steps.h"
+
+#include <math.h>
+
+#include "numbers/extremes.h"
+#include "state/state.h"
+
+void lag_wide_steps_layout(LagWideSteps *s, const LagRun *like, LagArena *arena)
+{
+    const size_t size = (size_t)like->motion.size * LAG_ABREAST;
+    s->model = like->model;
+    s->n = like->model->n;
+    s->size = like->motion.size;
+    lag_wide_scale_layout(&s->scale, &like->scale, arena);
+    double **const vectors[] = {&s->y, &s->carry, &s->old, &s->made, &s->made_carry};
+    for (size_t i = 0; i < sizeof vectors / sizeof *vectors; ++i)
+        *vectors[i] = lag_take(arena, size);
+}
+
+void lag_wide_steps_load(LagWideSteps *s, int lane, const LagRun *run)
+{
+    const LagMotion *m = &run->motion;
+    s->longest = run->settings.max_step > 0 ? run->settings.max_step : INFINITY;
+    lag_wide_scale_load(&s->scale, lane, &run->scale);
+    lag_wide_place(s->y, lane, m->y, s->size);
+    lag_wide_place(s->carry, lane, m->carry, s->size);
+    lag_wide_place(s->old, lane, m->other, s->size);
+    s->is_fresh = 1;
+    s->t[lane] = m->t;
+    s->t_old[lane] = m->t_old;
+    s->length[lane] = m->t > m->t_old ? m->t - m->t_old : run->step;
+    s->moves[lane] = s->taken[lane] = 1;
+    s->steps[lane] = (double)run->statistics.steps;
+    s->in_vain[lane] = s->missed[lane] = 0;
+}
+
+void lag_wide_steps_show(LagWideSteps *s, int lane, LagRun *run, int is_whole)
+{
+    LagMotion *m = &run->motion;
+    m->t = m->t_end = s->t[lane];
+    m->t_old = s->t_old[lane];
+    lag_wide_take(s->y, lane, m->y, s->size);
+    if (is_whole || s->model->n_roots > 0)
+        lag_wide_take(s->old, lane, m->other, s->size);
+    run->statistics.steps = (int64_t)s->steps[lane];
+    run->statistics.tolerance_missed = (int32_t)s->missed[lane];
+    if (!is_whole)
+        return;
+    lag_wide_take(s->carry, lane, m->carry, s->size);
+    lag_wide_scale_store(&s->scale, lane, &run->scale);
+}

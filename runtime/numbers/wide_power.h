@@ -1,0 +1,31 @@
+/* Powers to three digits (rough_power.h) of as many numbers as a register holds. */
+#ifndef LAG_WIDE_POWER_H
+#define LAG_WIDE_POWER_H
+
+#include <float.h>
+
+#include "numbers/wide.h"
+
+/* As lag_rough_log2. */
+LAG_UNROLLED LagWide lag_wide_log2(LagWide x)
+{
+    const LagWideWords bits = LAG_WIDE_WORDS(x), two52 = (LagWideWords)LAG_WIDE_WORDS(LAG_WIDE_OF(4503599627370496.0));
+    const LagWide exponent = LAG_WIDE_OF_WORDS((bits >> 52) | two52) - LAG_WIDE_OF(4503599627370496.0 + 1023);
+    const LagWide m = LAG_WIDE_OF_WORDS((bits & 0xfffffffffffff) | 0x3ff0000000000000) - LAG_WIDE_OF(1);
+    return exponent + m * (LAG_WIDE_OF(1.42286536) + m * (LAG_WIDE_OF(-0.58208551) + m * LAG_WIDE_OF(0.15922016)));
+}
+
+/* x^exponent for x >= 0 and small exponents: 0 where x is no ordinary number for its smallness, infinity where for its size. */
+LAG_UNROLLED LagWide lag_wide_power_of(LagWide x, double exponent)
+{
+    const LagWide shift = LAG_WIDE_OF(6755399441055744.0), zero = LAG_WIDE_OF(0), one = LAG_WIDE_OF(1);
+    const LagWide y = LAG_WIDE_OF(exponent) * lag_wide_log2(x), nearest = (y + shift) - shift;
+    const LagWide whole = nearest - LAG_WIDE_SELECT(nearest > y, one, zero), part = y - whole;
+    const LagWide scale = LAG_WIDE_OF_WORDS((LAG_WIDE_WORDS(whole + shift) + 1023) << 52);
+    const LagWide found = scale * (one + part * (LAG_WIDE_OF(0.69589012) + part * (LAG_WIDE_OF(0.22486495)
+                                                                                   + part * LAG_WIDE_OF(0.07924493))));
+    const LagWide few = LAG_WIDE_SELECT(x >= LAG_WIDE_OF(DBL_MIN), found, zero);
+    return LAG_WIDE_SELECT(x > LAG_WIDE_OF(DBL_MAX), LAG_WIDE_OF((double)INFINITY), few);
+}
+
+#endif
