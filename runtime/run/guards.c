@@ -303,8 +303,7 @@ static void judge(LagRun *run, Part part)
     }
 }
 
-/* Whether a guard is of more than parameters, which do not change within a step. */
-static int watches_motion(const LagModel *model)
+int lag_guards_watch_motion(const LagModel *model)
 {
     for (int i = 0; i < model->n_guards; ++i)
         if (!is_of_parameters(model, i))
@@ -316,7 +315,7 @@ void lag_guards_watch(LagRun *run)
 {
     LagGuards *s = &run->guards;
     double width = 1, fine = 1;
-    if (s->is_idle || !watches_motion(run->model))
+    if (s->is_idle || !lag_guards_watch_motion(run->model))
         return;
     s->end = INFINITY;
     sample(run, (Part){0, 1}, 0);

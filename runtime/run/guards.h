@@ -36,6 +36,9 @@ LagStatus lag_guards_of_parameters(LagRun *run);
 /* At a state (q, v) that no step has led to: the start, or a state of an importer. LAG_ASSERTED, LAG_ENDED where it ends the run. */
 LagStatus lag_guards_meet(LagRun *run, double t, const double *y);
 
+/* Whether some guard is of more than parameters, which do not change within a step. */
+int lag_guards_watch_motion(const LagModel *model);
+
 /* Looks at the latest step. */
 void lag_guards_watch(LagRun *run);
 

@@ -34,6 +34,7 @@ struct LagRunLanes {
     LagWideExplicit explicit;
     int may_turn;  /* others go on where stability rules */
     int are_shared; /* inputs */
+    int is_guarded; /* each step is looked at */
     int opened;    /* lanes whose follower and run are there */
     LagFollower follower[LAG_ABREAST];
     int64_t job[LAG_ABREAST]; /* the run in each lane; -1: none */
@@ -86,7 +87,7 @@ static int is_plain(const LagModel *model, const LagSweep *sweep)
 
 /* -------- birth and death */
 
-/* By series where equations are short; else by a Runge-Kutta pair: where measures look inside steps, by that which has dense output. */
+/* By series where equations are short; else by a Runge-Kutta pair: where somebody looks inside steps, by that which has dense output. */
 static int choose(LagRunLanes *s, const LagModel *model, const LagSettings *settings)
 {
     const LagBatch *batch = s->batch;
@@ -95,7 +96,7 @@ static int choose(LagRunLanes *s, const LagModel *model, const LagSettings *sett
     if (lag_wide_taylor_serves(model))
         return 1;
     s->steps = &s->explicit.lanes;
-    s->method = batch->n_at < batch->sweep.n_reductions || settings->tolerance > MOST_TOLERANCE ? &lag_wide_dop853 : &lag_wide_verner9;
+    s->method = batch->n_at < batch->sweep.n_reductions || s->is_guarded || settings->tolerance > MOST_TOLERANCE ? &lag_wide_dop853 : &lag_wide_verner9;
     s->explicit.caution = lag_run_solver(model, settings, NULL) == LAG_SOLVER_PIRK ? CAREFUL : 1;
     return settings->solver != LAG_SOLVER_TAYLOR && lag_wide_explicit_serves(model);
 }
@@ -140,12 +141,13 @@ LagRunLanes *lag_lanes_new(LagBatch *batch)
     const LagModel *model = batch->model;
     LagSettings settings = batch->alone.run->settings;
     const int is_wanted = batch->sweep.in_lanes && is_asked(&settings) && takes_one_run(&batch->sweep);
-    if (!is_wanted || model->n_guards > 0 || !fits(model, &settings))
+    if (!is_wanted || !fits(model, &settings))
         return NULL;
     LagRunLanes *s = calloc(1, sizeof *s);
     if (!s)
         return NULL;
     s->batch = batch;
+    s->is_guarded = lag_guards_watch_motion(model);
     const int is_served = choose(s, model, &settings);
     s->may_turn = lag_methods_turn(&settings) && lag_methods_alternate(model, s->method->solver);
     settings.solver = s->method->solver;
@@ -229,7 +231,7 @@ static void set_due(LagRunLanes *s, int lane)
     const LagFollower *f = &s->follower[lane];
     if (s->method->ends_at_rows)
         s->steps->stop[lane] = lag_min(f->next, lag_min(f->run->segment_end, f->run->settings.t_stop));
-    s->due[lane] = f->n_pending > 0 || s->batch->model->n_roots > 0 ? -INFINITY : lag_min(f->next, s->steps->stop[lane]);
+    s->due[lane] = f->n_pending > 0 || s->is_guarded || s->batch->model->n_roots > 0 ? -INFINITY : lag_min(f->next, s->steps->stop[lane]);
 }
 
 /* Other inputs are in force from the present time of the lane on, or other modes. */
@@ -277,6 +279,8 @@ static int begin_run(LagRunLanes *s, int lane, int64_t i)
     for (int k = 0; status == LAG_OK; ++k) {
         if (lag_run_time(run) >= s->batch->sweep.t_stop)
             return end_run(s, lane, status);
+        if (run->guards.broken)
+            break;
         if (s->method->load(s->steps, lane, run))
             return settle_in(s, lane);
         if (k == MOST_FIRST)
@@ -339,10 +343,12 @@ static int attend(LagRunLanes *s, int lane)
     const double t = s->steps->t[lane];
     const int glances = s->steps->steps[lane] >= (double)s->glance[lane], is_over = t >= s->batch->sweep.t_stop;
     const int has_event = !is_over && t >= s->steps->stop[lane];
-    const int is_shown = glances || is_over || t > f->next || (has_event && s->batch->model->n_modes > 0);
+    const int is_shown = glances || s->is_guarded || is_over || t > f->next || (has_event && s->batch->model->n_modes > 0);
     LagStatus status = LAG_OK;
     s->method->show(s->steps, lane, f->run, is_shown);
-    if (lag_roots_suspect(f->run))
+    if (s->is_guarded)
+        lag_guards_watch(f->run);
+    if (f->run->guards.broken || lag_roots_suspect(f->run))
         return end_run(s, lane, LAG_PAUSED);
     if (glances) {
         lag_account_glance(f->run);

@@ -2,7 +2,7 @@
  * the next one.
  *
  * Steps are those of series (wide_taylor.h), or of Runge-Kutta pairs (wide_explicit.h), of what choice.c would leave to such methods, and as good: a run whose steps turn out to
- * be bound by stability, that steps do not get on with, or whose energy account does not close, is made again alone, as it would be
+ * be bound by stability, that steps do not get on with, that a guard ends, or whose energy account does not close, is made again alone, as it would be
  * without lanes. Whether and how a run goes in a lane depends on nothing but itself, and so do its digits.
  */
 #ifndef LAG_RUN_LANES_H

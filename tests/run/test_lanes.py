@@ -103,6 +103,34 @@ def test_what_is_stiff_is_made_alone() -> None:
     assert alone == pytest.approx(found, abs=1e-6)
 
 
+GUARDED = """model Guarded
+  parameter Angle most = 1.5;
+  Revolute hinge(a = world, phi(start = 1));
+  Bar      bar(m = 1, L = 1, a = hinge.b);
+  TorsionDamper damper(a = hinge.a, b = hinge.b, c = 0.01);
+equation
+  assert(hinge.phi < most, "too far");
+  assert(hinge.w > -6.5, "fast", level = AssertionLevel.warning);
+  when hinge.w > 7.2 then terminate("fast enough"); end when;
+end Guarded;
+"""
+
+
+def test_runs_that_a_guard_ends_are_made_alone() -> None:
+    """With the outcomes, warnings and digits that they would have without lanes; the others stay in theirs."""
+    suited, job = lag.loads(GUARDED).prepared_for(
+        read_measures("final(hinge.phi), max(der(hinge.phi))"),
+        Request(stop=3.0, tolerance=1e-8, initial={"hinge.phi": np.linspace(0.2, 1.7, 16)}), Design())
+    values = job.variations.values(0, job.runs)
+    found, outcomes, lanes = advanced(suited, job, values)
+    alone, others, none = advanced(suited, replace(job, sweep=replace(job.sweep, in_lanes=False)), values)
+    ended = np.array([k for k in range(16) if others["kind"][k] or found[k].tobytes() == alone[k].tobytes()])
+    assert none == Lanes() and lanes.runs + lanes.alone == 16 and lanes.runs > 5 and lanes.alone == len(ended) > 3
+    assert outcomes["kind"].tolist() == others["kind"].tolist() and outcomes["warned"].tolist() == others["warned"].tolist()
+    assert others["warned"].any() and others["kind"].any() and not others["kind"].all()
+    assert found == pytest.approx(alone, abs=1e-7, nan_ok=True)
+
+
 @pytest.mark.parametrize("name", ["stick_slip", "bouncing_ball", "four_bar", "pendulum"])
 def test_what_lanes_do_not_serve_is_as_it_was(name: str) -> None:
     """Events, friction, loops, and what swings back the way it came."""

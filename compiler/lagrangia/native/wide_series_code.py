@@ -145,25 +145,29 @@ def _later(series: Series, numbers: Mapping[int, str], head: Sequence[str]) -> l
     for c in range(n):
         statements += [f"lag_wide_write(JET({1 + c}) + (k + 1) * LAG_ABREAST, x{1 + n + c} * next);",
                        f"lag_wide_write(JET({1 + n + c}) + (k + 1) * LAG_ABREAST, x{series.accelerations[c]} * next);"]
-    shares = ["const LagWide order = LAG_WIDE_OF((double)k), share = LAG_WIDE_OF(1.0 / k), next = LAG_WIDE_OF(1.0 / (k + 1));",
-              "(void)order; (void)share;"]
-    arguments = "const double *numbers, double *jets, const LagWide *i"
-    given = [f"LagWide s{m}" for m in range(len(pairs))]
-    passed = "".join(f", s{m}" for m in range(len(pairs)))
-    ends = [f"s{m} = lag_wide_ends(s{m}, JET({a}), JET({b}), k);" for m, (a, b) in enumerate(pairs)]
-    declared = _declared("s", len(pairs))
     return [f"enum {{ INVERSES = {max(len(inverses), 1)} }};", "static void wide_inverses(const double *jets, LagWide *i)", "{",
             *_indented([head[0], "(void)jets; (void)i; (void)zero; (void)one; (void)two; (void)half;",
                         *(f"i[{m}] = {text};" for m, text in enumerate(inverses))]), "}", "",
-            f"LAG_UNROLLED void wide_later({', '.join(['int k', arguments, *given])})", "{",
-            *_indented([*head, "(void)i;", *shares, *ends, *statements]), "}", "",
+            *_by_orders(pairs, [*head, "(void)i;"], statements)]
+
+
+def _by_orders(pairs: Sequence[tuple[int, int]], head: Sequence[str], statements: Sequence[str]) -> list[str]:
+    """The statements of an order as a function of its sums, and functions for one order and for two."""
+    shares = ["const LagWide order = LAG_WIDE_OF((double)k), share = LAG_WIDE_OF(1.0 / k), next = LAG_WIDE_OF(1.0 / (k + 1));",
+              "(void)order; (void)share;"]
+    arguments = "const double *numbers, double *jets, const LagWide *i"
+    none = "const LagWide zero = LAG_WIDE_OF(0.0); (void)zero;"
+    given = "".join(f", LagWide s{m}" for m in range(len(pairs)))
+    here, there = ("".join(f", {letter}{m}" for m in range(len(pairs))) for letter in "st")
+    ends = [f"s{m} = lag_wide_ends(s{m}, JET({a}), JET({b}), k);" for m, (a, b) in enumerate(pairs)]
+    both = [*_declared("s", len(pairs)), *_declared("t", len(pairs))]
+    return [f"LAG_UNROLLED void wide_later(int k, {arguments}{given})", "{",
+            *_indented([*head, *shares, *ends, *statements]), "}", "",
             f"static void wide_one(int k, {arguments})", "{",
-            *_indented(["const LagWide zero = LAG_WIDE_OF(0.0);", "(void)zero;", *declared, *_sums(pairs, 1),
-                        f"wide_later(k, numbers, jets, i{passed});"]), "}", "",
+            *_indented([none, *_declared("s", len(pairs)), *_sums(pairs, 1), f"wide_later(k, numbers, jets, i{here});"]), "}", "",
             f"static void wide_two(int k, {arguments})", "{",
-            *_indented(["const LagWide zero = LAG_WIDE_OF(0.0);", "(void)zero;", *declared, *_declared("t", len(pairs)),
-                        *_sums(pairs, 2), f"wide_later(k, numbers, jets, i{passed});",
-                        f"wide_later(k + 1, numbers, jets, i{passed.replace('s', 't')});"]), "}", ""]
+            *_indented([none, *both, *_sums(pairs, 2), f"wide_later(k, numbers, jets, i{here});",
+                        f"wide_later(k + 1, numbers, jets, i{there});"]), "}", ""]
 
 
 def _declared(letter: str, count: int) -> list[str]:
