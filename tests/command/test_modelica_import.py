@@ -8,7 +8,7 @@ import pytest
 from scipy.linalg import expm
 
 import lagrangia as lag
-from lagrangia.command.cli import main
+from lagrangia.command.cli import DONE, FAILED, main
 from lagrangia.editor.modelica_import import imported
 
 DRIVE = """within ;
@@ -194,3 +194,18 @@ end Push;
     file.write_text(found.text, encoding="utf-8")
     run = lag.load(file).simulate(at=[1.0], tolerance=1e-12)
     assert [run["vehicle.s"][0], run["vehicle.v"][0]] == pytest.approx([2.5, 1], abs=1e-12)
+
+
+def test_filters_of_sources_and_older_names(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A source that is filtered moves exactly here, which is told; exact = true says nothing new."""
+    text = """model M
+      Modelica.Mechanics.Translational.Sources.Position move(FILTER);
+      Modelica.Mechanics.Rotational.Components.Brake brake(mue_pos = [0, 0.4], fn_max = 2);
+    end M;"""
+    for said, code in (("exact = true", DONE), ("exact = false", FAILED), ("f_crit = 20", FAILED)):
+        (tmp_path / "M.mo").write_text(text.replace("FILTER", said), encoding="utf-8")
+        assert main(["import", str(tmp_path / "M.mo"), "-o", str(tmp_path / "M.lag")]) == code
+        told = capsys.readouterr()
+        assert ("the filter of move: it moves exactly" in told.out + told.err) == (code == FAILED)
+        new = (tmp_path / "M.lag").read_text(encoding="utf-8")
+        assert "Translational.Position move;" in new.replace("move()", "move") and "mu_pos = [0, 0.4]" in new

@@ -34,8 +34,8 @@ _OF_MECHANICS = ("Components", "Sources", "Sensors", "Interfaces")
 _OF_BLOCKS = ("Sources", "Math", "Continuous", "Nonlinear")
 # Arguments of the library's components without a meaning here:
 _IDLE = frozenset("useHeatPort stateSelect animation smoothness phi_nominal s_nominal nominal startForward startBackward mode "
-                  "stuck locked vReg".split())
-_RENAMED = {"freqHz": "f"}  # arguments, as they were called before version 4
+                  "stuck locked vReg exact f_crit".split())
+_RENAMED = {"freqHz": "f", "mue_pos": "mu_pos"}  # arguments, as they were called before version 4
 _SECTIONS = ("equation", "algorithm", "public", "protected")
 _CLASSES = ("model", "class", "package", "block", "connector", "record")
 
@@ -69,7 +69,7 @@ def imported(text: str) -> Imported:
             out.append(f"{_space(statement)}// left out: {told}")
         else:
             kept = [name for name in meant if name is not None]
-            left += _held_temperatures(kept)
+            left += [*_held_temperatures(kept), *_filtered(kept)]
             out.append("".join(_without_idle(kept) if is_of_library else kept))
     return Imported("".join(out).strip() + "\n", tuple(left))
 
@@ -95,6 +95,15 @@ def _held_temperatures(statement: Sequence[str]) -> list[str]:
     at = told.index("useHeatPort") if "useHeatPort" in told else len(told)
     if told[at + 1 : at + 2] == ["true"] and told[0].rpartition(".")[2] in ("EddyCurrentTorque", "EddyCurrentForce"):
         return [f"the heatPort of {told[1]} (its temperature stays T, which is 293.15 K unless it is given)"]
+    return []
+
+
+def _filtered(statement: Sequence[str]) -> list[str]:
+    """That what moves as a filtered signal says moves as the signal itself."""
+    told = [word for word in _told(statement) if _is_name(word)]
+    is_filtered = "f_crit" in told or ("exact" in told[:-1] and told[told.index("exact") + 1] == "false")
+    if is_filtered and told[0].rpartition(".")[2] in ("Position", "Speed"):
+        return [f"the filter of {told[1]}: it moves exactly as its signal says"]
     return []
 
 
