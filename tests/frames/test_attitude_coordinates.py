@@ -97,10 +97,10 @@ end Floating;
 
 
 def test_native_code_from_the_start_is_chosen_by_as_the_tape_is() -> None:
-    """Its library has series, which attitudes have no steps for: the run ended with "bad settings"."""
-    model = lag.load(data_folder("models") / "examples" / "top.lag")
-    model.native = True
-    assert model.simulate(stop=0.1).statistics.solver.name == "PIRK"
+    """Its library had series, which attitudes had no steps for: the run ended with "bad settings"."""
+    tape, native = (lag.load(data_folder("models") / "examples" / "top.lag") for _ in range(2))
+    native.native = True
+    assert native.simulate(stop=0.1).statistics.solver == tape.simulate(stop=0.1).statistics.solver
 
 
 def test_a_body_floats_with_an_attitude(tmp_path: Path) -> None:
