@@ -1,5 +1,6 @@
 #include "state/correction.h"
 
+#include <float.h>
 #include <math.h>
 #include <string.h>
 
@@ -7,6 +8,7 @@
 #include "numbers/lanes.h"
 #include "state/state.h"
 
+static const double ROUNDINGS = 1e3; /* of the natural size of a coordinate: what is left of a gap there is none */
 enum { LONG = 16 }; /* coordinates from which on lanes pay for units */
 
 /* What a position or rate is measured by: the largest seen so far; angles have a natural unit. Their cap tells them. */
@@ -64,6 +66,16 @@ int lag_correction_is_fine(const LagRun *run, int first, int count)
     for (int i = first; i < first + count; ++i)
         if (fabs(s->correction[i]) > (is_long ? s->unit[i] : lag_scale_unit(&run->scale, i, run->motion.y, s->state)))
             return 0;
+    return 1;
+}
+
+int lag_correction_is_rounding(const LagRun *run)
+{
+    for (int i = 0; i < run->model->n; ++i) {
+        const double size = lag_max(size_of(run, i), run->scale.size[i]);
+        if (!(fabs(run->projection.correction[i]) <= ROUNDINGS * DBL_EPSILON * size))
+            return 0;
+    }
     return 1;
 }
 

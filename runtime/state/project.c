@@ -108,8 +108,11 @@ static int correct(LagRun *run, Level level, double t, double left)
         if (size <= ROUNDING)
             return 1;
         if (!(size < FALL * last)) {
+            const int is_closed = level == POSITIONS && lag_correction_is_rounding(run);
             if (last < INFINITY)
                 take_back(s, n, state, carry);
+            if (is_closed)
+                return 1; /* of a coordinate that is hardly more than rounding of the others */
             break;
         }
         remember(s, n, state, carry);

@@ -62,6 +62,25 @@ def test_a_slider_crank_in_any_plane(axis: np.ndarray, across: float) -> None:
     assert b.energy.residual == pytest.approx(np.zeros(b.time.size), abs=1e-8)
 
 
+def test_a_slider_that_points_into_the_plane_from_outside_it() -> None:
+    """Its axes are the world's: only by its numbers does it keep to the plane. What leaves it by a tenth stands still."""
+    R = rotation(TILT, ANGLE)
+    back = f"turn(wrist.b, {-ANGLE!r}, {{{curly(TILT)}}})"
+
+    def guided(way: list[float], rod: float, place: float, fixed: str = ", fixed = true") -> Model:
+        guide = (f"guide(a = shift(world, {{{curly(R @ [0, 0.05, 0])}}}), along = {{{curly(R @ way)}}}, "
+                 f"b = {back}, s(start = {place}))")
+        parts = PARTS.replace("guide(a = shift({base}, {{0, 0.05}}), along = {{1, 0}}, b = wrist.b, s(start = 1))", guide)
+        return scene(parts.replace("0.8, a = pin", f"{rod}, a = pin").replace(", fixed = true", fixed), TILT)
+
+    model = guided([0.6, 0.8, 0], 0.8, 1)
+    assert isinstance(plane_of(model), Plane) and model.freedom["degrees_of_freedom"] == 1
+    in_space = model._in(replace(model.formulas, in_space=True))
+    a, b = (x.simulate(stop=0.5, interval=0.25, tolerance=1e-10) for x in (model, in_space))
+    assert a["crank.phi"] == pytest.approx(b["crank.phi"], abs=1e-9) and a["guide.s"] == pytest.approx(b["guide.s"], abs=1e-9)
+    assert guided([0.6, 0.8, 0.1], 0.3, 0, "").freedom["degrees_of_freedom"] == 0
+
+
 def test_a_plane_of_coordinates_costs_what_the_plane_costs() -> None:
     flat, upright = (scene(PARTS.replace("AppliedForce push(at = rod.b, force = {force});", ""), *way)
                      for way in ((None,), (np.array([1.0, 0, 0]), np.pi / 2)))

@@ -12,6 +12,7 @@ import casadi as ca
 import numpy as np
 
 from lagrangia.algebra.duals import Scalar, dot, minus, times
+from lagrangia.algebra.scalars import column, scalars_in
 from lagrangia.base.diagnostics import LagError, Span
 from lagrangia.constraints.changes import changes_of
 from lagrangia.constraints.parameters import default_parameters
@@ -158,7 +159,7 @@ class _Look:
         for step in steps:
             amount = self._amount(step)
             if step.kind == "shift":
-                if self._changes(own[2], amount):
+                if self._leaves(own[2], amount):
                     return NoPlane(f"{moved} shifts along an axis about which others turn", span)
                 continue
             axis = self._axis(step)
@@ -190,6 +191,20 @@ class _Look:
         if not np.isfinite(changes).all():
             return bool(np.isinf(changes[np.array(along) != 0]).any())
         return bool(np.abs(np.array(along) @ changes).max() > _NEGLIGIBLE * np.abs(changes).max() + _ROUNDING)
+
+    def _leaves(self, normal: Vector, amount: Vector) -> bool:
+        """Whether a shift changes along the normal: whatever the parameters, or with those that are compiled in as they are
+        declared, which it then takes note of."""
+        if not self._changes(normal, amount):
+            return False
+        variables = self.kinematics.graph.model.variables
+        known = [x for x in self._symbols(column(*amount)) if x.__hash__() in self.values]
+        own = [x for x in known if variables[self.names[x.__hash__()]].is_evaluated]
+        numbers = ca.DM([self.values[x.__hash__()] for x in own])
+        if not own or self._changes(normal, scalars_in(ca.substitute(column(*amount), ca.vertcat(*own), numbers))):
+            return True
+        self.used |= {self.names[x.__hash__()] for x in own}
+        return False
 
     def _number(self, value: Scalar) -> float:
         """With the parameters as they are declared, which it takes note of. Raises _NoNumber."""

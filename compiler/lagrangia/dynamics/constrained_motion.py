@@ -12,10 +12,10 @@ from lagrangia.dynamics.kkt import KKT, SMALL, SMALL_IN_SPACE, diagonal_of, fact
 from lagrangia.dynamics.null_space import NullSpace
 from lagrangia.dynamics.own_rows import OwnRows, WithOwnRows, factor_others, find_own_rows, form_others
 from lagrangia.dynamics.regularity import find_evenness, is_even, relative_pivots
-from lagrangia.dynamics.schur import FreeTree, SchurComplement, form
+from lagrangia.dynamics.schur import FreeTree, LoopByLoop, SchurComplement, form
 from lagrangia.frames.kinematics import Kinematics
 
-System = KKT | SchurComplement | WithOwnRows
+System = KKT | SchurComplement | LoopByLoop | WithOwnRows
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ Source: Featherstone, Rigid Body Dynamics Algorithms (2008), chapter 7.
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import field
-from functools import cached_property
+from functools import cached_property, partial
 from itertools import pairwise, zip_longest
 
 import casadi as ca
@@ -25,6 +25,7 @@ from lagrangia.base.records import dataclass
 from lagrangia.dynamics.bodies import Bodies
 from lagrangia.dynamics.energies import Energies
 from lagrangia.dynamics.forces import Forces, find_forces
+from lagrangia.dynamics.loops_in_tree import Carrier, Granted
 from lagrangia.frames.edges import Edge
 from lagrangia.frames.evaluation import Evaluator, Value
 from lagrangia.frames.kinematics import Kinematics
@@ -151,6 +152,46 @@ class ArticulatedBodies:
         moving = {name: x for name, x in self.clusters.items() if not x.is_ground}
         rows = [[*upper(x.inertia), *motion_numbers(still.pose(name, 2))] for name, x in moving.items()]
         return self._yield_to(forces, dict(zip(moving, each(_inertial_force, rows), strict=True)))
+
+    def carriers(self) -> list[Carrier]:
+        """The bodies that move."""
+        place = {name: k for k, name in enumerate(self._moving)}
+        found = []
+        for name in self._moving:
+            cluster = self.clusters[name]
+            parent = None if cluster.parent is None else place.get(cluster.parent.frame)
+            found.append(Carrier(parent, cluster.directions, cluster.inertia, partial(_inertia_ahead, cluster.joint),
+                                 partial(_wrench_ahead, cluster.joint), partial(_twist_behind, cluster.joint)))
+        return found
+
+    def on_carriers(self, forces: Forces) -> tuple[dict[int, Vector], Vector | None]:
+        """The wrenches on bodies, and the force on the world, with no moment that counts; None where it is not held."""
+        place, found = {name: k for k, name in enumerate(self._moving)}, dict[int, Vector]()
+        on_world: Vector | None = None
+        for frame, force in forces.on_frames.items():
+            k = place.get(home := self.bodies.home[frame])
+            if k is None:
+                on_world = _sum(on_world or [*NOTHING], [*force])
+                continue
+            load = _about_reference([*_ahead(self.clusters[home].turn, self.bodies.local[frame]), *force])
+            found[k] = _sum(found.get(k, [*NOTHING]), load)
+        return found, on_world
+
+    def granted(self, energies: Energies) -> Granted | None:
+        """What acts where bodies are accelerated as the rates alone do; None where that is not known."""
+        forces = find_forces(self.kinematics, energies)
+        if forces is None:
+            return None
+        still, (loads, _) = self.kinematics.without_accelerations(), self.on_carriers(forces)
+        for k, name in enumerate(self._moving):
+            own = _inertial_force([*upper(self.clusters[name].inertia), *motion_numbers(still.pose(name, 2))])
+            loads[k] = _sum(loads.get(k, [*NOTHING]), own)
+        r = [minus(0.0, forces.on_coordinates.get(c.name, 0.0)) for c in self.kinematics.graph.coordinates]
+        return Granted(loads, r, [*NOTHING])
+
+    @cached_property
+    def _moving(self) -> list[str]:
+        return [name for name, cluster in self.clusters.items() if not cluster.is_ground]
 
     def _yield_to(self, forces: Forces, loads: dict[str, Vector]) -> ca.SX:
         homes = [self.bodies.home[frame] for frame in forces.on_frames]
@@ -283,6 +324,20 @@ def _add_loads(loads: dict[str, Vector], homes: Sequence[str], wrenches: Sequenc
     for turn in turns:
         sums = each(_halves_added, [[*loads.get(home, NOTHING), *wrench] for home, wrench in turn.items()])
         loads.update(zip(turn, sums, strict=True))
+
+
+def _inertia_ahead(joint: Sequence[Scalar], I: list[Vector]) -> list[Vector]:
+    found = no_inertia()
+    add_moved(found, I, joint)
+    return found
+
+
+def _wrench_ahead(joint: Sequence[Scalar], wrench: Vector) -> Vector:
+    return about(wrench, joint)
+
+
+def _twist_behind(joint: Sequence[Scalar], twist: Vector) -> Vector:
+    return moved_twist(twist, joint)
 
 
 def _halves_added(values: Vector) -> Vector:

@@ -353,12 +353,14 @@ def _hold(kinematics: Kinematics, bodies: Bodies, energies: Energies, constraint
           for_any_mass: bool, partition: Partition | None) -> tuple[Held, dict[str, int]]:
     """The constrained motion by the way that counts fewest nodes, and what each way that was tried counts."""
     rows = constraint_rows(kinematics, constraints)
-    is_preferred = prefers(*(ca.jacobian_sparsity(x, free.v) for x in (free.momentum, rows.rate)))
+    M, J = (ca.jacobian_sparsity(x, free.v) for x in (free.momentum, rows.rate))
+    is_preferred = prefers(M, J, kinematics.geometry.by_rates or kinematics.graph.has_inner_loops)
     tree = articulate(kinematics, bodies) if is_preferred is not False and not for_any_mass else None
     along = None
     if tree is not None:
         alone = _along(tree, energies, Later(lambda: free.h))
-        own = FreeTree(tree, alone, forces_of_loops(kinematics, constraints.rows), range(tree.size))
+        own = FreeTree(tree, alone, forces_of_loops(kinematics, constraints.rows), range(tree.size),
+                       tree.granted(energies))
         along = own if is_even(kinematics, own.balance) else None
     found = [constrain(kinematics, rows, replace(free, tree=along), for_any_mass)]
     if is_preferred is None and found[0][2].tree is not None:

@@ -12,7 +12,7 @@ import casadi as ca
 
 from lagrangia.base.records import dataclass
 from lagrangia.dynamics.kkt import KKT, factor
-from lagrangia.dynamics.schur import FreeTree, SchurComplement, form
+from lagrangia.dynamics.schur import FreeTree, LoopByLoop, SchurComplement, form
 from lagrangia.frames.kinematics import Kinematics
 
 
@@ -59,7 +59,7 @@ def find_own_rows(kinematics: Kinematics, J: ca.SX, momentum: ca.SX, v: ca.SX) -
 class WithOwnRows:
     """The system, with M (n, n) and J (m, n): `inner` is that of the others, None where no row is left for these."""
 
-    inner: KKT | SchurComplement
+    inner: KKT | SchurComplement | LoopByLoop
     J: ca.SX
     own: OwnRows
     count: int  # the rows that count: those behind it are not asked for
@@ -67,7 +67,7 @@ class WithOwnRows:
     @property
     def tree(self) -> FreeTree | None:
         """Along which M of the others is solved."""
-        return self.inner.tree if isinstance(self.inner, SchurComplement) else None
+        return None if isinstance(self.inner, KKT) else self.inner.tree
 
     @property
     def doubt(self) -> ca.SX:
@@ -88,7 +88,7 @@ class WithOwnRows:
         pull = self._slopes.T @ held
         is_free = bool(ca.densify(held).is_zero())
         others = ca.densify(a)[list(self.own.others)]
-        if isinstance(self.inner, SchurComplement):
+        if not isinstance(self.inner, KKT):
             others = others if is_free else others - self.inner.tree.solve(pull)
         elif not is_free:
             others = others - pull

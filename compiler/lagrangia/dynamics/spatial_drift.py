@@ -11,7 +11,7 @@ from dataclasses import field
 
 from lagrangia.algebra.duals import Scalar, is_zero
 from lagrangia.base.records import dataclass
-from lagrangia.frames.spatial_inertia import Move, RigidInertia, Shift, Turn, Vector, added, cross
+from lagrangia.frames.spatial_inertia import Inertia, Move, RigidInertia, Shift, Turn, Vector, added, cross
 
 STILL: Sequence[Scalar] = (0.0,) * 3
 _TURNED = 6  # operations of a turn about an axis, of a vector
@@ -30,6 +30,24 @@ class Link:
     spin_rate: Sequence[Scalar] = STILL  # of the spin, but for what second derivatives of coordinates add
     body: RigidInertia | None = None  # in its own frame
 
+    def inertia_to_parent(self, I: Inertia) -> Inertia:
+        """What the parent feels of an inertia at its own frame."""
+        for move in reversed(self.moves):
+            I = move.inertia_to_parent(I)
+        return I
+
+    def wrench_to_parent(self, wrench: Vector) -> Vector:
+        """A wrench at its own frame, in the parent's."""
+        for move in reversed(self.moves):
+            wrench = move.wrench_to_parent(wrench) if isinstance(move, Shift) else move.to_parent(wrench)
+        return wrench
+
+    def twist_to_child(self, twist: Vector) -> Vector:
+        """Of the parent's twist, what its own frame has where the joint stands still."""
+        for move in self.moves:
+            twist = move.twist_to_child(twist) if isinstance(move, Shift) else move.to_child(twist)
+        return twist
+
 
 @dataclass
 class Drift:
@@ -41,13 +59,13 @@ class Drift:
     spins: list[Vector] = field(default_factory=list)  # and of the angular velocity's, (3,)
 
 
-def drift_of(links: Sequence[Link]) -> Drift:
-    """Root to leaf."""
+def drift_of(links: Sequence[Link], is_granted: bool = False) -> Drift:
+    """Root to leaf. Nothing is felt where all `is_granted`."""
     found = Drift()
     for link in links:
         w = found.w[link.parent] if link.parent is not None else STILL
         granted = found.granted[link.parent] if link.parent is not None else [*STILL, *STILL]
-        is_reset, shifts = _feels_shift(link), []
+        is_reset, shifts = not is_granted and _feels_shift(link), []
         for move in link.moves:
             shifts.append([*STILL])
             if isinstance(move, Shift):
@@ -57,7 +75,8 @@ def drift_of(links: Sequence[Link]) -> Drift:
                 granted = [*whole, *granted[3:]]
             else:
                 w, granted = move.to_child(w), move.to_child(granted)
-        spins, kept = _split_spin(link, added(granted[3:], added(cross(w, link.spin), link.spin_rate)))
+        spin = added(granted[3:], added(cross(w, link.spin), link.spin_rate))
+        spins, kept = ([*STILL], spin) if is_granted else _split_spin(link, spin)
         found.shifts.append(tuple(shifts))
         found.spins.append(spins)
         found.granted.append([*granted[:3], *kept])

@@ -17,6 +17,7 @@ from lagrangia.dynamics.bodies import Bodies
 from lagrangia.dynamics.elimination import OneMoves
 from lagrangia.dynamics.energies import Energies
 from lagrangia.dynamics.forces import Forces, find_forces
+from lagrangia.dynamics.loops_in_tree import Carrier, Granted
 from lagrangia.dynamics.spatial_axes import SpatialJoint, lay_axes
 from lagrangia.dynamics.spatial_drift import STILL, Drift, drift_of
 from lagrangia.dynamics.spatial_elimination import SpatialTree
@@ -35,6 +36,7 @@ from lagrangia.frames.spatial_inertia import (
     composed,
     cross,
     is_nothing,
+    no_inertia,
     product,
     transposed,
 )
@@ -105,6 +107,17 @@ class SpatialBodies:
         drift = drift_of(self.tree.links)
         return self._yield_to(forces, self.tree.bias_loads(drift), drift, [minus(0.0, x) for x in field])
 
+    def granted(self, energies: Energies) -> Granted | None:
+        """What acts where bodies are accelerated as the rates alone do; None where that is not known."""
+        forces = find_forces(self.kinematics, energies)
+        if forces is None:
+            return None
+        field, forces = self._without_field(forces)
+        loads = self.tree.bias_loads(drift_of(self.tree.links, is_granted=True))
+        for joint, load in self.on_carriers(forces)[0].items():
+            loads[joint] = added(loads.get(joint, [0.0] * 6), load)
+        return Granted(loads, self._on_coordinates(forces), [*(minus(0.0, x) for x in field), *STILL])
+
     def field(self, energies: Energies) -> tuple[Sequence[Scalar], bool]:
         """The acceleration with which all bodies fall, (3,), and whether forces are left beside it."""
         forces = find_forces(self.kinematics, energies)
@@ -113,12 +126,31 @@ class SpatialBodies:
         return field, forces is None or not is_nothing(acting)
 
     def _yield_to(self, forces: Forces, loads: dict[int, Vector], drift: Drift | None, base: Sequence[Scalar]) -> ca.SX:
+        for joint, load in self.on_carriers(forces)[0].items():
+            loads[joint] = added(loads.get(joint, [0.0] * 6), load)
+        return ca.vertcat(*self.tree.solve(self._on_coordinates(forces), loads, drift, base))
+
+    def _on_coordinates(self, forces: Forces) -> Vector:
+        """r, (n,)."""
+        return [minus(0.0, forces.on_coordinates.get(c.name, 0.0)) for c in self.kinematics.graph.coordinates]
+
+    def carriers(self) -> list[Carrier]:
+        """The links."""
+        bodies = [link.body.matrix() if link.body is not None else no_inertia() for link in self.tree.links]
+        return [Carrier(link.parent, link.directions, body, link.inertia_to_parent, link.wrench_to_parent, link.twist_to_child)
+                for link, body in zip(self.tree.links, bodies, strict=True)]
+
+    def on_carriers(self, forces: Forces) -> tuple[dict[int, Vector], Vector | None]:
+        """The wrenches on links, and the force on the world, with no moment that counts; None where it is not held."""
+        found: dict[int, Vector] = {}
+        on_world: Vector | None = None
         for frame, wrench in forces.on_frames.items():
             joint, load = self._load(frame, wrench)
             if joint is not None:
-                loads[joint] = added(loads.get(joint, [0.0] * 6), load)
-        r = [minus(0.0, forces.on_coordinates.get(c.name, 0.0)) for c in self.kinematics.graph.coordinates]
-        return ca.vertcat(*self.tree.solve(r, loads, drift, base))
+                found[joint] = added(found.get(joint, [0.0] * 6), load)
+            else:
+                on_world = added(on_world or [0.0] * 6, wrench)
+        return found, on_world
 
     def _load(self, frame: str, wrench: Sequence[Scalar]) -> tuple[int | None, Vector]:
         """A wrench along the world's axes, on the link that the frame is fixed to, in its axes."""

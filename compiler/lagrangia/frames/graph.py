@@ -93,6 +93,27 @@ class ComponentGraph:
         """By the frames that they lead to."""
         return {edge.child: edge for edge in self.edges}
 
+    @cached_property
+    def has_inner_loops(self) -> bool:
+        """Whether the two sides of some loop part at a frame that moves."""
+        ground = {root.frame for root in self.roots if root.is_ground}
+        return any(self._moving_at(cut.a) & self._moving_at(cut.b) for cut in self.closures) or any(
+            self._root_of(cut.a) not in ground for cut in self.closures)
+
+    def _moving_at(self, frame: str) -> set[str]:
+        """What is led to by edges that move, on the way from the root."""
+        found = set()
+        while frame in self.edge_to:
+            edge = self.edge_to[frame]
+            found |= set() if edge.is_rigid else {frame}
+            frame = edge.parent
+        return found
+
+    def _root_of(self, frame: str) -> str:
+        while frame in self.edge_to:
+            frame = self.edge_to[frame].parent
+        return frame
+
     @property
     def lies_in_plane(self) -> bool:
         """Whether all of a scene in space moves in parallel planes, and has their equations."""
