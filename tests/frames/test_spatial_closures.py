@@ -31,15 +31,32 @@ CUTS = {
     "hinge": "Revolute cut(a = shift(h3.b, {0.2, 0, 0.1}), axis = {1, 1, 0.5}, b = shift(h5.b, {0.1, 0.3, 0.1}));",
     "slider": "Prismatic cut(a = shift(h3.b, {0.2, 0, 0.1}), along = {1, 1, 0.5}, b = shift(h5.b, {0.1, 0.3, 0.1}));",
     "ball": "Spherical cut(a = shift(h3.b, {0.2, 0, 0.1}), b = shift(h5.b, {0.1, 0.3, 0.1}));",
-    "weld": "Universal cut(a = shift(h3.b, {0.2, 0, 0.1}), b = shift(h5.b, {0.1, 0.3, 0.1}));",
+    "cylinder": "Cylindrical cut(a = shift(h3.b, {0.2, 0, 0.1}), axis = {1, 1, 0.5}, b = shift(h5.b, {0.1, 0.3, 0.1}));",
+    "cross": "Universal cut(a = shift(h3.b, {0.2, 0, 0.1}), axis_a = {1, 0.2, 0}, axis_b = {0.3, 1, 0.1}, "
+             "b = shift(h5.b, {0.1, 0.3, 0.1}));",
+    "weld": "PlanarJoint cut(a = shift(h3.b, {0.2, 0, 0.1}), b = shift(h5.b, {0.1, 0.3, 0.1}));",
 }
+# Like Universal and Revolute, but cut as welds.
+CROSSED = """model Crossed
+  parameter Real axis_b[3] = {0, 1, 0} annotation(Evaluate = true); Frame a, b; coordinate Angle phi_a; coordinate Angle phi_b;
+equation
+  b = turn(shift(turn(a, phi_a, {1, 0, 0}), {0.01, 0, 0}), phi_b, axis_b);
+end Crossed;
+model Odd
+  parameter Real axis[3] annotation(Evaluate = true); Frame a, b; coordinate Angle phi;
+equation
+  b = turn(a, 1*phi, axis);
+end Odd;
+"""
 
 
 @pytest.mark.parametrize("kind", CUTS)
 def test_gaps_and_their_rates_agree(kind: str) -> None:
     """Where the loop is closed, the slopes of the rates are those of the gaps; of a motion, gaps stay shut and energy is kept."""
-    legs = LEGS if kind in ("hinge", "ball") else LEGS.replace("Revolute", "Cylindrical")  # hinges are cut before sliders
-    model = lag.loads(f"model M {legs} {CUTS[kind]} end M;")
+    legs = LEGS if kind in ("ball", "cross", "cylinder") else LEGS.replace("Universal", "Crossed")  # which would be cut before
+    if kind in ("slider", "weld"):
+        legs = legs.replace("Revolute", "Odd")
+    model = lag.loads(f"{CROSSED} model M {legs} {CUTS[kind]} end M;", model="M")
     c = model.compilation
     (cut,) = c.graph.closures
     assert cut.kind == kind
@@ -159,3 +176,17 @@ def test_a_slider_rubs_on_a_guide_in_space() -> None:
     assert run["guide.s"][-1] == pytest.approx((along - 0.2 * np.linalg.norm(gravity - along * way)) / 2, rel=1e-9)
     with pytest.raises(lag.RunError, match="length"):
         lag.loads(text.replace("mu = 0.2,", "mu = 0.2, length = 0.3,")).simulate(stop=1)
+
+
+@pytest.mark.parametrize("kind", ["cross", "cylinder"])
+def test_reactions_of_cut_joints_accelerate_a_body(kind: str) -> None:
+    """Newton's and Euler's laws of a body between a hinge and the joint that is cut, by differences of what it does."""
+    words = """output Force F[3] = cut.b.reaction + h5.b.reaction; output Velocity v[3] = b5.center.v;
+      output Real L[3] = to_world(b5.center, {0.1*b5.center.omega[1], 0.2*b5.center.omega[2], 0.15*b5.center.omega[3]});
+      output Torque M[3] = cut.b.reaction_torque + h5.b.reaction_torque + cross(cut.b.r - b5.center.r, cut.b.reaction)
+        + cross(h5.b.r - b5.center.r, h5.b.reaction);"""
+    h = 1e-3
+    run = lag.loads(f"model M {LEGS} {CUTS[kind]} {words} end M;").simulate(stop=0.05, interval=h, tolerance=1e-11)
+    F, v, L, M = (np.array([run[f"{name}[{k}]"] for k in (1, 2, 3)]) for name in "FvLM")
+    for rate, wanted in ((v, F - np.array([[0], [0], [9.81]])), (L, M)):
+        assert (rate[:, 2:] - rate[:, :-2]) / (2 * h) == pytest.approx(wanted[:, 1:-1], abs=1e-4)

@@ -145,6 +145,8 @@ class _Look:
 
     def _freed(self, own: Matrix, cut: Closure, freedom: Step) -> NoPlane | None:
         """What a cut joint leaves free, if that is not in the plane."""
+        if cut.ahead is not None:
+            return NoPlane(f"'{cut.ahead_kept}' and '{cut.kept}' lead out of any plane", cut.span)
         if freedom.kind == "turn":
             is_free = bool(along_normal(spatial.times_matrix(own, self._axis(freedom))))
             return None if is_free else NoPlane(f"'{cut.kept}' turns about an axis that is not parallel to others", cut.span)

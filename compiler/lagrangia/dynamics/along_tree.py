@@ -12,7 +12,7 @@ from lagrangia.dynamics import elimination
 from lagrangia.dynamics.bodies import Bodies
 from lagrangia.dynamics.energies import Energies
 from lagrangia.dynamics.forces import Forces
-from lagrangia.dynamics.loops_in_tree import Carrier, Granted, Vector, Wrenches
+from lagrangia.dynamics.loops_in_tree import Carrier, Granted, Wrenches
 from lagrangia.frames.kinematics import Kinematics
 
 
@@ -39,8 +39,8 @@ class Tree(Protocol):
         """The solution a (n,) of M a = -h, where h is what the forces take from the motion."""
     def carriers(self) -> Sequence[Carrier]:
         """The bodies."""
-    def on_carriers(self, forces: Forces) -> tuple[Wrenches, Vector | None]:
-        """Wrenches by carriers, and the force on the world, with no moment that counts; None where it is not held."""
+    def on_carriers(self, forces: Forces) -> tuple[Wrenches, bool]:
+        """Wrenches by carriers, and whether the world is held, too."""
     def granted(self, energies: Energies) -> Granted | None:
         """What acts where bodies are accelerated as the rates alone do; None where that is not known."""
     def accelerate(self, energies: Energies) -> ca.SX | None:

@@ -164,18 +164,18 @@ class ArticulatedBodies:
                                  partial(_wrench_ahead, cluster.joint), partial(_twist_behind, cluster.joint)))
         return found
 
-    def on_carriers(self, forces: Forces) -> tuple[dict[int, Vector], Vector | None]:
-        """The wrenches on bodies, and the force on the world, with no moment that counts; None where it is not held."""
+    def on_carriers(self, forces: Forces) -> tuple[dict[int, Vector], bool]:
+        """The wrenches on bodies, and whether the ground is held, too."""
         place, found = {name: k for k, name in enumerate(self._moving)}, dict[int, Vector]()
-        on_world: Vector | None = None
+        is_held = False
         for frame, force in forces.on_frames.items():
             k = place.get(home := self.bodies.home[frame])
+            is_held |= k is None
             if k is None:
-                on_world = _sum(on_world or [*NOTHING], [*force])
                 continue
             load = _about_reference([*_ahead(self.clusters[home].turn, self.bodies.local[frame]), *force])
             found[k] = _sum(found.get(k, [*NOTHING]), load)
-        return found, on_world
+        return found, is_held
 
     def granted(self, energies: Energies) -> Granted | None:
         """What acts where bodies are accelerated as the rates alone do; None where that is not known."""
@@ -187,7 +187,7 @@ class ArticulatedBodies:
             own = _inertial_force([*upper(self.clusters[name].inertia), *motion_numbers(still.pose(name, 2))])
             loads[k] = _sum(loads.get(k, [*NOTHING]), own)
         r = [minus(0.0, forces.on_coordinates.get(c.name, 0.0)) for c in self.kinematics.graph.coordinates]
-        return Granted(loads, r, [*NOTHING])
+        return Granted(loads, r)
 
     @cached_property
     def _moving(self) -> list[str]:

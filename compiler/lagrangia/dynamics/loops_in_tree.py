@@ -49,12 +49,10 @@ class Carrier:
 
 @dataclass(frozen=True)
 class Granted:
-    """What acts where the bodies have the accelerations that rates alone make: M a = r - what the wrenches on carriers take.
-    `base`: the acceleration of the world, of a uniform field, as a twist."""
+    """What acts where the bodies have the accelerations that rates alone make: M a = r - what the wrenches on carriers take."""
 
     loads: Wrenches
     r: Vector  # (n,)
-    base: Vector
 
 
 class LoopTree(Protocol):
@@ -65,8 +63,8 @@ class LoopTree(Protocol):
         """How many coordinates there are."""
     def carriers(self) -> Sequence[Carrier]:
         """The bodies."""
-    def on_carriers(self, forces: Forces) -> tuple[Wrenches, Vector | None]:
-        """Wrenches by carriers, and the force on the world, with no moment that counts; None where it is not held."""
+    def on_carriers(self, forces: Forces) -> tuple[Wrenches, bool]:
+        """Wrenches by carriers, and whether the world is held, too."""
     def granted(self, energies: Energies) -> Granted | None:
         """What acts; None where that is not known."""
 
@@ -127,10 +125,9 @@ class _Bonds:
 class ClosedTree:
     """M and the multipliers of loops, factored together. `at`: the carrier at which each closes, None for the world."""
 
-    def __init__(self, tree: LoopTree, forces: Sequence[tuple[Wrenches, Vector | None]], small: float) -> None:
+    def __init__(self, tree: LoopTree, forces: Sequence[tuple[Wrenches, bool]], small: float) -> None:
         self.size, self.carriers, self.forces, self.small = tree.size, tree.carriers(), forces, small
         self.at = [meeting(self.carriers, *force) for force in forces]
-        self.on_world = {row: [*wrench] for row, (_, wrench) in enumerate(forces) if wrench is not None}
         self.bonds = _Bonds()
         self.closings: list[list[_Closing]] = [[] for _ in self.carriers]
         self.givings: list[list[_Giving]] = [[] for _ in self.carriers]
@@ -150,9 +147,6 @@ class ClosedTree:
         for index, s in reversed(carrier.directions):
             self.givings[k].append(_give_way(I, P, index, s, self.bonds))
         if carrier.parent is None:
-            for row, wrench in P.items():
-                moved = carrier.wrench_to_parent(wrench)
-                self.on_world[row] = _sum(self.on_world[row], moved) if row in self.on_world else moved
             return
         feels[carrier.parent] = _together(feels[carrier.parent], carrier.inertia_to_parent(I))
         whole = open_rows[carrier.parent]
@@ -192,23 +186,19 @@ class ClosedTree:
         """x (n,) and lambda (m,) of M x + J^T lambda = what acts, J x = b."""
         gaps: Vector = [minus(0.0, x) for x in b]
         left = self._leaf_to_root(gaps, acting)
-        base = acting.base if acting is not None else [0.0] * self.span
-        for row in self.last:
-            gaps[row] = plus(gaps[row], dot(self.on_world[row], base))
         multipliers: Vector = [0.0] * len(b)
         if self.last:
             found = ca.ldl_solve(ca.densify(column(*[gaps[row] for row in self.last])), *self._factors)
             for row, value in zip(self.last, scalars_in(ca.densify(found)), strict=True):
                 multipliers[row] = value
-        return self._root_to_leaf(gaps, left, multipliers, base), multipliers
+        return self._root_to_leaf(gaps, left, multipliers), multipliers
 
     def rates(self, x: Sequence[Scalar]) -> Vector:
         """J x, (m,): what the wrenches feel of the bodies' motion where the coordinates have the rates x."""
         found: Vector = [0.0] * len(self.at)
         twists: list[Vector] = []
         for carrier in self.carriers:
-            zero: Vector = [0.0] * self.span
-            twist = carrier.twist_to_child(twists[carrier.parent]) if carrier.parent is not None else zero
+            twist = carrier.twist_to_child(twists[carrier.parent]) if carrier.parent is not None else [0.0] * self.span
             for index, s in carrier.directions:
                 twist = _further(twist, x[index], s)
             twists.append(twist)
@@ -240,12 +230,12 @@ class ClosedTree:
                 loads[parent] = _sum(loads[parent], self.carriers[k].wrench_to_parent(p))
         return left
 
-    def _root_to_leaf(self, gaps: Vector, left: Mapping[int, Scalar], multipliers: Vector, base: Vector) -> Vector:
+    def _root_to_leaf(self, gaps: Vector, left: Mapping[int, Scalar], multipliers: Vector) -> Vector:
         """The accelerations; the multipliers are added."""
         found: Vector = [0.0] * self.size
         twists: list[Vector] = []
         for k, carrier in enumerate(self.carriers):
-            A = carrier.twist_to_child(twists[carrier.parent] if carrier.parent is not None else base)
+            A = carrier.twist_to_child(twists[carrier.parent]) if carrier.parent is not None else [0.0] * self.span
             for giving in reversed(self.givings[k]):
                 u = left[giving.index]
                 for row, pull in giving.pulls.items():
@@ -261,10 +251,10 @@ class ClosedTree:
         return found
 
 
-def meeting(carriers: Sequence[Carrier], wrenches: Wrenches, on_world: Vector | None) -> int | None:
+def meeting(carriers: Sequence[Carrier], wrenches: Wrenches, is_held: bool) -> int | None:
     """The carrier behind which all that the wrenches act on hangs; None for the world."""
     left = set(wrenches)
-    if on_world is not None or not left:
+    if is_held or not left:
         return None
     while len(left) > 1:
         last = max(left)

@@ -59,12 +59,12 @@ class Drift:
     spins: list[Vector] = field(default_factory=list)  # and of the angular velocity's, (3,)
 
 
-def drift_of(links: Sequence[Link], is_granted: bool = False) -> Drift:
-    """Root to leaf. Nothing is felt where all `is_granted`."""
-    found = Drift()
+def drift_of(links: Sequence[Link], base: Sequence[Scalar] | None = None) -> Drift:
+    """Root to leaf. With the acceleration (3,) of the world nothing is felt, and all is taken for granted."""
+    found, is_granted = Drift(), base is not None
     for link in links:
         w = found.w[link.parent] if link.parent is not None else STILL
-        granted = found.granted[link.parent] if link.parent is not None else [*STILL, *STILL]
+        granted = found.granted[link.parent] if link.parent is not None else [*(base or STILL), *STILL]
         is_reset, shifts = not is_granted and _feels_shift(link), []
         for move in link.moves:
             shifts.append([*STILL])

@@ -113,10 +113,10 @@ class SpatialBodies:
         if forces is None:
             return None
         field, forces = self._without_field(forces)
-        loads = self.tree.bias_loads(drift_of(self.tree.links, is_granted=True))
+        loads = self.tree.bias_loads(drift_of(self.tree.links, [minus(0.0, x) for x in field]))
         for joint, load in self.on_carriers(forces)[0].items():
             loads[joint] = added(loads.get(joint, [0.0] * 6), load)
-        return Granted(loads, self._on_coordinates(forces), [*(minus(0.0, x) for x in field), *STILL])
+        return Granted(loads, self._on_coordinates(forces))
 
     def field(self, energies: Energies) -> tuple[Sequence[Scalar], bool]:
         """The acceleration with which all bodies fall, (3,), and whether forces are left beside it."""
@@ -140,17 +140,16 @@ class SpatialBodies:
         return [Carrier(link.parent, link.directions, body, link.inertia_to_parent, link.wrench_to_parent, link.twist_to_child)
                 for link, body in zip(self.tree.links, bodies, strict=True)]
 
-    def on_carriers(self, forces: Forces) -> tuple[dict[int, Vector], Vector | None]:
-        """The wrenches on links, and the force on the world, with no moment that counts; None where it is not held."""
+    def on_carriers(self, forces: Forces) -> tuple[dict[int, Vector], bool]:
+        """The wrenches on links, and whether the world is held, too."""
         found: dict[int, Vector] = {}
-        on_world: Vector | None = None
+        is_held = False
         for frame, wrench in forces.on_frames.items():
             joint, load = self._load(frame, wrench)
+            is_held |= joint is None
             if joint is not None:
                 found[joint] = added(found.get(joint, [0.0] * 6), load)
-            else:
-                on_world = added(on_world or [0.0] * 6, wrench)
-        return found, on_world
+        return found, is_held
 
     def _load(self, frame: str, wrench: Sequence[Scalar]) -> tuple[int | None, Vector]:
         """A wrench along the world's axes, on the link that the frame is fixed to, in its axes."""

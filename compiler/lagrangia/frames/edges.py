@@ -16,7 +16,7 @@ from lagrangia.frames.planar_joints import WORTH_CUTTING, cut_as
 from lagrangia.frames.steps import Step
 from lagrangia.language.attitudes import parts_of
 from lagrangia.language.mentions import nodes
-from lagrangia.language.tree import Flat, Ref
+from lagrangia.language.tree import Binary, Call, Flat, Ref
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,6 +59,8 @@ class Closure:
     around: str  # the components along the loop
     span: Span
     kept: str = ""  # in space: the coordinate of a hinge or slider, the attitude of a ball joint
+    ahead: Step | None = None  # the first of the two steps of a cylinder or a cross, whose coordinate is `ahead_kept`
+    ahead_kept: str = ""
     base: str = ""
 
 
@@ -110,13 +112,18 @@ def close(edge: Edge, uses: Mapping[str, int], around: str = "") -> Closure:
 
 def close_in_space(edge: Edge, uses: Mapping[str, int], around: str, base: str) -> Closure:
     """The same of a scene in space, where a cut joint keeps its coordinates: each says what it is in an equation of its own."""
+    pair = _pair(edge, uses)
+    if pair is not None:
+        kind, ahead, last, (first, kept) = pair
+        before, behind = _beside(edge, ahead)[0], _beside(edge, last)[1]
+        return Closure(kind, edge.parent, edge.child, before, behind, "", last, around, edge.span, kept, ahead, first, base)
     step = _moving(edge, uses)
     kind = "weld" if step is None or step.is_inverse else "ball" if _is_ball(edge, uses) else (
         cut_as(step, edge.coordinates[0]) if len(edge.coordinates) == 1 else "weld")
     if step is None or kind == "weld":
-        return Closure("weld", edge.parent, edge.child, edge.steps, (), "", None, around, edge.span, "", base)
+        return Closure("weld", edge.parent, edge.child, edge.steps, (), "", None, around, edge.span, base=base)
     kept = edge.coordinates[0].rpartition(".s[")[0] or edge.coordinates[0]
-    return Closure(kind, edge.parent, edge.child, *_beside(edge, step), "", step, around, edge.span, kept, base)
+    return Closure(kind, edge.parent, edge.child, *_beside(edge, step), "", step, around, edge.span, kept, base=base)
 
 
 def _moving(edge: Edge, uses: Mapping[str, int]) -> Step | None:
@@ -126,6 +133,37 @@ def _moving(edge: Edge, uses: Mapping[str, int]) -> Step | None:
     names = {name.rpartition(".s[")[0] or name for name in edge.coordinates}
     moving = [step for step in edge.steps if any(_mentions(step.amount, name) for name in names)]
     return moving[0] if len(moving) == 1 and len(names) == 1 else None
+
+
+def _pair(edge: Edge, uses: Mapping[str, int]) -> tuple[str, Step, Step, list[str]] | None:
+    """Of a cylinder, a shift along an axis and then a turn about the same one, and of a cross, two turns: its kind, these steps
+    and their coordinates. None of other edges."""
+    if len(edge.coordinates) != 2 or edge.moves_with_time or any(uses[name] != 1 for name in edge.coordinates):
+        return None
+    moved = [[name for name in edge.coordinates if _mentions(step.amount, name)] for step in edge.steps]
+    places = [k for k, names in enumerate(moved) if names]
+    if len(places) != 2 or places[1] != places[0] + 1 or any(len(moved[k]) != 1 for k in places):
+        return None
+    (first, second), names = (edge.steps[k] for k in places), [moved[k][0] for k in places]
+    if first.is_inverse or second.is_inverse or second.kind != "turn" or not isinstance(second.amount, Ref):
+        return None
+    if first.kind == "turn":
+        return ("cross", first, second, names) if isinstance(first.amount, Ref) else None
+    return ("cylinder", first, second, names) if _is_along(first.amount, names[0], second.axis) else None
+
+
+def _is_along(amount: Flat, coordinate: str, axis: Flat | None) -> bool:
+    """Whether a shift is written as s*axis/norm(axis)."""
+    if not isinstance(axis, Ref) or not isinstance(amount, Binary) or not isinstance(amount.left, Binary):
+        return False
+    (over, product), length = (amount.operator, amount.left), amount.right
+    named = [x.name if isinstance(x, Ref) else "" for x in (product.left, product.right)]
+    is_length = isinstance(length, Call) and length.function == "norm" and _is_named(length.arguments[0], axis.name)
+    return over == "/" and product.operator == "*" and named == [coordinate, axis.name] and is_length
+
+
+def _is_named(node: Flat, name: str) -> bool:
+    return isinstance(node, Ref) and node.name == name
 
 
 def _is_ball(edge: Edge, uses: Mapping[str, int]) -> bool:
@@ -143,7 +181,8 @@ def _rank(edge: Edge, uses: Mapping[str, int], tied: Set[str], started: Set[str 
     """Small for what is dear to cut."""
     if edge.is_rigid or not tied.isdisjoint(edge.coordinates):
         return 0
-    worth = WORTH_CUTTING["ball" if _is_ball(edge, uses) else close(edge, uses).kind]
+    pair = _pair(edge, uses)
+    worth = WORTH_CUTTING[pair[0] if pair is not None else "ball" if _is_ball(edge, uses) else close(edge, uses).kind]
     return worth + (worth > 0 and started.isdisjoint(name.rpartition(".s[")[0] or name for name in edge.coordinates))
 
 

@@ -85,8 +85,8 @@ class ComponentGraph:
     @cached_property
     def kept_coordinates(self) -> frozenset[str]:
         """Those of cut joints in space, which move no body: each has a constraint of its own."""
-        return frozenset(part for cut in self.closures if cut.kept
-                         for part in (parts_of(cut.kept) if cut.kind == "ball" else (cut.kept,)))
+        kept = {part for cut in self.closures if cut.kept for part in (parts_of(cut.kept) if cut.kind == "ball" else (cut.kept,))}
+        return frozenset(kept | {cut.ahead_kept for cut in self.closures if cut.ahead_kept})
 
     @cached_property
     def edge_to(self) -> Mapping[str, Edge]:

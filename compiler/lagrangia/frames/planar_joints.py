@@ -16,7 +16,7 @@ from lagrangia.language.mentions import is_linear
 from lagrangia.language.tree import Ref
 
 # How well a loop is cut at each kind, and by 1 better where nothing is said about the start of its coordinate.
-WORTH_CUTTING = {"weld": 0, "slider": 1, "hinge": 3, "ball": 5}
+WORTH_CUTTING = {"weld": 0, "slider": 1, "hinge": 3, "cross": 5, "cylinder": 5, "ball": 7}
 GAPS = {"weld": 3, "slider": 2, "hinge": 2}  # in the plane
 
 

@@ -132,6 +132,15 @@ def _kept(frames: Frames, closure: Closure, level: int) -> Kept:
         return Kept("ball", UNIT, values, frames.axes_of(name), frames.quaternion(name, 0))
     if closure.kind == "hinge":
         return Kept("hinge", triad(_axis_of(frames, step), algebra), (value(step.amount, level),))
+    if closure.kind == "cross":
+        assert closure.ahead is not None
+        return Kept("cross", (_axis_of(frames, closure.ahead), _axis_of(frames, step)),
+                    (value(closure.ahead.amount, level), value(step.amount, level)))
+    if closure.ahead is not None:
+        axes, offset = triad(_axis_of(frames, step), algebra), way_of_shift(frames, closure.ahead, closure.ahead_kept)[0]
+        along = dot([*axes[2]], [*value(closure.ahead.amount, level)])
+        beside = (dot([*axes[0]], [*offset]), dot([*axes[1]], [*offset]))
+        return Kept("cylinder", axes, (along, value(step.amount, level)), beside=beside)
     offset, end = way_of_shift(frames, step, closure.kept)
     way = [minus(x, y) for x, y in zip(end, offset, strict=True)]
     length = frames.evaluator.norm(tuple(way), 0)

@@ -172,8 +172,20 @@ class Study(Beginning):
             return others[0]  # limits of controllers keep Newton's steps from coming there from the start
         if found is None:
             raise RunError("; ".join(["no equilibrium was found from the start values: forces stay unbalanced, or it runs away",
+                                      *self._left_over(e, pace),
                                       "try other values with --initial, or look at the start itself with --about start"]))
         return found
+
+    def _left_over(self, e: SmallMotion, pace: float) -> list[str]:
+        """The force on a coordinate at the start that has most to do with what no constraint can balance, in words."""
+        q = self.start[0]
+        R, *pushed = (self.call(e.static, q, e.multipliers(lam), pace)[0].ravel() for lam in (np.zeros(e.m), *np.eye(e.m)))
+        pushes = np.array([x - R for x in pushed]).reshape(e.m, R.size).T * self.reach[:, None]
+        left = R * self.reach
+        left = (left + pushes @ np.linalg.lstsq(pushes, -left, rcond=None)[0]) / self.reach if e.m else R
+        k = int(np.abs(left * R).argmax())
+        unit = "N.m" if self.is_angle[k] else "N"
+        return [f"at the start nothing balances the {abs(R[k]):.3g} {unit} on {self.names[k]}"] if left[k] * R[k] else []
 
     def all_rests(self, e: SmallMotion, pace: float, most: int) -> tuple[Sequence[Held], bool]:
         """Positions of rest from so many starts, and whether there is one from the start of the scene."""
