@@ -180,3 +180,14 @@ def test_names_of_elements() -> None:
         ("x", (2,)), None, ("der(M)", (1, 2)), ("der(y,2)", (3,)), None]
     assert labels("der(y,2)", (2,)) == ["der(y[1],2)", "der(y[2],2)"] and labels("x", ()) == ["x"]
     assert [place_of(index, (2, 3)) for index in ((1, 1), (2, 3), (3, 1), (1,), (0, 1))] == [0, 5, None, None, None]
+
+
+def test_scalars_for_importers_without_arrays(turns: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "x.fmu"
+    assert main(["export", str(turns), "--to", "fmu", "--fmi", "3", "--no-arrays", "-o", str(path)]) == 0
+    assert validate_fmu(str(path)) == []
+    assert {v.name for v in fmpy.read_model_description(str(path)).modelVariables} == {
+        v.name for v in fmpy.read_model_description(str(fmu_of(turns, "2"))).modelVariables}
+    capsys.readouterr()
+    assert main(["export", str(turns), "--to", "fmu", "--no-arrays", "-o", str(path)]) == 2
+    assert "FMI 2 has no arrays" in capsys.readouterr().err

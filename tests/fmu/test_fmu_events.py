@@ -272,6 +272,51 @@ def test_derivatives_know_what_is_held(case: str, tmp_path: Path) -> None:
     one.free()
 
 
+CAUGHT = """model Caught
+  Prismatic guide(a = world, along = {0, 1}, s(start = 0.05)), track(a = world, along = {1, 0}, v(start = 0.3));
+  Prismatic ratchet(a = world, along = {1, 0}, v(start = 0.5)); PointMass m[3](each m = 2);
+  parameter Stiffness k = 80; input Force F(start = 0); Stop floor(gap = guide.s); DryFriction rub(rate = track.v, F = 9);
+  Spring s[3](each k = k, stretch = {guide.s + 0.01, track.s + 0.01, ratchet.s + 0.01});
+  AppliedForce f[3](at = m.center, force = {{0, F}, {F, 0}, {F, 0}}); output Force N = floor.force;
+equation
+  connect(guide.b, m[1].center); connect(track.b, m[2].center); connect(ratchet.b, m[3].center);
+  when ratchet.v < 0 then reinit(ratchet.v, 0); end when;
+  annotation(experiment(StopTime = 2, Tolerance = 1e-9));
+end Caught;"""
+
+
+@pytest.mark.parametrize("version", ["2", "3"])
+def test_derivatives_after_events_and_from_saved_states(version: str, tmp_path: Path) -> None:
+    """In Co-Simulation, where a stop, friction and a one-way condition have come to hold: nothing moves what is held; the same
+    from a restored state, in another instance and after reset."""
+    path = tmp_path / "caught.lag"
+    path.write_text(CAUGHT)
+    one, other = (Instance(path, version, "CoSimulation").start(tolerance=1e-9) for _ in range(2))
+    rows, knowns = [f"der({name}.v)" for name in ("guide", "track", "ratchet")] + ["N"], [*one.state_names(), "F", "k"]
+
+    def jacobian(of: Instance) -> np.ndarray:
+        return np.array([of.forward(rows, [known], [1.0]) for known in knowns]).T
+
+    def go(of: Instance, begin: float, steps: int) -> Instance:
+        for k in range(steps):
+            of.step(begin + 0.25 * k, 0.25)
+        return of
+
+    held = jacobian(go(one, 0.0, 8))
+    right = np.zeros((4, 8))
+    right[3, [0, 6, 7]] = 80, -1, 0.01  # N = m g + k (s + 0.01) - F
+    np.testing.assert_allclose(held, right, atol=1e-9)
+    saved = one.fmu.getFMUState()
+    written = (one.fmu.serializeFMUstate if version == "2" else one.fmu.serializeFMUState)(saved)
+    go(one, 2.0, 1)
+    one.fmu.setFMUState(saved)
+    other.fmu.setFMUState((other.fmu.deSerializeFMUstate if version == "2" else other.fmu.deserializeFMUState)(written))
+    for again in (one, other):
+        np.testing.assert_array_equal(jacobian(again), held)
+    one.fmu.reset()
+    np.testing.assert_array_equal(jacobian(go(one.start(tolerance=1e-9), 0.0, 8)), held)
+
+
 STICK = """model StillAndSliding "3 N hold it, 2 N rub: it is torn off at 1.5 s, where there is a row"
   parameter Velocity V = 0.1;
   Block b(m = 1, base = world);

@@ -38,6 +38,8 @@ def export_fmu_command(options: Namespace) -> int:
     info = dict(assignments(options.info, "--info"))
     if options.output is None:
         _keep_others(model.scene.name, ("_fmi2", "_fmi3") if options.fmi == "both" else ("",))
+    if options.arrays is not None and options.fmi not in ("3", "both"):
+        fail("L0704", "FMI 2 has no arrays: --arrays and --no-arrays change nothing", None, "they are for --fmi 3 and --fmi both")
     try:
         chosen = {name: value for name in OPTIONS if (value := getattr(options, name)) is not None}
         written = model.export_fmu(options.output, **chosen, parameters=values_with_units(others, units), info=info, tell=_tell)

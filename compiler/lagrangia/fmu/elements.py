@@ -5,16 +5,18 @@ from collections.abc import Mapping
 from lagrangia.fmu.entries import as_in_fmi3
 from lagrangia.fmu.factors import CONSTANT, DEPENDENT, TUNABLE
 from lagrangia.fmu.variables import FmuModel
-from lagrangia.fmu.xml import initial_unknowns, known_when_running, too_many
+from lagrangia.fmu.xml import initial_unknowns, known_when_running
 
+_MOST = 50_000  # dependencies; in a file they take some 16 bytes each
 _RUNNING = ("known_first", "knowns", "known_kinds")
 _STARTING = ("start_first", "starts", "start_kinds")
 _KINDS = {CONSTANT: 1, TUNABLE: 3, DEPENDENT: 5}  # fmi3DependencyKind
 
 
 def provides_elements(model: FmuModel) -> bool:
-    """Whether these lists are there: where there are arrays, and no more than readers bear."""
-    return bool(model.arrays) and not too_many(list(model.dependencies.values()))
+    """Whether these lists are there: where there are arrays, and where they are no burden, since the description says it of whole
+    arrays anyway."""
+    return bool(model.arrays) and sum(map(len, model.dependencies.values())) <= _MOST
 
 
 def element_lists(model: FmuModel) -> Mapping[str, list[int]]:

@@ -27,12 +27,20 @@ def settable(description: Description, name: str) -> Settable:
     if quantity is None:
         refuse_unknown(description, name, [q.name for q in description.quantities if _can_be_set(q)])
     if not _can_be_set(quantity):
-        follows = ["it follows from other parameters: set those, or export the scene with a value for it (-p), with which it is "
-                   "a parameter of its own"] if quantity.causality == "calculatedParameter" else []
         fail("L0701", f"'{name}' cannot be set: it is "
-             + ("constant" if quantity.variability == "constant" else "computed by the FMU"), None, *follows)
+             + ("constant" if quantity.variability == "constant" else "computed by the FMU"), None,
+             *_instead(description, quantity))
     shape = shape_of(description, quantity)
     return Settable(quantity, shape, (name,) if element is not None else tuple(labels(name, shape)))
+
+
+def _instead(description: Description, quantity: Quantity) -> list[str]:
+    if quantity.causality == "calculatedParameter":
+        return ["it follows from other parameters: set those, or export the scene with a value for it (-p), with which it is a "
+                "parameter of its own"]
+    if any(state.reference == quantity.reference for state, _ in description.states()):
+        return ["where this state starts follows from parameters: set those"]
+    return []
 
 
 def refuse_unknown(description: Description, name: str, known: Iterable[str]) -> NoReturn:
