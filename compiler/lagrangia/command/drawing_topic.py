@@ -37,6 +37,12 @@ light or dark; times are those of the run's rows (--interval). --stroboscope N p
 (from:to:step, or linspace(1,5,9)), --beside FILE.csv those of a table, such as `lag sweep` writes. Impacts and switches have rows
 of their own. Films are .gif, .webp, .mp4 (pip install imageio-ffmpeg) and .svg, which browsers play as they show any picture.
 
+Drive trains, whose flanges have no places, are drawn along a shaft, from flange to flange: what stands between two shafts in one
+row, what is beside it in the next. Dots are where a shaft branches; lines that cross without one are not connected; dashed lines
+lead to housings. Long trains go on in further lines. All parts have their names, HingeFlange and SliderFlange those of joints
+too; classes of one's own that extend one of the library look as it does, others are boxes. A mechanism is above the drive train
+of its scene. Drive trains do not move: `lag draw` and `lag doc` show them, `lag animate` and `lag play` do not.
+
 Scenes in space are drawn by solids: circles are thin discs, rings where they have no fill, or balls where they are symbols; boxes
 are as high as they are deep; `along` is the axis of a cylinder. cuboid, cylinder, cone (about its centre of mass) and ball are of
 space alone. --view=AZIMUTH,ELEVATION says from where it is seen, in degrees: up is against gravity. The page of `lag animate` is

@@ -117,6 +117,18 @@ def build_page(shapes: Sequence[tuple[Shape, Words | None]], view: View, title: 
     return _grown(Page(view.width, view.height, tuple(paths), tuple(labels), title, weight), boxes)
 
 
+def stacked(upper: Page, lower: Page) -> Page:
+    """Two pictures on one page, with the title and the pen of the upper one."""
+    width = max(upper.width, lower.width)
+    paths: list[Stroke] = []
+    labels: list[Label] = []
+    for page, up in ((upper, lower.height), (lower, 0.0)):
+        shift = np.array([(width - page.width) / 2, up])
+        paths += [replace(path, points=path.points + shift) for path in page.paths]
+        labels += [Label(x.words, (x.at[0] + float(shift[0]), x.at[1] + up)) for x in page.labels]
+    return replace(upper, width=width, height=upper.height + lower.height, paths=tuple(paths), labels=tuple(labels))
+
+
 def _in_mm(stroke: Stroke, view: View) -> Stroke:
     return replace(stroke, points=view.points(stroke.points), radius=stroke.radius * view.scale)
 

@@ -11,6 +11,7 @@ from typing import Protocol
 
 from lagrangia.base.diagnostics import Report, Span, fail
 from lagrangia.base.records import dataclass
+from lagrangia.language.classes import ClassTable
 from lagrangia.language.flat import Equation, Variable
 from lagrangia.language.instances import FrameSlot, Instance, Member, Scope, Slot
 from lagrangia.language.mentions import leaves, nodes
@@ -250,3 +251,12 @@ def require_bindings(variables: Mapping[str, Variable], equations: Sequence[Equa
             report.error("L0211", f"the variable '{variable.name}' has no value", variable.span, hint,
                          "what the motion decides is a coordinate: declare it with `coordinate`; a first-order state "
                          f"has an equation for its rate, der({name}) = ...")
+
+
+def flanges_of(table: ClassTable, connector: Instance) -> dict[str, str]:
+    """The variables of a connector, with the class of the library that its component is of or extends; '' for any other."""
+    if connector.parent is None:
+        return {}
+    classes = table.lineage(connector.parent.definition)
+    kind = next((c.name.rpartition(".")[2] for c in classes if c.name_span.source in table.library_sources), "")
+    return {member.path: kind for member in connector.members.values() if isinstance(member, Slot)}

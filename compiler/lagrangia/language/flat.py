@@ -252,6 +252,8 @@ class FlatModel:
     moving_inputs: Mapping[str, bool] = field(default_factory=dict)  # in places or energies; whether their rates matter
     allowed: tuple[str, ...] = ()  # codes of warnings that the model says are meant: annotation(allow = "L0224")
     components: Mapping[str, str] = field(default_factory=dict)  # descriptions of those that have one, by their names
+    flanges: Mapping[str, str] = field(default_factory=dict)  # of connectors: the class of the library they are on, or ''
+    connections: tuple[tuple[str, str], ...] = ()  # of such variables
     read: tuple[str, ...] = ()  # the other files that were read for it
     found: Found = Found()  # whether it lies in a plane
     # Parts of the model, by their ids, that differ from others in nothing but the index of an element (stamps.py): what holds of

@@ -11,7 +11,7 @@ from lagrangia.language.alike_elements import Alike
 from lagrangia.language.assertions import ending_of, guard_of, refuse_ending
 from lagrangia.language.attitudes import ROTATION
 from lagrangia.language.classes import ClassTable
-from lagrangia.language.connections import Bindings, Connection, bound_to, connected, require_bindings
+from lagrangia.language.connections import Bindings, Connection, bound_to, connected, flanges_of, require_bindings
 from lagrangia.language.delays import check_delays, declare_delays, variable_of, with_delays
 from lagrangia.language.drawing_words import figure_of
 from lagrangia.language.elsewhen import warn_of_both
@@ -139,6 +139,7 @@ class _Flattening:
         self.held: list[Held] = []  # likewise
         self.structural: dict[str, float | bool | str] = {}
         self.components: dict[str, str] = {}
+        self.flanges: dict[str, str] = {}
         self.states: Mapping[str, State] = {}
 
     def flatten(self, overrides: Mapping[str, Any]) -> FlatModel:
@@ -163,7 +164,7 @@ class _Flattening:
             experiment_of(self.table, definition, self.names, Scope(root)), definition.name_span, (), tuple(self.figures),
             self.states, self.names.lookups, samplers=tuple(self.samplers), guards=tuple(dict.fromkeys(self.guards)),
             at_rest=self.at_rest, allowed=allowed_of(self.table, definition), components=self.components, found=self.found,
-            repeats=self.repeats,
+            repeats=self.repeats, flanges=self.flanges, connections=tuple((c.a, c.b) for c in self.connections),
         )
         model = with_delays(model, delays)
         for check in (refuse_states_elsewhere, check_held, check_delays):
@@ -204,6 +205,7 @@ class _Flattening:
             self._add_frame(instance.frame, instance)
         if instance.definition.kind == "connector":
             self.ends |= {member.path for member in instance.members.values() if isinstance(member, Slot)}
+            self.flanges.update(flanges_of(self.table, instance))
             self._guard(lambda: self.connections.extend(bound_to(instance, self.names)), instance)
         for name, member in list(instance.members.items()):
             if name not in instance.outer:

@@ -21,6 +21,7 @@ from lagrangia.draw.drawing import (
     require_picture,
     states_of,
 )
+from lagrangia.draw.drive_train import with_train
 from lagrangia.draw.film import (
     FORMATS,
     animate_run,
@@ -69,9 +70,11 @@ def draw_any(model: Drawable, path: str | os.PathLike[str] | None, request: Requ
         require_picture(path)
     model, states, failure = moment_of(model, request)
     stage = build_stage(model.compilation, all_figures_of(model), states, names, ())
-    if tell is not None and not stage.bodies and not stage.lines:
+    page = page_at(stage, 0, camera_of(stage, view), model.scene.description or model.scene.name)
+    page = with_train(page, model.compilation.flat, names)
+    if tell is not None and not page.paths and not page.labels:
         tell("nothing in this scene has a drawing: `lag help drawing` says how to give it one")
-    return finished(page_at(stage, 0, camera_of(stage, view), model.scene.description or model.scene.name), path, failure)
+    return finished(page, path, failure)
 
 
 def page_any(model: Drawable, request: Request, names: Mapping[str, str]) -> Page:
@@ -80,7 +83,7 @@ def page_any(model: Drawable, request: Request, names: Mapping[str, str]) -> Pag
         return page_of(model, request, names)[0]
     model, states, _ = moment_of(model, request)
     stage = build_stage(model.compilation, all_figures_of(model), states, names, ())
-    return page_at(stage, 0, usual(stage.up))
+    return with_train(page_at(stage, 0, usual(stage.up)), model.compilation.flat, names)
 
 
 def all_figures_of(model: Located) -> tuple[Figure, ...]:
