@@ -42,8 +42,9 @@ Sensors      TorqueSensor, ForceSensor and MultiSensor stand between two flanges
 Modelica     Its names are understood: import Modelica.Units.SI; Modelica.Mechanics.Rotational.Components.Inertia.
              lag import FILE.mo makes a .lag file of a model of Modelica.Mechanics.Rotational and Translational, Modelica.Blocks
              (Sources, Math, Continuous: those of the package Blocks) and Modelica.Units: names, parameters and comments stay,
-             what has no counterpart is left out as a comment, and the exit code is 1. Heat ports are left out: eddy.lossPower and
-             damper.tau*damper.w_rel are what becomes heat. A Vehicle stands still exactly, so that vReg has no meaning.
+             what has no counterpart is left out as a comment, and the exit code is 1. Heat ports are left out: damper.lossPower
+             is what becomes heat, of all that rubs. Filters of Position and Speed are, too (without exact = true Modelica has
+             them): they move exactly. A Vehicle stands still exactly, so that vReg has no meaning.
 Sources      Position, Speed and Accelerate move exactly. Accelerate starts where its phi and w (s and v) do: a(phi(start = 1)).
              What it moves has inertia (a spring alone has none), and what moves it is acc.tau or acc.f."""
 

@@ -8,7 +8,7 @@ from lagrangia.base.diagnostics import Source, Span, fail
 from lagrangia.base.result_files import write_text
 from lagrangia.compile.sources import read_source
 from lagrangia.editor.formatting import formatted
-from lagrangia.editor.modelica_import import Imported, imported
+from lagrangia.editor.modelica_import import Imported, imported, without_leading_dots
 from lagrangia.language.syntax import parse
 
 
@@ -32,10 +32,11 @@ def import_command(options: Namespace) -> int:
 
 def _modelica(file: Path) -> Imported:
     source = read_source(file)
-    if not parse(source).classes:  # which tells what is wrong, or not of this language, where it stands
+    text = without_leading_dots(source.text)
+    if not parse(Source(source.name, text)).classes:  # which tells what is wrong, or not of this language, where it stands
         fail("L0703", f"there is nothing to import in '{file}': it has no class", None,
              "a Modelica file has one: model Name ... end Name;")
-    return imported(source.text)
+    return imported(text)
 
 
 def _robot(file: Path) -> Imported:

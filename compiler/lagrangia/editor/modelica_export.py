@@ -1,11 +1,12 @@
 """A drive train -> Modelica text with the components of the Modelica Standard Library, the way back of modelica_import.py."""
 
+import re
 from collections.abc import Iterator
 from dataclasses import fields, is_dataclass
 from typing import Any
 
 from lagrangia.base.diagnostics import Source, Span, fail
-from lagrangia.editor.modelica_import import UNITS
+from lagrangia.editor.modelica_import import FILTERED, UNITS
 from lagrangia.language.classes import BUILTIN_TYPES
 from lagrangia.language.syntax import parse
 from lagrangia.language.tree import (
@@ -13,6 +14,7 @@ from lagrangia.language.tree import (
     Call,
     CallEquation,
     ClassDefinition,
+    Comprehension,
     Declaration,
     Equality,
     Extends,
@@ -90,7 +92,20 @@ def _edits(definition: ClassDefinition, own: set[str], names: set[str]) -> Itera
                 _refuse(f"'{element.type_name}'", element.span)
         elif element.type_name not in own | (BUILTIN_TYPES - {"Frame"}) or "coordinate" in element.prefixes:
             yield (element.type_span.start, element.type_span.end), _type(element)
+            if element.type_name in FILTERED:
+                yield _made_exact(element)
     yield from _inside((definition.elements, definition.sections), "pi" in names)
+
+
+def _made_exact(element: Declaration) -> tuple[tuple[int, int], str]:
+    """The argument by which Modelica's component moves as its signal says, which it filters by itself."""
+    text, end = element.name_span.source.text, element.name_span.end
+    said = "each exact = true" if element.dimensions else "exact = true"
+    opened = re.compile(r"\s*(\[[^\]]*\])?\s*").match(text, end)
+    at = opened.end() if opened is not None else end
+    if text[at : at + 1] != "(":
+        return (at, at), f"({said}) " if at > end else f"({said})"
+    return (at + 1, at + 1), said if text[at + 1 :].lstrip().startswith(")") else f"{said}, "
 
 
 def _type(element: Declaration) -> str:
@@ -123,5 +138,6 @@ def _inside(part: Any, has_pi: bool) -> Iterator[tuple[tuple[int, int], str]]:
             _refuse(f"{part.function}(...)", part.span)
         if isinstance(part, Argument) and part.redeclared is not None:
             _refuse("a redeclaration", part.span)
+        is_own = has_pi or (isinstance(part, Comprehension) and any(iterator.name == "pi" for iterator in part.iterators))
         for field in fields(part):
-            yield from _inside(getattr(part, field.name), has_pi)
+            yield from _inside(getattr(part, field.name), is_own)

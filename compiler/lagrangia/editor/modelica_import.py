@@ -75,9 +75,8 @@ def imported(text: str) -> Imported:
 
 
 _INSTEAD = {  # what a statement names that has no counterpart, and what to write
-    r"\b(heatPort|internalHeatPort|Thermal)\b": "heat is not of this language: what a component turns into heat is a product as "
-    "damper.tau*damper.w_rel, brake.tau*brake.w, gear.tauLoss*gear.w_a or eddy.lossPower; the account of energies counts it "
-    "as dissipated, or as work",
+    r"\b(heatPort|internalHeatPort|Thermal)\b": "heat is not of this language: what a component turns into heat is its "
+    "lossPower, as damper.lossPower; the account of energies counts it as dissipated, or as work",
     r"\bMultiBody\b": "frames, bodies and joints in space have names of their own here: lag help space",
     r"\bElectrical\b": "currents are not of this language: a torque or a force acts as a formula says, as Torque m(tau = k*i)",
     r"\bCombiTimeTable\b": "a formula with table(time, ...) is a signal: lag help tables",
@@ -101,12 +100,29 @@ def _held_temperatures(statement: Sequence[str]) -> list[str]:
 def _filtered(statement: Sequence[str]) -> list[str]:
     """That what moves as a filtered signal says moves as the signal itself."""
     told = [word for word in _told(statement) if _is_name(word)]
-    is_filtered = "f_crit" in told or ("exact" in told[:-1] and told[told.index("exact") + 1] == "false")
-    if is_filtered and told[0].rpartition(".")[2] in ("Position", "Speed"):
-        return [f"the filter of {told[1]}: it moves exactly as its signal says"]
+    is_exact = "exact" in told[:-1] and told[told.index("exact") + 1] == "true"
+    if len(told) > 1 and told[0] in FILTERED and not is_exact:
+        return [f"the filter of {told[1]} (it moves exactly as its signal says, as with exact = true)"]
     return []
 
 
+FILTERED = frozenset(f"{package}.{name}" for package in ("Rotational", "Translational") for name in ("Position", "Speed"))
+
+
+def without_leading_dots(text: str) -> str:
+    """With spaces in place of the dots before names that are looked for from outside of all classes, as .Modelica.Constants.pi."""
+    found, last = list[str](), ";"
+    for word in _WORDS.findall(text):
+        head, dot, rest = word.partition(".")
+        is_leading = (dot and head.rstrip() in _BEFORE_NAMES) or (word == "." and not _is_name(last) and last not in (")", "]"))
+        found.append(f"{head} {rest}" if is_leading else word)
+        if not word.isspace():
+            last = word
+    return "".join(found)
+
+
+_BEFORE_NAMES = frozenset("""extends import parameter constant input output final inner outer discrete redeclare replaceable each
+    constrainedby public protected equation algorithm initial flow stream and or not if then else elseif in loop""".split())
 _FLOW = re.compile(r"\.(flange\w*|support)\.(tau|f)$")  # what flows there, which is no variable here
 _PREFIXES = frozenset("parameter constant input output final inner outer replaceable redeclare discrete".split())
 

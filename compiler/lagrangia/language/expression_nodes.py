@@ -1,6 +1,6 @@
 """Expressions of a text -> nodes of the syntax tree, one method for each rule of the grammar."""
 
-from collections.abc import Iterator as IteratorType
+from collections.abc import Sequence
 from typing import Any, cast
 
 from lagrangia.base.diagnostics import Report, Source, Span
@@ -75,16 +75,19 @@ class _ExpressionNodes:
             self.report.error("L0102", f"more than {_LONGEST_CHAIN} operands in a row", self._span(meta),
                               "use sum(... for i in 1:n), or name parts of it with variables")
             return cast(Expression, children[0])
-        return self._fold(children[0], iter(children[1:]))
+        return self._fold(children[0], children[1:], self._span(meta))
 
     def signed_chain(self, meta: Place, children: list[Any]) -> Expression:
-        first = Unary(str(children[0]), children[1], self._span(children[0]).to(children[1].span))
-        return self._fold(first, iter(children[2:]))
+        whole = self._span(meta)
+        first = Unary(str(children[0]), children[1], self._span(children[0]).to(children[1].span) if children[2:] else whole)
+        return self._fold(first, children[2:], whole)
 
     @staticmethod
-    def _fold(left: Expression, rest: IteratorType[Any]) -> Expression:
-        for operator, right in zip(rest, rest, strict=True):
-            left = Binary(str(operator), left, right, left.span.to(right.span))
+    def _fold(left: Expression, rest: Sequence[Any], whole: Span) -> Expression:
+        """The last one stands in the whole, with the brackets that it begins and ends with."""
+        for k in range(0, len(rest), 2):
+            operator, right = rest[k : k + 2]
+            left = Binary(str(operator), left, right, left.span.to(right.span) if k < len(rest) - 2 else whole)
         return left
 
     def logical_not(self, meta: Place, children: list[Any]) -> Unary[Expression]:

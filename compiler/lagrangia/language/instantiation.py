@@ -89,9 +89,12 @@ class Instantiation:
         self._check_names(instance, members, modification)
         refuse_redeclared_nothing(definition, members, self.report)
         own = [m for m in members if not add_outer(self.table, self.report, instance, *m)]
+        scalar, others = list[tuple[Declaration, Modification]](), list[tuple[Declaration, Modification]]()
+        for m in own:
+            (scalar if self._is_scalar(m[0]) else others).append(m)
         instance.inner |= {declaration.name for declaration, _ in own if "inner" in declaration.prefixes}
-        self._add_variables(instance, [m for m in own if self._is_scalar(m[0])], roles)
-        components = [(replace(d, prefixes=d.prefixes | roles), change) for d, change in own if not self._is_scalar(d)]
+        self._add_variables(instance, scalar, roles)
+        components = [(replace(d, prefixes=d.prefixes | roles) if roles else d, change) for d, change in others]
         for declaration, change in sorted(components, key=lambda m: "inner" not in m[0].prefixes):  # what is inside may name them
             self._add_component(instance, declaration, change)
         self.stack.pop()

@@ -72,6 +72,17 @@ class Tables:
         """Matches a word at a place of a text."""
         return re.compile(self.pattern).match
 
+    @cached_property
+    def of_states(self) -> Sequence[Mapping[str, int]]:
+        """The row of each state."""
+        return [self.rows[number] for number in self.row_of]
+
+    @cached_property
+    def passes(self) -> Sequence[bool]:
+        """Of each rule, whether it hands on its only symbol as it is."""
+        return [method is not None and is_alone and size == 1 and list(map(tuple, kept)) == [(0, False, 0)] and not absent
+                for _, size, method, is_alone, kept, absent in self.rules]
+
     def meant(self, word: str, row: Mapping[str, int], text: str, end: int) -> str | None:
         """The terminal that a word, which ends there, is in a state; None for a name."""
         for other, following in self.words.get(word, ()):
@@ -112,14 +123,14 @@ class _Stack:
 
     def terminal(self, kind: str, word: str, text: str, end: int) -> str:
         """Which one of those that a word may be is meant here."""
-        row = self.tables.rows[self.tables.row_of[self.states[-1]]]
+        row = self.tables.of_states[self.states[-1]]
         return self.tables.meant(word, row, text, end) or kind if kind == "NAME" else kind
 
     def take(self, kind: str, make: type[Word], word: str, start: int, end: int) -> None:
         """Raises NotReadError where it cannot stand here."""
-        tables, states = self.tables, self.states
+        rows, states = self.tables.of_states, self.states
         while True:
-            action = tables.rows[tables.row_of[states[-1]]].get(kind)
+            action = rows[states[-1]].get(kind)
             if action is None:
                 raise NotReadError
             if action >= 0:
@@ -133,7 +144,7 @@ class _Stack:
         """At the end of the text."""
         tables, states = self.tables, self.states
         while states[-1] != tables.end:
-            action = tables.rows[tables.row_of[states[-1]]].get(END)
+            action = tables.of_states[states[-1]].get(END)
             if action is None or action >= 0:
                 raise NotReadError
             self.reduce(-1 - action)
@@ -141,12 +152,17 @@ class _Stack:
 
     def reduce(self, number: int) -> None:
         """The symbols of a rule become what it is of."""
-        name, size, method, stands_alone, kept, absent = self.tables.rules[number]
+        tables, states = self.tables, self.states
+        name, size, method, stands_alone, kept, absent = tables.rules[number]
+        if tables.passes[number]:  # as a third of all do
+            states.pop()
+            states.append(tables.of_states[states[-1]][name])
+            return
         values: list[Any] = []
         spans: list[tuple[int, int]] = []
         if size:
             values, spans = self.values[-size:], [span for span in self.spans[-size:] if span is not None]
-            del self.values[-size:], self.spans[-size:], self.states[-size:]
+            del self.values[-size:], self.spans[-size:], states[-size:]
         span = (spans[0][0], spans[-1][1]) if spans else None
         children: list[Any] = []
         for place, is_open, before in kept:
@@ -166,7 +182,7 @@ class _Stack:
             made = getattr(self.actor, method)(Place(*span) if span else NOWHERE, children)
         self.values.append(made)
         self.spans.append(span)
-        self.states.append(self.tables.rows[self.tables.row_of[self.states[-1]]][name])
+        states.append(tables.of_states[states[-1]][name])
 
 
 def walk(tree: Any, actor: Actor) -> Any:

@@ -8,11 +8,15 @@ from lagrangia.language.classes import ClassTable
 from lagrangia.language.tree import ClassDefinition, Declaration
 
 _MOST_LISTED = 12
+_OF_HEAT = frozenset(("useHeatPort", "heatPort"))  # of Modelica's components
 
 
 def explain(table: ClassTable, definition: ClassDefinition, word: str, given: Collection[str] = ()) -> list[str]:
     """Hints for a name that a model does not have; `given` are the other names that were used with it."""
     own = table.declared(definition)
+    if word in _OF_HEAT:
+        return ["heat has no ports here: " + ("'lossPower' is what becomes heat, and the account of energies counts it"
+                                              if "lossPower" in own else "the account of energies counts what becomes heat")]
     if near := nearest(word, own):
         return [f"did you mean '{near}'?"]
     if meant := _meant(own, word):

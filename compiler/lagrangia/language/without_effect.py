@@ -3,7 +3,7 @@ frames that are joined already, resets to what is there, structural numbers and 
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import fields, is_dataclass
-from functools import lru_cache
+from functools import cache, lru_cache
 from typing import Any
 
 from lagrangia.base.diagnostics import Report, Source, Span
@@ -256,18 +256,26 @@ def _words_of(this: _This) -> frozenset[str]:
 
 def _words(part: Any) -> Iterator[str]:
     """Names of all that is mentioned in a piece of syntax, each part of a dotted one, and of types and functions."""
-    if isinstance(part, tuple):
-        for item in part:
-            yield from _words(item)
-    elif is_dataclass(part) and not isinstance(part, Span | Source):
-        if isinstance(part, Reference):
-            yield from (piece.name for piece in part.parts)
-        if isinstance(part, Declaration | Extends):
-            yield from part.type_name.split(".")
-        if isinstance(part, Call):
-            yield part.function
-        for field in fields(part):
-            yield from _words(getattr(part, field.name))
+    pending = [part]
+    while pending:
+        found = pending.pop()
+        if isinstance(found, tuple):
+            pending += found
+            continue
+        names = _fields_of(found.__class__)
+        if isinstance(found, Reference):
+            yield from (piece.name for piece in found.parts)
+        elif isinstance(found, Declaration | Extends):
+            yield from found.type_name.split(".")
+        elif isinstance(found, Call):
+            yield found.function
+        pending += [getattr(found, name) for name in names]
+
+
+@cache
+def _fields_of(kind: type) -> tuple[str, ...]:
+    """The names of what a piece of syntax is made of; none of anything else."""
+    return tuple(field.name for field in fields(kind)) if is_dataclass(kind) and kind not in (Span, Source) else ()
 
 
 # -------------------------------------------------------------------- what is stated

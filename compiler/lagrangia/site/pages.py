@@ -5,6 +5,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import cached_property
 from html import escape
 from pathlib import Path
+from textwrap import dedent
 
 from lagrangia.base.diagnostics import LIBRARY, Source
 from lagrangia.base.records import dataclass
@@ -77,7 +78,7 @@ class _Writer:
         kind = f"{'partial ' if definition.is_partial else ''}{definition.kind}"
         parts = [f"<h1>{escape(definition.name)} <small>{kind}, in {escape(package.title)}</small></h1>",
                  f"<p>{escape(definition.description)}</p>", self._figure(package, definition, members)]
-        parts += [self._table(package, title, rows) for title, rows in _grouped(members) if rows]
+        parts += [self._table(package, title, rows) for title, rows in _grouped(package.table, members) if rows]
         parts += self._formulas(package, definition)
         parts.append(self._inside(definition))
         parts.append(self._uses(definition))
@@ -95,14 +96,15 @@ class _Writer:
 
     def _table(self, package: Package, title: str, rows: Sequence[Declaration]) -> str:
         is_ports = title == "Ports"
-        head = "".join(f"<th>{word}</th>" for word in (("", "") if is_ports else ("name", "type", "unit", "default", "")))
+        head = "".join(f"<th>{word}</th>" for word in (("", "", "") if is_ports else ("name", "type", "unit", "default", "")))
         lines = []
         for row in rows:
             value = "" if row.binding is None else f"<code>{escape(' '.join(row.binding.span.text.split()))}</code>"
             sizes = f"[{', '.join(d.span.text for d in row.dimensions)}]" if row.dimensions else ""
             cells = [f"<code>{escape(row.name)}{escape(sizes)}</code>"]
+            cells.append(self._type(package, row))
             if not is_ports:
-                cells += [self._type(package, row), escape(unit_of(package.table, row)), value]
+                cells += [escape(unit_of(package.table, row)), value]
             cells.append(escape(row.description))
             lines.append("<tr>" + "".join(f"<td>{cell}</td>" for cell in cells) + "</tr>")
         return f"<h2>{title}</h2><div class=wide><table><tr>{head}</tr>{''.join(lines)}</table></div>"
@@ -135,7 +137,9 @@ class _Writer:
 
     def _source(self, package: Package, definition: ClassDefinition) -> str:
         """Its text, coloured, with links to the classes that it names."""
-        text = definition.span.text
+        span = definition.span
+        before = span.source.text[: span.start].rpartition("\n")[2]
+        text = dedent(before + span.text) if before.isspace() else span.text
         written, at, name = [], 0, ""
         for piece in pieces_of(Source(package.title, text)):
             name = f"{name}{piece.text}" if piece.text == "." or name.endswith(".") else piece.text  # dotted, as far as it goes
@@ -169,14 +173,21 @@ def _users(packages: Sequence[Package]) -> Mapping[tuple[str, int], list[ClassDe
     return found
 
 
-def _grouped(members: Mapping[str, Declaration]) -> Iterator[tuple[str, list[Declaration]]]:
+def _grouped(table: ClassTable, members: Mapping[str, Declaration]) -> Iterator[tuple[str, list[Declaration]]]:
     """By what they are, those that only the class itself may name left out."""
     seen = [d for d in members.values() if "protected" not in d.prefixes]
+    ports = [d for d in seen if _is_port(table, d)]
     yield "Parameters", [d for d in seen if {"parameter", "constant"} & d.prefixes]
-    yield "Ports", [d for d in seen if d.type_name == "Frame" and d.binding is None]
+    yield "Ports", ports
     yield "Inputs and outputs", [d for d in seen if {"input", "output"} & d.prefixes]
     yield "Coordinates", [d for d in seen if "coordinate" in d.prefixes]
-    yield "Variables and components", [d for d in seen if not {*_ROLES} & d.prefixes and (d.type_name != "Frame" or d.binding)]
+    yield "Variables and components", [d for d in seen if not {*_ROLES} & d.prefixes and d not in ports]
+
+
+def _is_port(table: ClassTable, declaration: Declaration) -> bool:
+    """A frame that is given, or an end of a shaft."""
+    kind = class_named(table, declaration.type_name, declaration.type_span)
+    return declaration.binding is None and (declaration.type_name == "Frame" or (kind is not None and kind.kind == "connector"))
 
 
 def _page(title: str, body: str) -> str:
