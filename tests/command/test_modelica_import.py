@@ -209,3 +209,20 @@ def test_filters_of_sources_and_older_names(tmp_path: Path, capsys: pytest.Captu
         assert ("the filter of move (it moves exactly" in told.out + told.err) == (code == FAILED)
         new = (tmp_path / "M.lag").read_text(encoding="utf-8")
         assert "Translational.Position move;" in new.replace("move()", "move") and "mu_pos = [0, 0.4]" in new
+
+
+def test_names_from_outside_and_exact_sources(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Dots before names go; what moves exactly is written so, whatever it is declared with; a comprehension's pi is its own."""
+    (tmp_path / "M.mo").write_text("""model M extends .Modelica.Icons.Example;
+      parameter .Modelica.Units.SI.Angle a = 2*.Modelica.Constants.pi;
+      .Modelica.Mechanics.Rotational.Components.Inertia i(J = 1, phi(start = a));
+    end M;""", encoding="utf-8")
+    assert main(["import", str(tmp_path / "M.mo")]) == DONE
+    assert lag.load(tmp_path / "M.lag").simulate(stop=1)["i.phi"][0] == pytest.approx(2 * np.pi)
+    (tmp_path / "N.lag").write_text("""model N parameter Real x[2] = {pi for pi in 1:2}, y = pi;
+      Translational.Speed a[2](each v_ref = x[1]*y), b (v_ref = 1), c;
+    end N;""", encoding="utf-8")
+    assert main(["export", str(tmp_path / "N.lag"), "--to", "modelica", "--components", "-o", str(tmp_path / "N.mo")]) == DONE
+    text = (tmp_path / "N.mo").read_text(encoding="utf-8")
+    assert "{pi for pi in 1:2}, y = Modelica.Constants.pi;" in text
+    assert "a[2](each exact = true, each v_ref = x[1]*y), b (exact = true, v_ref = 1), c(exact = true);" in text

@@ -169,8 +169,10 @@ def test_a_slider_rubs_on_a_guide_in_space() -> None:
       RoughPrismatic guide(mu = 0.2, a = base, along = {1, 0, 0});
       Body d(m = 2, I = {0.1, 0.1, 0.1}, center = shift(guide.b, {0, 0.1, 0}));
       output Real e[3] = to_world(base, {1, 0, 0});
+      output Force pressed = guide.couple "by its ends, which are not reckoned with";
     end M;"""
     run = lag.loads(text).simulate(stop=1, interval=1, tolerance=1e-11)
+    assert run["pressed"][0] == 0
     way, gravity = np.array([run[f"e[{k}]"][0] for k in (1, 2, 3)]), np.array([0, -9.81, 0])
     along = gravity @ way
     assert run["guide.s"][-1] == pytest.approx((along - 0.2 * np.linalg.norm(gravity - along * way)) / 2, rel=1e-9)

@@ -130,6 +130,39 @@ def test_what_is_accelerated_against_a_housing(scene: Scene) -> None:
         run(scene, "Accelerate d(a_ref = 1); Spring s(c = 1, flange_a = d.flange); Mass a(m = 1, flange_a = s.flange_b);", [1], T)
 
 
+HEAT = """import R = Rotational; import T = Translational;
+  R.Inertia i(J = 1, w(start = 10)), k(J = 2, w(start = -1)), m(J = 1, w(start = 4)), n(J = 3);
+  R.Damper d(d = 0.3, flange_a = i.flange_a, flange_b = world_r.flange);
+  R.BearingFriction b(tau_pos = [0, 1; 10, 2], flange_a = i.flange_b);
+  R.Clutch c(fn_max = 10, f_normalized = 0.4, cgeo = 0.1, flange_a = i.flange_b, flange_b = k.flange_a);
+  R.ElastoBacklash e(c = 100, d = 3, b = 0.1, flange_a = k.flange_b, flange_b = world_r.flange);
+  R.SpringDamper sd(c = 20, d = 0.2, flange_a = k.flange_b, flange_b = world_r.flange);
+  R.Brake r(fn_max = 2, f_normalized = 1, flange_a = m.flange_b);
+  R.LossyGear g(ratio = 2, lossTable = [0, 0.9, 0.8, 0.1, 0.2], flange_a = m.flange_b, flange_b = n.flange_a);
+  R.Fixed world_r;
+  T.Mass x(m = 1, v(start = 3)), y(m = 2, s(start = 0.2));
+  T.Damper td(d = 0.4, flange_a = x.flange_b, flange_b = y.flange_a);
+  T.SpringDamper ts(c = 5, d = 0.2, flange_a = x.flange_b, flange_b = y.flange_a);
+  T.ElastoGap gap(c = 100, d = 1, flange_a = world_t.flange, flange_b = y.flange_a);
+  T.SupportFriction sf(f_pos = [0, 0.3], flange_a = x.flange_a);
+  T.Brake tb(fn_max = 1, f_normalized = 0.5, flange_a = y.flange_b);
+  T.Fixed world_t;
+  output Energy heat(start = 0, fixed = true);
+equation
+  der(heat) = d.lossPower + b.lossPower + c.lossPower + e.lossPower + sd.lossPower + r.lossPower + g.lossPower
+    + td.lossPower + ts.lossPower + gap.lossPower + sf.lossPower + tb.lossPower;"""
+STOPS = """import Translational.*; output Energy heat(start = 0, fixed = true); MassWithStopAndFriction p(m = 1, v(start = 9));
+equation der(heat) = p.lossPower;"""
+
+
+@pytest.mark.parametrize("text", [HEAT, STOPS])
+def test_what_becomes_heat(scene: Scene, text: str) -> None:
+    """The account counts as much."""
+    found = run(scene, text, [2.0], "", 1e-10)
+    assert found["heat"][0] > 10
+    assert found["heat"][0] == pytest.approx(found.energy.dissipated[0] - found.energy.work[0], rel=1e-10)
+
+
 def test_brakes_by_eddy_currents(scene: Scene) -> None:
     """J w' = -2 tau x/(1 + x^2): log x + x^2/2 falls as 2 tau t/(J w_nominal), hot discs have a higher w_nominal."""
     for text, imports in (("EddyCurrentTorque e(tau_nominal = 50, w_nominal = 10, alpha20 = 0.004, T = 343.15); "

@@ -110,7 +110,7 @@ FILTERED = frozenset(f"{package}.{name}" for package in ("Rotational", "Translat
 
 
 def without_leading_dots(text: str) -> str:
-    """With spaces in place of the dots before names that are looked for from outside of all classes, as .Modelica.Constants.pi."""
+    """With spaces in place of dots before names that are looked for from outside of all classes: .Modelica.Constants.pi."""
     found, last = list[str](), ";"
     for word in _WORDS.findall(text):
         head, dot, rest = word.partition(".")
