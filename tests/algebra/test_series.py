@@ -23,6 +23,9 @@ IDENTITIES = [
     (1 / (x + y) * (x + y) ** 2, x + y),
     (sin(a) ** 3, 3 * sin(a) / 4 - sin(3 * a) / 4),
     (sqrt(k**2), k),
+    ((1 + sqrt(3)) ** 2, 4 + 2 * sqrt(3)),
+    ((sqrt(2) * x + y) ** 3 * cos(a) ** 2 / (2 * sqrt(2)), (x + sqrt(2) * y / 2) ** 3 * (1 + cos(2 * a)) / 2),
+    (1 / (1 / (sqrt(2) * x)) ** 2, 2 * x**2),
 ]
 
 

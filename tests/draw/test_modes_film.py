@@ -54,3 +54,29 @@ def test_loops_stay_closed() -> None:
 def test_wrong_options_are_told(options: list[str], capfd: pytest.CaptureFixture[str]) -> None:
     assert main(["modes", str(EXAMPLES / "suspended_bar.lag"), *options]) == WRONG
     assert capfd.readouterr().err.startswith("error[L")
+
+
+def test_modes_sway_in_space(tmp_path: Path) -> None:
+    """Of a ball joint about its own attitude, as far as its shape says."""
+    scene, page = tmp_path / "hang.lag", tmp_path / "mode.html"
+    scene.write_text("""model Hang
+      World world(gravity = {0, 0, -9.81});
+      Spherical s(a = world, S(start = angles("zxz", 0.3, 0.2, 0)));
+      Cylinder c(m = 1, r = 0.05, h = 0.5, center = shift(s.b, {0, 0, -0.25}));
+    end Hang;""")
+    modes = lag.load(scene).modes()
+    k = next(k for k in range(3) if modes[k].frequency and modes[k].frequency > 0.1)
+    assert main(["modes", str(scene), "--animate", str(page), "--mode", str(k + 1), "--view=10,20"]) == 0
+    data = data_of(page.read_text())
+    t = np.frombuffer(base64.b64decode(data["t"]), dtype="<f8")
+    assert t[-1] == pytest.approx(4 / modes[k].frequency)
+    poses = [np.frombuffer(base64.b64decode(body["poses"]), dtype="<f4").reshape(-1, 7) for body in data["bodies"]]
+    rod = max(poses, key=lambda p: np.ptp(p[:, :3]))
+    turns = 2 * np.arccos(np.clip(np.abs(rod[:, 3:] @ rod[0, 3:]), 0, 1))
+    sines = np.abs(np.sin(2 * np.pi * modes[k].frequency * t))
+    assert 0.05 < turns.max() < 0.6
+    np.testing.assert_allclose(np.tan(turns / 4), np.tan(turns.max() / 4) * sines, atol=1e-3)
+    assert main(["modes", str(scene), "--animate", str(tmp_path / "mode.glb")]) == 0
+    for name in ("mode.svg", "mode.csv"):
+        assert main(["modes", str(scene), "--animate", str(tmp_path / name)]) == WRONG
+    assert main(["modes", str(EXAMPLES / "suspended_bar.lag"), "--animate", str(page), "--view=1,2"]) == WRONG

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import sympy as sp
 
 import lagrangia as lag
 from helpers.reading import Motion, read
@@ -12,6 +13,7 @@ from helpers.symbolic_scenes import EXAMPLES
 from lagrangia.command.cli import main
 from lagrangia.paper.book import Book
 from lagrangia.paper.document import Display
+from lagrangia.paper.equations import constants_of_motion
 from lagrangia.paper.sheet import Request, page_of
 from lagrangia.paper.typeset import line
 
@@ -93,7 +95,7 @@ def test_printed_equations_have_the_numbers_of_the_motion(text: str, tmp_path: P
     known = Compiled(path, book)
     for name in map(line, book.presentation.symbols.lengths.values()):  # ell = sqrt(...)
         known.values[name] = known.number(next(x for x in lines if x.startswith(f"{name} = ")).partition(" = ")[2])
-    equations = [x for x in lines if "∂" not in x and not x.startswith(("Φ", "ℓ", "E ", *known.parts))]
+    equations = [x for x in lines if "∂" not in x and not x.startswith(("Φ", "ℓ", "E ", "p_", *known.parts))]
     equations = [re.sub(r"(?<== )\W*(drive) .*", r"\1", x) for x in equations]  # before it stops
     assert len(equations) == book.equations.n
     for text_, wanted in zip(equations, known.wanted, strict=True):
@@ -137,3 +139,35 @@ def test_pages_of_other_formats_and_languages(form: str, format_: str, capsys: p
     code = main(["equations", str(EXAMPLES / "satellite.lag"), *options])
     told = capsys.readouterr()
     assert code == 0 and "Einheitsquaternion" in told.out, told.err
+
+
+KEPT = """
+model Kept "A body that floats, and beside it a symmetric top"
+  World world(gravity = {0, 0, -9.81});
+  Body hull(m = 2, I = {0.3, 0.4, 0.6}, center(omega(start = {1, 2, 3})));
+  Spherical tip(a = world, S(start = angles("zxz", 0, 0.5, 0)), w(start = {0.3, 0, 20}));
+  Body top(m = 1, I = {0.1, 0.1, 0.2}, center = shift(tip.b, {0, 0, 0.1}));
+end Kept;
+"""
+
+
+def test_angular_momenta_that_are_named_stay(tmp_path: Path) -> None:
+    """All three of what floats, in the world's axes; of a top that about the vertical, and that about its own axis."""
+    path = tmp_path / "kept.lag"
+    path.write_text(KEPT)
+    book = page_of(path, Request("lagrange"), None, {})[0]
+    e = book.equations
+    found = [c for c in constants_of_motion(e) if c.name == "angular momentum"]
+    turnings = {t.name: t for t in e.scene.turnings}
+    hull, tip = turnings["hull.center.S"], turnings["tip.S"]
+    vertical = tip.places[2]
+    assert {(c.coordinate, c.why) for c in found} == {*((k, "outside") for k in hull.places), (vertical, "outside"),
+                                                      (vertical, "own")}
+    run = lag.load(path).simulate(stop=2, tolerance=1e-12, interval=0.1)
+    known = {x.symbol: book.values[x.name] for x in e.scene.parameters}
+    told = {part: run[f"{t.name}[{k}]"] for t in turnings.values() for k, part in enumerate(t.parts, 1)}
+    told |= {e.scene.v[place]: run[f"der({t.name})[{k}]"] for t in turnings.values() for k, place in enumerate(t.places, 1)}
+    for c in found:
+        along = sp.lambdify([*told], c.value.subs(known), "numpy")(*told.values())
+        assert np.ptp(along) < 1e-10
+        assert np.abs(along).max() > 0.1

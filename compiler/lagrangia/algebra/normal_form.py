@@ -59,6 +59,7 @@ class Ring:
         self.numbers: dict[Expr, int] = {}
         self.composite: dict[int, Series] = {}  # atoms that are sums: their whole powers are multiplied out
         self.squares: dict[int, Series] = {}  # of atoms by others
+        self.roots: dict[int, Fraction] = {}  # atoms that are square roots of numbers: the numbers
         self._known: dict[Expr, Series] = {}
         self._inside: dict[int, frozenset[Expr]] = {}  # symbols of atoms
         self.stated: set[tuple[Angle, bool]] = set()  # sines and cosines that were met as such
@@ -143,7 +144,8 @@ class Ring:
         if len(inner) == 1:
             ((powers, angle, is_sine), number), = inner.items()
             if exponent.is_Integer and not angle:
-                return {(tuple((n, x * k) for n, x in powers), (), False): number ** int(exponent)}
+                raised = tuple((n, x * k) for n, x in powers)
+                return self.product({(raised, (), False): number ** int(exponent)}, {CONSTANT: _ONE})
             if angle and exponent.is_Integer:
                 sign, wave = self._wave_expression(angle, is_sine)
                 whole = self._merged(tuple((n, x * k) for n, x in powers), ((self._number(wave), k),))
@@ -201,7 +203,10 @@ class Ring:
         return self._series(e) if e.is_Add or e.is_Mul or e.is_Number else self._atom_series(e)
 
     def _atom_series(self, e: Expr) -> Series:
-        return {(((self._number(e), _ONE),), (), False): _ONE}
+        n = self._number(e)
+        if e.is_Pow and e.exp == sp.S.Half and e.base.is_Rational:
+            self.roots[n] = Fraction(int(e.base.p), int(e.base.q))
+        return {(((n, _ONE),), (), False): _ONE}
 
     def _atom(self, e: Expr) -> int:
         self.numbers[e] = len(self.atoms)
@@ -248,7 +253,7 @@ class Ring:
             for (powers_b, angle_b, sine_b), y in b.items():
                 powers = self._merged(powers_a, powers_b)
                 waves = self._waves(angle_a, sine_a, angle_b, sine_b)
-                into = total if all(k < 1 or not self._opens(n, k) for n, k in powers) else {}
+                into = total if not any(self._opens(n, k) for n, k in powers) else {}
                 for angle, is_sine, weight in waves:
                     key = (powers, angle, is_sine)
                     into[key] = into.get(key, Fraction(0)) + x * y * weight
@@ -257,13 +262,16 @@ class Ring:
         return _sum([total, *again])
 
     def _opens(self, n: int, k: Fraction) -> bool:
-        return n in self.composite or (k >= 2 and n in self.squares)
+        return (k >= 1 and n in self.composite) or (k >= 2 and n in self.squares) or (n in self.roots and k not in (0, 1))
 
     def _multiplied_out(self, powers: Powers, terms: Series) -> Series:
-        """Whole powers of sums, left when roots met, and squares that are known."""
+        """Whole powers of sums, left when roots met, and squares that are known: of roots of numbers those that divide, too."""
         whole = {n: int(k) for n, k in powers if n in self.composite and k >= 1}
         twice = {n: int(k) // 2 for n, k in powers if n in self.squares and k >= 2}
-        taken = whole | {n: 2 * k for n, k in twice.items()}
+        of_numbers = {n: int(k // 2) for n, k in powers if n in self.roots}
+        taken = whole | {n: 2 * k for n, k in (twice | of_numbers).items()}
+        for n, k in of_numbers.items():
+            terms = {key: x * self.roots[n] ** k for key, x in terms.items()}
         rest = tuple((n, k - taken.get(n, 0)) for n, k in powers if k != taken.get(n, 0))
         found: Series = {(rest, angle, is_sine): x for (_, angle, is_sine), x in terms.items()}
         for n, k in whole.items():

@@ -9,7 +9,7 @@ from typing import Any
 from lagrangia.base.checked_values import MOST_POINTS, MOST_STARTS, a_count_within, a_frequency, a_span
 from lagrangia.base.diagnostics import RunError, fail
 from lagrangia.base.result_files import write_text
-from lagrangia.command.arguments import keep_inputs, load_asked, names_once, number, tell
+from lagrangia.command.arguments import keep_inputs, load_asked, names_once, number, tell, view_asked
 from lagrangia.model import Model
 from lagrangia.view.curves import require_format
 
@@ -56,14 +56,14 @@ def linearize_command(options: Namespace) -> int:
 
 def modes_command(options: Namespace) -> int:
     """`lag modes`: frequencies, damping and shapes as text, in a file, as a picture, as a page. Raises LagError, RunError."""
-    from lagrangia.draw.film import require_film
+    from lagrangia.solids.showing import require_any
     from lagrangia.study.text import modes_text
 
     _require(options.output, ".json")
     if options.plot is not None:
         require_format(options.plot)
     if options.animate is not None:
-        require_film(options.animate)
+        require_any(options.animate)
     model, values = _load(options)
     modes = model.modes(**values, about=options.about, mass_normalised=options.mass_normalised)
     _say(options, model, modes_text(modes))
@@ -78,12 +78,13 @@ def modes_command(options: Namespace) -> int:
 
 
 def _animate(options: Namespace, model: Model, modes: Any, values: dict[str, Any]) -> None:
-    from lagrangia.draw.modes_film import animate_mode
+    from lagrangia.solids.modes_film import animate_mode_of_any
 
     if not len(modes):
         fail("L0706", "--animate: there is no mode to be shown")
     number = a_count_within("number of the mode", options.mode, 1, len(modes))
-    animate_mode(model.fitting(values["parameters"]), model.study(**values), modes, number - 1, options.animate)
+    animate_mode_of_any(model.fitting(values["parameters"]), model.study(**values), modes, number - 1, options.animate,
+                        view_asked(options.view))
     print(f"mode {number} in {options.animate}")
 
 

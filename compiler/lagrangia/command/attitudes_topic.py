@@ -35,5 +35,5 @@ Functions    of model.functions(), --to casadi and --to python have the unit qua
 Small motion is in small turns tip.S.s[1] to [3] about the turned axes (rad), three of each attitude; the point is told by its
              quaternion. About a start that turns (--about start), as a sleeping top, frequencies are those seen from the turned
              axes, and it is told whether the motion is steady. --from equilibrium begins at rest.
-Not supported yet: --from steady, pages that compute, films of modes, small motion beside a run, kinetic energies of der(S) that
-are no rigid body's. Hinges (a Universal and a Revolute) have all but pages that compute and such films."""
+Not supported yet: --from steady, pages that compute, small motion beside a run, kinetic energies of der(S) that
+are no rigid body's. Hinges (a Universal and a Revolute) have all but such pages."""

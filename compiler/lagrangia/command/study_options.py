@@ -38,8 +38,10 @@ def add_modes(parser: ArgumentParser) -> None:
     parser.add_argument("--mass-normalised", action="store_true", help="shapes with phi' M phi = 1, not largest entry 1")
     parser.add_argument("-o", "--output", metavar="FILE", help="a file for programs (.json)")
     parser.add_argument("--plot", metavar="FILE", type=Path, help="a picture of the shapes (.png, .svg, .pdf)")
-    parser.add_argument("--animate", metavar="FILE", help="a page or film of one mode (.html, .svg, .gif, .webp, .mp4)")
+    parser.add_argument("--animate", metavar="FILE", help="a page or film of one mode (.html, .svg, .gif, .webp, .mp4; in space "
+                        ".glb: glTF)")
     parser.add_argument("--mode", type=int, default=1, metavar="N", help="the mode that --animate shows (1)")
+    parser.add_argument("--view", metavar="AZIMUTH,ELEVATION", help="from where a scene in space is seen in a film, degrees")
 
 
 def add_response(parser: ArgumentParser) -> None:

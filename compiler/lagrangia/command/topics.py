@@ -393,7 +393,7 @@ lag equilibrium FILE    positions of rest: the one reached from the start, and o
           lag simulate FILE --from equilibrium begins at the first, --from "steady hinge.w=12" where all else stands still
 lag linearize FILE      M x'' + C x' + K x = F u and z' = A z + B w, y = C z + D w; -o FILE.json, FILE.mat, FILE.npz
 lag modes FILE          natural frequencies, damping ratios, mode shapes; --mass-normalised, --plot FILE, -o FILE.json;
-                        --animate FILE.html (.svg, .gif, .mp4) plays --mode N (1), larger than life and with loops closed
+                        --animate FILE.html (.svg, .gif, .mp4, in space .glb) plays --mode N (1), larger than life, loops closed
 lag response FILE       frequency response; --range 0.1:100 or --at 1,2,5 (Hz), --points N, --plot FILE, -o FILE.csv
 all of them             -p NAME=VALUE, --initial NAME=VALUE, -u NAME=VALUE, --time T, --model NAME
 

@@ -73,11 +73,12 @@ def shared_directions(kinematics: Kinematics, constraints: Constraints, energies
     if len(here) != len(elsewhere):
         return []
     coordinates, directions = {c.name: c for c in kinematics.graph.coordinates}, []
+    for z in here:
+        refuse_attitudes([(coordinates[names[k]], float(z[k])) for k in np.flatnonzero(np.abs(z) > _SAME)])
     if loose := looks.loose(len(here)):
         fail("L0504", f"the coordinates {', '.join(names[k] for k in loose)} move no mass together, along a way that depends on "
              "where they are (not supported yet)", coordinates[names[loose[0]]].span, "give what lies between them a small mass")
     for z, other in zip(here, elsewhere, strict=True):
-        refuse_attitudes([(coordinates[names[k]], float(z[k])) for k in np.flatnonzero(np.abs(z) > _SAME)])
         places = [k for k in range(len(names)) if abs(z[k]) > _SAME]
         is_fixed = np.abs(other - z).max() <= _SAME
         factors = [ca.SX(1), *([ca.SX(round(z[k], 9)) for k in places[1:]] if is_fixed else looks.by_parameters(places))]
@@ -112,6 +113,8 @@ class _Looks:
         changing = symbols_in(ca.vertcat(self.p, self.v))
         self.free = ca.vertcat(ca.SX(0, 1), *[x for x in ca.symvar(ca.vertcat(momentum, rates)) if x.__hash__() not in changing])
         self.momentum, self.n = momentum, len(names)
+        attitudes = [c.attitude for name in names for c in kinematics.graph.coordinates if c.name == name]
+        self.turning = [[k for k, x in enumerate(attitudes) if x == attitude] for attitude in {*attitudes} - {""}]
         self.slopes = ca.Function("slopes", [self.v, self.free, self.p], [ca.vertcat(momentum, rates)])
 
     def directions(self, which: int) -> list[Vector]:
@@ -147,7 +150,11 @@ class _Looks:
         n, place = self.n, general_numbers(seed, 0.4, 1.6, self.free.numel())
         found = self.slopes(np.hstack([np.eye(n), -np.eye(n)]), place, numbers).full()
         A = (found[:, :n] - found[:, n:]) / 2
-        return A[:n], A[n:]
+        M, diagonal = A[:n], np.abs(np.diag(A[:n]))
+        for places in self.turning:  # about one of its axes it has rounding: its velocities are told in the world's axes
+            idle = [k for k in places if diagonal[k] <= _SINGULAR * diagonal[places].max()]
+            M[idle] = M[:, idle] = 0.0
+        return M, A[n:]
 
     def by_parameters(self, places: list[int]) -> list[ca.SX]:
         """The entries of a direction behind the first, from M z = 0 at one state, which is as good as any."""

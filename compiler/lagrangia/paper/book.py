@@ -288,9 +288,23 @@ def constants_block(book: Book, level: int = 2) -> list[Block]:
             left = Name("p", " ".join(filter(None, (q.base, q.sub))))
             blocks += [paragraph(say("{0} is cyclic: its momentum is constant.", q)),
                        *display([equal(left, equal(book.partial("T", book.rate(c.coordinate)), book.sum(c.value)))])]
+        elif c.name == "angular momentum":
+            blocks += _angular_momentum(book, c)
         else:
             blocks += _energy_constant(book, c)
     return blocks
+
+
+def _angular_momentum(book: Book, c: Constant) -> list[Block]:
+    assert c.coordinate is not None
+    turning = next(x for x in book.equations.scene.turnings if c.coordinate in x.places)
+    axis = "xyz"[c.coordinate - turning.first]
+    if c.why == "own":
+        words = say("About its own {0} axis nothing changes the angular momentum of {1}: it is constant.", axis, turning.name)
+        return [paragraph(words), *display([equal(book.partial("T", book.rate(c.coordinate)), book.sum(c.value))])]
+    words = say("About the {0} axis of what carries it nothing turns {1}: its angular momentum about it is constant.", axis,
+                turning.name)
+    return [paragraph(words), *display([equal(Name("p", f"{turning.name.replace('.', ' ')} {axis}"), book.sum(c.value))])]
 
 
 def _energy_constant(book: Book, c: Constant) -> list[Block]:

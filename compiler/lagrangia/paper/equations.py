@@ -22,14 +22,17 @@ from lagrangia.paper.symbolic import GRAVITY, SymbolicScene, mapped
 ACCELERATION = "m/s2"  # the unit of gravity, also of one that a model brings along
 
 
+_PRODUCTS_OF_MOMENTA = 50_000
+
+
 @dataclass(frozen=True)
 class Constant:
     """A quantity that the motion does not change, and why."""
 
-    name: str  # "momentum" or "energy"
-    coordinate: int | None
+    name: str  # "momentum", "angular momentum" or "energy"
+    coordinate: int | None  # of angular momenta the place of the part of the attitude that stands for the axis
     value: Expr
-    why: str
+    why: str  # of angular momenta: about axes "outside", that are turned against, or its "own"
 
 
 @dataclass(frozen=True)
@@ -175,6 +178,7 @@ def constants_of_motion(e: Equations) -> tuple[Constant, ...]:
         is_free = e.f[k] == 0 and e.dD_dv[k] == 0 and e.reactions[k] == 0 and k not in scene.turned
         if is_free and e.ring.slope(L, q) == 0 and e.momenta[k] != 0:
             found.append(Constant("momentum", k, e.momenta[k], "cyclic"))
+    found += _angular_momenta(e)
     driven = (x for g in scene.given for x in g.moving if g.value.has(scene.t))
     moving = {*scene.placed, *scene.v, scene.t, *scene.inputs.values(), *driven}
     is_lossless = e.D == 0 and not any(x.free_symbols & moving for x in e.f) and all(e.f[k] == 0 for k in scene.turned)
@@ -186,6 +190,23 @@ def constants_of_motion(e: Equations) -> tuple[Constant, ...]:
         is_energy = tidy(H - e.T - e.V_elastic - e.V_field + work) == 0
         found.append(Constant("energy" if is_energy else "Jacobi", None, tidy(H), "work" if work != 0 else "conservative"))
     return tuple(found)
+
+
+def _angular_momenta(e: Equations) -> list[Constant]:
+    """d(R p)/dt = R torque about axes that do not turn, and dp/dt = torque - w x p about those that do."""
+    ring, found = ring_of(e.scene, _PRODUCTS_OF_MOMENTA), list[Constant]()
+    try:
+        for turning in e.scene.turnings:
+            places = [*turning.places]
+            torque = [e.dT_dq[k] - e.dV_dq[k] - e.dD_dv[k] + e.f[k] - e.reactions[k] for k in places]
+            momenta = [e.momenta[k] for k in places]
+            outside = zip(places, turning.outward(torque), turning.outward(momenta), strict=True)
+            own = zip(places, (x - e.carried[k] for x, k in zip(torque, places, strict=True)), momenta, strict=True)
+            for why, axes in (("outside", outside), ("own", own)):
+                found += [Constant("angular momentum", k, ring.tidy(p), why) for k, x, p in axes if ring.is_zero(x)]
+    except TooLarge:
+        pass  # of such equations nobody reads these
+    return [c for c in found if c.value != 0]
 
 
 def with_values(scene: SymbolicScene, values: Mapping[Expr, float]) -> SymbolicScene:

@@ -338,6 +338,16 @@ PHRASES: Mapping[str, tuple[str, str, str, str]] = {
     "{0} is cyclic: its momentum is constant.": (
         "{0} é cíclica: seu momento é constante.", "{0} ist zyklisch: Ihr Impuls ist konstant.",
         "{0} est cyclique : son moment est constant.", "{0} es cíclica: su momento es constante."),
+    "About its own {0} axis nothing changes the angular momentum of {1}: it is constant.": (
+        "Em torno do próprio eixo {0} nada altera o momento angular de {1}: ele é constante.",
+        "Um die eigene Achse {0} ändert nichts den Drehimpuls von {1}: Er ist konstant.",
+        "Autour de son propre axe {0} rien ne change le moment cinétique de {1} : il est constant.",
+        "Alrededor de su propio eje {0} nada cambia el momento angular de {1}: es constante."),
+    "About the {0} axis of what carries it nothing turns {1}: its angular momentum about it is constant.": (
+        "Em torno do eixo {0} do que o sustenta nada gira {1}: seu momento angular em torno dele é constante.",
+        "Um die Achse {0} dessen, was es trägt, dreht nichts {1}: Der Drehimpuls um sie ist konstant.",
+        "Autour de l'axe {0} de ce qui le porte rien ne fait tourner {1} : son moment cinétique autour de lui est constant.",
+        "Alrededor del eje {0} de lo que lo lleva nada hace girar {1}: su momento angular respecto a él es constante."),
     "The loads are constant and nothing is lost: the energy is constant.": (
         "As cargas são constantes e nada se perde: a energia é constante.",
         "Die Lasten sind konstant und nichts geht verloren: Die Energie ist konstant.",

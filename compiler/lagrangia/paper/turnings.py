@@ -10,7 +10,7 @@ import sympy as sp
 
 from lagrangia.algebra.with_sympy import Expr
 from lagrangia.base.records import dataclass
-from lagrangia.frames.quaternions import quaternion_product
+from lagrangia.frames.quaternions import conjugate, quaternion_product
 
 _RATES, _PARTS = ("w", "omega", "Omega"), ("Q", "q", "quaternion")
 
@@ -44,6 +44,11 @@ class Turning:
         """w x p of all rates and momenta of a scene, at its own places."""
         w, p = ([x[k] for k in self.places] for x in (w, p))
         return tuple(w[i] * p[j] - w[j] * p[i] for i, j in ((1, 2), (2, 0), (0, 1)))
+
+    def outward(self, along: Sequence[Expr]) -> tuple[Expr, ...]:
+        """Components along the turned axes -> along those that these are turned against."""
+        turned = quaternion_product(self.parts, (sp.S.Zero, *along))
+        return tuple(sp.sympify(x) for x in quaternion_product(turned, conjugate(self.parts))[1:])
 
 
 def turnings_of(attitudes: Iterable[str], positions: Sequence[str], taken: Collection[str]) -> tuple[Turning, ...]:

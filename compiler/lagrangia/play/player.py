@@ -20,6 +20,7 @@ from lagrangia.fmu.stored import write_played
 from lagrangia.fmu.tables import sizes_of
 from lagrangia.fmu.variable import Variable
 from lagrangia.fmu.variables import FmuModel, build_fmu_model
+from lagrangia.language.flat import Figure
 from lagrangia.play.stage import build_stage
 from lagrangia.play.wasm import build_wasm
 from lagrangia.run.request import Request, Values, check_values, plan
@@ -42,6 +43,7 @@ def play_scene(model: Playable, path: str | os.PathLike[str], request: Request, 
                traces: Sequence[str] = ()) -> RunError | None:
     """Writes the page; returns what stops the scene's run, which the page shows, too. Raises LagError (L0706 without zig), or
     RunError for what cannot start."""
+    figures = figures_of(model)
     program = build_wasm()
     values = check_values(model.scene, request.parameters, request.initial, request.inputs)
     if any(not math.isnan(x) for x in values.lost):
@@ -55,15 +57,15 @@ def play_scene(model: Playable, path: str | os.PathLike[str], request: Request, 
         if error.trajectory is None or not len(error.trajectory.rows):
             raise
         run, failure = error.trajectory, error
-    write_text(Path(path), _page(model, request, values, run, names, traces, program))
+    write_text(Path(path), _page(model, request, values, run, figures, names, traces, program))
     return failure
 
 
-def _page(model: Playable, request: Request, values: Values, run: Trajectory, names: Mapping[str, str], traces: Sequence[str],
-          program: bytes) -> str:
+def _page(model: Playable, request: Request, values: Values, run: Trajectory, figures: Sequence[Figure], names: Mapping[str, str],
+          traces: Sequence[str], program: bytes) -> str:
     scene = model.scene
     states = states_of(model, thinned(run, _LOOKS), values)
-    stage = build_stage(model.compilation, figures_of(model), states, names, traces)
+    stage = build_stage(model.compilation, figures, states, names, traces)
     described = build_fmu_model(model, request.parameters)
     image = write_played(described, _solver(described), stage.drawing)
     experiment = plan(scene, request)

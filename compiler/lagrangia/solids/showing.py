@@ -109,14 +109,11 @@ def animate_any(run: Trajectory, path: str | os.PathLike[str] | None = None, *, 
                 beside: Mapping[str, Trajectory] | None = None, note: Callable[[str], None] | None = None,
                 view: View | None = None) -> str:
     """As draw.film.animate_run; of scenes in space, as .glb (glTF) as well. Raises LagError."""
-    if not is_in_space(shown_by(run).model):
-        _refuse_view(view)
-        _refuse_gltf(path)
+    model = shown_by(run).model
+    if not is_in_space(model):
+        require_any_of(model, path, view)
         return animate_run(run, path, names=names, traces=traces, quantities=quantities, tell=tell, beside=beside, note=note)
-    if path is not None:
-        require_any(path)
-        if Path(path).suffix.lower() == ".svg":
-            fail("L0901", "not supported yet: moving SVG of scenes in space", None, "of these there are .html, .glb, .gif, .mp4")
+    require_any_of(model, path, view)
     if beside:
         fail("L0901", "not supported yet: several runs in one picture of a scene in space", None, "animate them one by one")
     (whole,) = with_events([run])
@@ -125,7 +122,7 @@ def animate_any(run: Trajectory, path: str | os.PathLike[str] | None = None, *, 
     text = write_orbit(stage, run.scene.description or run.scene.name, curves_of(first, quantities), energies_of(first),
                        whole.events)
     if path is not None:
-        _save(stage, text, Path(path), view, tell)
+        save_stage(stage, text, Path(path), view, tell)
     return text
 
 
@@ -139,7 +136,8 @@ def stage_of(run: Trajectory, names: Mapping[str, str], traces: Sequence[str]) -
     return build_stage(shown.model.compilation, all_figures_of(shown.model), states, names, traces)
 
 
-def _save(stage: Stage, text: str, path: Path, view: View | None, tell: Tell | None) -> None:
+def save_stage(stage: Stage, text: str, path: Path, view: View | None, tell: Tell | None = None) -> None:
+    """The page whose text is given, glTF, or a film. Raises LagError L0004."""
     suffix = path.suffix.lower()
     if suffix == ".html":
         write_text(path, text)
@@ -166,6 +164,17 @@ def require_any(path: str | os.PathLike[str]) -> None:
     """Raises LagError for a file whose name ends in no format of animations of any scene."""
     if Path(path).suffix.lower() != GLTF:
         require_film(path)
+
+
+def require_any_of(model: Drawable, path: str | os.PathLike[str] | None, view: View | None) -> None:
+    """Raises LagError for a file, or a view, that there is not of animations of this scene."""
+    if path is not None:
+        require_any(path)
+    if not is_in_space(model):
+        _refuse_view(view)
+        _refuse_gltf(path)
+    elif path is not None and Path(path).suffix.lower() == ".svg":
+        fail("L0901", "not supported yet: moving SVG of scenes in space", None, "of these there are .html, .glb, .gif, .mp4")
 
 
 def _refuse_gltf(path: str | os.PathLike[str] | None) -> None:

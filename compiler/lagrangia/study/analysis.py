@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Callable, Sequence
-from copy import copy
 from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -319,11 +318,7 @@ class Study(Beginning):
 
     def _timely(self, linear: Linearization, e: SmallMotion) -> Linearization:
         """With a word where its coefficients change from side to side, or with time, as supports or loads move."""
-        if self.turned.names:
-            other = copy(self)
-            other._references = self.turned.read(linear.point)
-            return other._timely_here(linear, e)
-        return self._timely_here(linear, e)
+        return self.about_point(linear.point)._timely_here(linear, e)
 
     def _timely_here(self, linear: Linearization, e: SmallMotion) -> Linearization:
         q = np.array([linear.point.get(name, 0.0) for name in self.signals.names])

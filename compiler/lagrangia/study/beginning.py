@@ -1,6 +1,7 @@
 """Where a scene begins in numbers, how large it is there, and against what its attitudes are told."""
 
 import math
+from collections.abc import Mapping
 from copy import copy
 from dataclasses import replace
 from functools import cached_property
@@ -74,6 +75,14 @@ class Beginning:
         other, _ = copy(self), (self.size, self.signals)
         found, other._references = self.turned.centred(q, self.references)
         return other, found
+
+    def about_point(self, point: Mapping[str, float]) -> Self:
+        """The same where attitudes are told against those of a point, which has them by the parts of quaternions."""
+        if not self.turned.names:
+            return self
+        other = copy(self)
+        other._references = self.turned.read(point)
+        return other
 
     def advanced(self, q: Vector, v: Vector, moment: float) -> tuple[Self, Vector]:
         """`centred`, after so many seconds at these rates."""

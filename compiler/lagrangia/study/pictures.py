@@ -114,7 +114,12 @@ def factor_of(mechanism: Mechanism, q: Vector, shape: Vector) -> float:
     moved = (mechanism.places(q + small * shape) - mechanism.places(q)) / small
     furthest = float(np.linalg.norm(moved[:, LENGTHS], axis=1).max(initial=0.0))
     turned = float(np.abs(moved[:, ANGLES]).max(initial=0.0))
-    limits = [_DEFLECTION * mechanism.size(q) / furthest if furthest > 0 else math.inf, 0.5 / turned if turned > 0 else math.inf]
+    return seen_well(furthest, turned, mechanism.size(q))
+
+
+def seen_well(furthest: float, turned: float, size: float) -> float:
+    """How many times a motion is shown that moves what is seen so far, m, turns it so far, rad, in a scene so large, m."""
+    limits = [_DEFLECTION * size / furthest if furthest > 0 else math.inf, 0.5 / turned if turned > 0 else math.inf]
     return min(limits) if math.isfinite(min(limits)) else 0.0
 
 
