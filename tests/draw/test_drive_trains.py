@@ -7,6 +7,7 @@ from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 import lagrangia as lag
 from lagrangia.draw.drive_parts import Part, parts_of
@@ -135,8 +136,10 @@ def test_a_scene(scene: Scene, tmp_path: Path) -> None:
     assert sorted(label.words.plain for label in page.labels) == sorted(
         {*parts} - {"motor", "drive"} | {"M", "drive (crank)"}) and "last" not in parts
     assert sum(path.fill == "grey" for path in page.paths) == 4
-    text = model.draw(tmp_path / "train.svg")
-    assert ">planets</tspan>" in text and "stroke-dasharray" in text and ">crank</tspan>" in text
+    text = model.draw(tmp_path / "train.svg", names={"motor": "M", "crank.phi": "a"})
+    assert ">planets</tspan>" in text and ">M</tspan>" in text and "stroke-dasharray" in text and ">a</tspan>" in text
+    with pytest.raises(lag.LagError, match="motr"):
+        model.draw(names={"motr": "M"})
 
 
 def test_long_trains_go_on_in_a_further_line() -> None:

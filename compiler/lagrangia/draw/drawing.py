@@ -11,7 +11,7 @@ import numpy as np
 from lagrangia.base.diagnostics import RunError, fail
 from lagrangia.base.result_files import Target, write_text
 from lagrangia.compile.pipeline import Compilation, flatten_file
-from lagrangia.draw.drive_train import with_train
+from lagrangia.draw.drive_train import names_elsewhere, with_train
 from lagrangia.draw.page import Page
 from lagrangia.draw.picture import draw_page
 from lagrangia.draw.svg import write_svg
@@ -83,8 +83,9 @@ def page_of(model: Drawable, request: Request, names: Mapping[str, str]) -> tupl
 
     Raises LagError; RunError where nothing was computed."""
     model, states, failure = moment_of(model, request)
-    page = draw_page(model.compilation, figures_of(model), states, names)
-    return with_train(page, model.compilation.flat, names), failure
+    flat = model.compilation.flat
+    page = draw_page(model.compilation, figures_of(model), states, names_elsewhere(flat, names))
+    return with_train(page, flat, names), failure
 
 
 def moment_of(model: Drawable, request: Request) -> tuple[Drawable, States, RunError | None]:

@@ -68,6 +68,12 @@ def with_train(page: Page, flat: FlatModel, names: Mapping[str, str]) -> Page:
     return stacked(page, train) if page.paths or page.labels else train
 
 
+def names_elsewhere(flat: FlatModel, names: Mapping[str, str]) -> dict[str, str]:
+    """The symbols for what is not named in the drive train."""
+    told = {name for part in (parts_of(flat) if names else ()) for name in (part.name, part.of)}
+    return {name: symbol for name, symbol in names.items() if name not in told}
+
+
 def draw_train(flat: FlatModel, names: Mapping[str, str]) -> Page | None:
     """The page of a drive train; None where a scene has no components with flanges."""
     parts = parts_of(flat)

@@ -16,7 +16,7 @@ from lagrangia.language.classes import ClassTable
 from lagrangia.language.scoping import lifted
 from lagrangia.language.tree import ClassDefinition, Declaration, Syntax
 from lagrangia.site.formulas import formula
-from lagrangia.site.showing import scenes_of
+from lagrangia.site.showing import FLANGES, scenes_of
 
 Draw = Callable[[ClassDefinition, Sequence[str], bool], str]  # of the first of these scenes that can be drawn, or itself
 _HERE = Path(__file__).parent
@@ -90,9 +90,17 @@ class _Writer:
             return ""
         runs = definition is package.classes[-1] and package.imported is not None
         types = {name for name, kind in {**package.table.library, **package.table.user}.items() if kind.kind == "type"}
-        scenes = list(scenes_of(definition, members, {*types, "Real", "Integer"}, package.imported))
+        flanges = {name: kind for name, d in members.items() if (kind := self._flange(package, d))}
+        scenes = list(scenes_of(definition, members, {*types, "Real", "Integer"}, flanges, package.imported))
         drawn = self.draw(definition, scenes, runs)
         return f"<figure>{drawn}</figure>" if drawn else ""
+
+    @staticmethod
+    def _flange(package: Package, port: Declaration) -> str:
+        """Its class, if it always is a flange; "" for anything else."""
+        kind = class_named(package.table, port.type_name, port.type_span)
+        is_flange = kind is not None and kind.name in FLANGES and port.condition is None and not port.dimensions
+        return kind.name if kind is not None and is_flange else ""
 
     def _table(self, package: Package, title: str, rows: Sequence[Declaration]) -> str:
         is_ports = title == "Ports"

@@ -17,17 +17,22 @@ model UnseenHinge
 drawing
 end UnseenHinge;
 """
+FLANGES = ("Rotational.Flange", "Translational.Flange")
 _MOVING = "  coordinate Length unseen;\n"  # so that something can move, where the component does not
 _ENERGY = "energy\n  kinetic 0.5[kg]*der(unseen)^2;\n"
 
 
 def scenes_of(definition: ClassDefinition, members: Mapping[str, Declaration], quantities: Collection[str],
-              imported: Path | None) -> Iterator[str]:
-    """Texts to be tried, the likeliest first: a body floats, a spring reaches from the ground, a joint moves a body, gears stand
-    between hinges, a stop before a body that floats. `quantities` are the names of types of numbers."""
+              flanges: Mapping[str, str], imported: Path | None) -> Iterator[str]:
+    """Texts to be tried, the likeliest first: parts of drive trains between their flanges, a body floats, a spring reaches from
+    the ground, a joint moves a body, gears stand between hinges, a stop before a body that floats. `quantities` are the names of
+    types of numbers; `flanges` those of ports that turn or slide, with their classes."""
     ports = [name for name, d in members.items() if d.type_name == "Frame" and d.binding is None and not d.dimensions]
     given = [f"{name} = {value}" for name, d in members.items() if d.type_name in quantities and (value := _value(d))]
     head = _UNSEEN if imported is None else f'import "{imported}";\n{_UNSEEN}'
+    name = definition.name.rpartition(".")[2]  # which the picture of a drive train tells
+    if flanges and not ports:
+        yield f"{head}model Shown\n  {definition.name} {name}({', '.join(given)});\n{_turning(flanges, name)}end Shown;\n"
     for bound, beside in _surroundings(ports):
         arguments = ", ".join([*given, *bound])
         shown = f"  {definition.name} shown{f'({arguments})' if arguments else ''};\n"
@@ -51,6 +56,17 @@ def _surroundings(ports: Sequence[str]) -> Iterator[tuple[list[str], str]]:
         yield ["a = left.b", "b = right.b", "carrier = world"], hinges
     bodies = "".join(f"  UnseenBody load{k}(center(x(start = {k}), y(start = 0.5)));\n" for k in range(1, len(rest) + 1))
     yield [first, *(f"{port} = load{k}.center" for k, port in enumerate(rest, 1))], bodies
+
+
+def _turning(flanges: Mapping[str, str], name: str) -> str:
+    """Flanges of the scene by the same names, each with an inertia or a mass of its own, which is not drawn."""
+    lines, energies, equations = [], [], []
+    for k, (port, kind) in enumerate(flanges.items(), 1):
+        angle, unit, position = ("Angle", "kg.m2", "phi") if kind == FLANGES[0] else ("Length", "kg", "s")
+        lines.append(f"  {kind} {port};\n  coordinate {angle} unseen{k};\n")
+        energies.append(f"  kinetic 0.5[{unit}]*der(unseen{k})^2;\n")
+        equations.append(f"  {port}.{position} = unseen{k};\n  connect({port}, {name}.{port});\n")
+    return f"{''.join(lines)}energy\n{''.join(energies)}equation\n{''.join(equations)}"
 
 
 def _value(declaration: Declaration) -> str:

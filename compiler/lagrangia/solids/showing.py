@@ -21,7 +21,7 @@ from lagrangia.draw.drawing import (
     require_picture,
     states_of,
 )
-from lagrangia.draw.drive_train import with_train
+from lagrangia.draw.drive_train import names_elsewhere, with_train
 from lagrangia.draw.film import (
     FORMATS,
     animate_run,
@@ -69,7 +69,8 @@ def draw_any(model: Drawable, path: str | os.PathLike[str] | None, request: Requ
     if path is not None:
         require_picture(path)
     model, states, failure = moment_of(model, request)
-    stage = build_stage(model.compilation, all_figures_of(model), states, names, ())
+    elsewhere = names_elsewhere(model.compilation.flat, names)
+    stage = build_stage(model.compilation, all_figures_of(model), states, elsewhere, ())
     page = page_at(stage, 0, camera_of(stage, view), model.scene.description or model.scene.name)
     page = with_train(page, model.compilation.flat, names)
     if tell is not None and not page.paths and not page.labels:
@@ -82,7 +83,8 @@ def page_any(model: Drawable, request: Request, names: Mapping[str, str]) -> Pag
     if not is_in_space(model):
         return page_of(model, request, names)[0]
     model, states, _ = moment_of(model, request)
-    stage = build_stage(model.compilation, all_figures_of(model), states, names, ())
+    elsewhere = names_elsewhere(model.compilation.flat, names)
+    stage = build_stage(model.compilation, all_figures_of(model), states, elsewhere, ())
     return with_train(page_at(stage, 0, usual(stage.up)), model.compilation.flat, names)
 
 
