@@ -98,8 +98,9 @@ TRAIN = """model Gearbox "Two ways" import Rotational.*;
     equation connect(input_shaft, gear.flange_a); connect(gear.flange_b, wheel.flange_a); connect(wheel.flange_b, output_shaft);
   end Final;
   model Own Flange port; coordinate Angle x; equation port.phi = x; energy kinetic 1[kg.m2]*der(x)^2/2; end Own;
+  model Reel extends Inertia(J = 1); Translational.Flange rope; equation rope.s = 0.1[m]*phi; end Reel;
   Torque m(tau = 1, flange = motor.flange_a);
-  Inertia motor(J = 1), sun(J = 1), ring(J = 2);
+  Inertia motor(J = 1), sun(J = 1); Reel ring(J = 2);
   SpringDamper shaft(c = 3, d = 2, flange_a = motor.flange_b, flange_b = sun.flange_a);
   Spring soft(c = 1, flange_a = motor.flange_b, flange_b = sun.flange_a);
   IdealPlanetary planets(ratio = 3); Fixed housing; SpeedSensor speed; Final last; Own own; Flange hub;
@@ -130,6 +131,7 @@ def test_a_scene(scene: Scene, tmp_path: Path) -> None:
     assert parts["last.wheel"].right == parts["own"].left == parts["turns[1]"].left == parts["turns[2]"].left == ends["hub"]
     assert parts["turns[1]"].right == parts["turns[2]"].right == parts["drive"].left
     assert parts["brake"].housing == parts["housing"].left
+    assert parts["ring"].kind == "Inertia" and len(parts["ring"].further) == 1
     assert (parts["turns[1]"].kind, parts["own"].kind, parts["drive"].of) == ("Spring", "", "crank")
     page = draw_train(flat, {"motor": "M"})
     assert page is not None and page.title == "Two ways"

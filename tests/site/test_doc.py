@@ -126,6 +126,8 @@ def test_the_command_draws_most_of_the_library_and_packages(tmp_path: Path, caps
     pages = {file.name: file.read_text(encoding="utf-8") for file in target.glob("*.html")}
     assert all("<svg" in pages[f"library.{name}.html"] for name in ("springs.Spring", "joints.Revolute", "bodies.Bar",
                                                                    "constraints.Gear", "constraints.Stop", "loads.AppliedForce"))
+    gear = pages["library.rotational.Rotational.IdealPlanetary.html"].partition("<svg")[2].partition("</svg>")[0]
+    assert re.findall(r">(\w+)</tspan>", gear) == ["IdealPlanetary", "sun", "carrier", "ring"]
     assert "<svg" in pages["own.Soft.html"] and "<svg" in pages["own.Runs.html"]
     ports = pages["library.rotational.Rotational.Inertia.html"].partition("<h2>Ports")[2].partition("<h2>")[0]
     assert re.findall("<code>(\\w+)", ports) == ["flange_a", "flange_b"]

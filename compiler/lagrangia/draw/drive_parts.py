@@ -62,7 +62,7 @@ def _part_of(name: str, found: Sequence[tuple[str, int, str]], flat: FlatModel) 
     housing = next((shaft for port, shaft, _ in found if port == _HOUSING), None)
     if not ends:
         ends, housing = [(port, shaft) for port, shaft, _ in found], None
-    ends.sort(key=lambda end: (end[0] not in _LEFT, _RIGHT.index(end[0]) if end[0] in _RIGHT else -1))
+    ends.sort(key=lambda end: (end[0] not in _LEFT, _RIGHT.index(end[0]) if end[0] in _RIGHT else len(_RIGHT)))
     (_, left), *others = ends
     others.sort(key=lambda end: end[0] in _LEFT)  # several left ones: all but the first are on the right
     given = flat.variables.get(f"{name}.of")
