@@ -14,6 +14,7 @@ from lagrangia.base.diagnostics import RunError, fail, suggest
 from lagrangia.base.result_files import write_text
 from lagrangia.draw.animation import Curve, write_animation
 from lagrangia.draw.drawing import Drawable, figures_of, require_picture, save_page, states_of
+from lagrangia.draw.drive_parts import parts_of
 from lagrangia.draw.frames import save_frames
 from lagrangia.draw.moving_svg import write_moving_svg
 from lagrangia.draw.page import Page, build_page, view_of, weight_of
@@ -33,6 +34,7 @@ MOST_POSITIONS = 200  # of a stroboscope
 _MOST_NUMBERS = 6_000_000  # of what moves, over all frames: some 40 MB of a page
 _FEWEST_FRAMES = 60
 _MOST_EVENTS = 300  # that get rows of their own
+_HOW = "`lag help drawing` says how to give it one"
 _QUICK = 10.0  # s: what took longer is not run again for them
 
 
@@ -94,7 +96,8 @@ def animate_run(run: Trajectory, path: str | os.PathLike[str] | None = None, *, 
     reel = joined(reel_of(first, names or {}, traces), [reel_of(other, {}, traces) for other in others])
     curves = curves_of(first, quantities)
     if note is not None and not reel.strokes and not reel.captions:
-        note("nothing in this scene has a drawing, so a page shows its curves alone: `lag help drawing` says how to give it one")
+        how = "`lag draw` shows its drive train" if parts_of(shown_by(run).model.compilation.flat) else _HOW
+        note(f"nothing in this scene has a drawing that moves, so a page shows its curves alone: {how}")
     if note is not None and not quantities and len(usual := _usual(run)) > MOST_CURVES:
         note(f"{MOST_CURVES} of {len(usual)} curves are shown: --curves names others")
     for label, other in zip(labels, others, strict=True):

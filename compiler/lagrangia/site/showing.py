@@ -17,7 +17,7 @@ model UnseenHinge
 drawing
 end UnseenHinge;
 """
-FLANGES = ("Rotational.Flange", "Translational.Flange")
+FLANGES = {"Rotational.Flange": ("Angle", "kg.m2", ".phi"), "Translational.Flange": ("Length", "kg", ".s")}
 _MOVING = "  coordinate Length unseen;\n"  # so that something can move, where the component does not
 _ENERGY = "energy\n  kinetic 0.5[kg]*der(unseen)^2;\n"
 
@@ -62,10 +62,10 @@ def _turning(flanges: Mapping[str, str], name: str) -> str:
     """Flanges of the scene by the same names, each with an inertia or a mass of its own, which is not drawn."""
     lines, energies, equations = [], [], []
     for k, (port, kind) in enumerate(flanges.items(), 1):
-        angle, unit, position = ("Angle", "kg.m2", "phi") if kind == FLANGES[0] else ("Length", "kg", "s")
-        lines.append(f"  {kind} {port};\n  coordinate {angle} unseen{k};\n")
+        quantity, unit, position = FLANGES[kind]
+        lines.append(f"  {kind} {port};\n  coordinate {quantity} unseen{k};\n")
         energies.append(f"  kinetic 0.5[{unit}]*der(unseen{k})^2;\n")
-        equations.append(f"  {port}.{position} = unseen{k};\n  connect({port}, {name}.{port});\n")
+        equations.append(f"  {port}{position} = unseen{k};\n  connect({port}, {name}.{port});\n")
     return f"{''.join(lines)}energy\n{''.join(energies)}equation\n{''.join(equations)}"
 
 
