@@ -1,15 +1,12 @@
 """The C run time: events, inputs, assembly, accounts, failures and tapes."""
 
 import math
-import subprocess
 from array import array
-from pathlib import Path
 
 import pytest
 
-from helpers.native_models import FOLDER, OSCILLATOR, compiled, started
+from helpers.native_models import OSCILLATOR, compiled, started
 from lagrangia.native.build import find_compiler
-from lagrangia.native.prebuilt import sources
 from lagrangia.native.tapes import Op, Tape
 from lagrangia.run.library import Runtime
 from lagrangia.run.runtime import Model, Settings, Solver, Status
@@ -393,16 +390,6 @@ def test_a_tape_that_reaches_outside_is_refused(runtime: Runtime, instruction: t
 
 
 # --------------------------------------------------------------------------------------------------------------- hygiene
-
-
-def test_sources_compile_without_a_warning(tmp_path: Path) -> None:
-    compiler = find_compiler()
-    assert compiler is not None
-    warnings = ["-pedantic", "-Wall", "-Wextra", "-Wconversion", "-Wshadow", "-Werror"]
-    options = ["-std=c99", *warnings, f"-I{FOLDER}", "-c", "-o", str(tmp_path / "o")]
-    for source in sources(FOLDER):
-        done = subprocess.run([*compiler.command, *options, str(source)], capture_output=True, text=True, check=False)
-        assert done.returncode == 0, done.stderr
 
 
 def test_work_without_end_is_bounded(runtime: Runtime) -> None:

@@ -10,7 +10,7 @@ from lagrangia.native.build import find_compiler
 from stress.forest import look_at, look_at_all
 
 pytestmark = pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
-FEW, MANY = 36, int(os.environ.get("LAGRANGIA_TREES", "30"))
+FEW, MANY = 24, int(os.environ.get("LAGRANGIA_TREES", "16"))
 
 
 @pytest.mark.parametrize("first", range(0, FEW, 12))
