@@ -16,7 +16,7 @@ from lagrangia.run.formulas import AS_DECLARED, Compute, Formulas, Sets, by_mass
 from lagrangia.run.interpret import evaluate, evaluate_each
 from lagrangia.run.library import Runtime, find_runtime, has_compiler, has_runtime
 from lagrangia.run.prepared import PreparedRun
-from lagrangia.run.remarks import warn_of_inputs
+from lagrangia.run.remarks import warn_of_given
 from lagrangia.run.request import Request, Values, check_values, plan
 from lagrangia.run.scene import Column, Scene
 from lagrangia.run.simulate import simulate
@@ -85,8 +85,9 @@ class Model(Analysed, Swept):
         self._runtime: Runtime | None = None if self.is_cached else find_runtime()
         self.scene: Scene = found if found is not None else self._keep(self.compilation.scene)
 
-    def _keep(self, scene: Scene) -> Scene:
-        read = [Path(name) for name in (*self.compilation.flat.read, *scene.notes["files"])]
+    def _keep(self, scene: Scene, others: Sequence[str] | None = None) -> Scene:
+        """`others` are the files that were read for it, but those of tables."""
+        read = [Path(name) for name in (*(self.compilation.flat.read if others is None else others), *scene.notes["files"])]
         keep_scene(scene, self.path, self.model, self.structural, self.outputs, read, self.formulas)
         return scene
 
@@ -109,6 +110,19 @@ class Model(Analysed, Swept):
             self.scene = self._keep(replace(self.scene, notes={**self.scene.notes, "freedom": found}))
         notes: Mapping[str, Any] = self.scene.notes["freedom"]
         return notes
+
+    @property
+    def readers(self) -> Mapping[str, list[str]]:
+        """What reads the parameters that only other parameters and starts read; of large scenes found when first asked for."""
+        if self.scene.notes["readers"] is None:
+            from lagrangia.compile.pipeline import flatten_file
+            from lagrangia.language.parameter_readers import find_readers
+
+            made = self._compilation
+            flat = made.flat if made is not None else flatten_file(self.path, self.model, self.structural)[1]
+            self.scene = self._keep(replace(self.scene, notes={**self.scene.notes, "readers": find_readers(flat)}), flat.read)
+        found: Mapping[str, list[str]] = self.scene.notes["readers"]
+        return found
 
     @property
     def warnings(self) -> list[str]:
@@ -159,9 +173,10 @@ class Model(Analysed, Swept):
         `from_`: "equilibrium" begins at rest, {"hinge.w": 12} in steady motion with these rates, reached from `initial`.
         Raises LagError for wrong input, RunError (with what was computed in `.trajectory`) when the run cannot go on, Interrupted
         (with it in `.result`) after Ctrl-C. Without a C compiler an EngineWarning says that CasADi runs in place of "auto";
-        InputWarnings name inputs without values and tables of inputs that end before the run.
+        InputWarnings name inputs without values, tables of inputs that end before the run, and parameters given in vain.
         """
         request = Request(start, stop, tolerance, interval, at, solver, max_step, max_steps, parameters, initial, inputs)
+        warn_of_given(self, request, later=controllers or ())
         if from_ is not None:
             from lagrangia.study.steady_start import begun
 
@@ -170,9 +185,7 @@ class Model(Analysed, Swept):
         if controllers is not None or every:
             from lagrangia.study.controlled import simulate_controlled
 
-            warn_of_inputs(self.scene, request, controllers or ())
             return simulate_controlled(self, request, controllers or {}, every)
-        warn_of_inputs(self.scene, request)
         return self.run(request)
 
     def start(self, *, parameters: Given = None, initial: Given = None, inputs: Given = None, start: float | None = None,
@@ -217,7 +230,8 @@ class Model(Analysed, Swept):
     def prepare(self, initial: Given = None, parameters: Given = None, **asked: Any) -> PreparedRun:
         """A run for many calls, run([q, ...], [p, ...]), by values of all that `initial` and `parameters` name, in this order.
         All else is `asked` for once, as of `simulate`. Raises LagError, RunError."""
-        warn_of_inputs(self.scene, request := Request(**asked))
+        request = Request(**asked)
+        warn_of_given(self, replace(request, initial=initial, parameters=parameters))
         experiment = plan(self.scene, request)
         suited = (self._for_all_of(parameters) if parameters else self).completed()
         values = check_values(suited.scene, parameters, initial, asked.get("inputs"))

@@ -377,8 +377,8 @@ static int search_rates(LagAssembly *s, const double *p, const int *fixed, doubl
     return 0;
 }
 
-/* Rates where the positions are are mostly a linear matter; all together only when that does not do: rates that are given, and an
- * equation that ties them to positions. */
+/* Rates where the positions are are mostly a linear matter, though not those of an energy, whose slopes vanish where they do; all
+ * together only when that does not do: rates that are given, and an equation that ties them to positions. */
 int lag_assemble(LagAssembly *s, const double *p, const int *fixed, double *x, double *work)
 {
     const int n = lag_start_size(s->model), all = s->model->n_initial, positions = s->model->n_initial_positions;
@@ -398,10 +398,10 @@ int lag_assemble(LagAssembly *s, const double *p, const int *fixed, double *x, d
     copy(s, x, s->best);
     if (solve(s, p, fixed, all, n, 2 * n, 0, x, work) < 0)
         return -1;
+    if (search_rates(s, p, fixed, x, work))
+        return -1;
     copy(s, s->best, x);
     if (solve(s, p, fixed, all, 0, 2 * n, 0, x, work) < 0)
-        return -1;
-    if (search_rates(s, p, fixed, x, work))
         return -1;
     copy(s, s->best, x); /* positions close: what fails are rates */
     return solve(s, p, fixed, all, n, 2 * n, 0, x, work);

@@ -14,6 +14,7 @@ CRANK = """Revolute h(a = world{}); Bar p(m = 1, L = 0.5, a = h.b); Revolute g(a
 TOLD = [  # what is stated, what was taken, what else there is, how it is chosen
     (BLOCK.format(""), "der(b.s)^2 = 4;", "der(b.s) = -2 m/s", "der(b.s) = 2 m/s", "b.v(start = 2)"),
     (BLOCK.format(""), "b.m*b.v^2/2 = 5e5;", "der(b.s) = -1000 m/s", "der(b.s) = 1000 m/s", "b.v(start = 1000)"),
+    (BLOCK.format(", s(start = 3)"), "b.v^2 + 2*b.s = 10;", "der(b.s) = -2 m/s", "der(b.s) = 2 m/s", "b.v(start = 2)"),
     (HINGE.format(""), "p.b.y = 0.5;", "h.phi = 30 deg", "h.phi = 150 deg", "h.phi(start = 150[deg])"),
     (HINGE.format(""), "tan(h.phi) = 1;", "h.phi = 45 deg", "h.phi = -135 deg", "h.phi(start = -135[deg])"),
     (CRANK.format(""), "s.s = 1.2;", "h.phi = 54.9 deg, g.phi = -79.05 deg", "h.phi = -54.9 deg", "h.phi(start = -54.9[deg])"),
@@ -41,6 +42,16 @@ def test_another_start_is_told(parts: str, stated: str, taken: str, other: str, 
     begins = model.simulate(stop=1e-9, interval=1e-9)[name][0]
     assert float(value.split()[0]) == pytest.approx(begins * (57.29577951 if "deg" in value else 1), rel=1e-3)
     assert scene(f'model M {parts} initial equation {stated} annotation(allow = "L0609"); end M;').warnings == []
+
+
+def test_places_that_equations_of_rates_move_are_told(scene: Write) -> None:
+    parts = "Block b(m = 1, base = world, s(start = 0.1)), c(m = 1, base = world{});"
+    energy = "b.v^2 + c.v^2 + 1e3*b.s = 200;"
+    (warning,) = scene(f"model M {parts.format('')} initial equation {energy} end M;").warnings
+    assert warning.startswith("warning[L0609]: this moves starts that are stated: b.s at 0.2 m")
+    assert "state a start for der(b.s) or der(c.s)" in warning
+    model = scene(f"model M {parts.format(', v(start = 1)')} initial equation {energy} end M;")
+    assert model.simulate(stop=0.01)["b.s"][0] == 0.1 and "this moves" not in "".join(model.warnings)
 
 
 @pytest.mark.parametrize(("parts", "stated"), SETTLED)

@@ -42,3 +42,32 @@ def test_an_input_is_given_once(scene: Callable[[str], lag.Model]) -> None:
         model.simulate(controllers={"u": lambda t, run: 1.0}, every=0.5, inputs={"u": 3})
     with pytest.raises(lag.LagError, match="the interval has no effect"):
         model.simulate(at=[1], interval=0.1, inputs={"u": 3})
+
+
+GIVEN = """model M parameter Length L = 1[m]; parameter Length two = 2*L; parameter Angle phi0 = 0.1;
+  parameter Angle G[2] = {phi0, 2*phi0}; parameter Real k = 1;
+  Revolute r(a = world, phi(start = G[2])), t(a = world); Bar p(m = 1, L = two, a = r.b), o(m = k*1[kg], L = 1, a = t.b);
+  annotation(experiment(StopTime = 0.01)%s); end M;"""
+IN_VAIN: list[tuple[dict[str, float], dict[str, float], str]] = [
+    ({"L": 2, "p.L": 3}, {}, "'L' changes nothing: 'p.L' is given"),
+    ({"L": 2, "two": 3}, {}, "'L' changes nothing: 'two' is given"),
+    ({"two": 2, "p.L": 3}, {}, "'two' changes nothing: 'p.L' is given"),
+    ({"phi0": 2}, {"r.phi": 3}, "'phi0' changes nothing: 'r.phi' is given"),
+    ({"phi0": 2, "G[1]": 1, "G[2]": 3}, {}, "'phi0' changes nothing: 'G' is given"),
+    ({"L": 2, "phi0": 3}, {"der(r.phi)": 1}, ""),
+    ({"p.L": 2, "p.m": 3, "o.L": 2, "k": 1}, {"r.phi": 1}, ""),
+]
+
+
+def test_what_is_given_in_vain_is_told(scene: Callable[[str], lag.Model]) -> None:
+    model, allowing = (scene(GIVEN % allowed) for allowed in ("", ', allow = "L0747"'))
+    for parameters, initial, told in IN_VAIN:
+        asked = {"parameters": parameters, "initial": initial}
+        with warnings.catch_warnings(record=True) as found:
+            warnings.simplefilter("always")
+            model.measure("max(r.phi)", **asked)
+            allowing.measure("max(r.phi)", **asked)
+        texts = [str(warning.message) for warning in found]
+        assert len(texts) == (told != "") and all(told in text and text.endswith("(L0747)") for text in texts), asked
+    with pytest.warns(lag.InputWarning, match="'L' changes nothing.*L0747"):
+        model.simulate_many(runs={"L": [1, 2], "p.L": [3, 4]})

@@ -19,7 +19,7 @@ from lagrangia.command.input_tables import named_tables, path_of, read_input, to
 from lagrangia.compile.sources import refuse_others
 from lagrangia.language.values import read_value
 from lagrangia.model import Model
-from lagrangia.run.remarks import input_remarks
+from lagrangia.run.remarks import given_remarks, input_remarks
 from lagrangia.run.request import USUAL, Request
 from lagrangia.view.curves import require_format
 
@@ -74,6 +74,11 @@ def tell_warnings(options: Namespace, model: Model) -> None:
 def tell_inputs(options: Namespace, model: Model, experiment: Any, given: Any) -> None:
     """Says what the inputs do that have no value, declared or given, and those whose table ends before the run does."""
     tell(options, model, input_remarks(model.scene, experiment, given))
+
+
+def tell_given(options: Namespace, model: Model, request: Request, more: Iterable[str] = ()) -> None:
+    """Says which parameters are given in vain; `more` are names that each run of a sweep has values of."""
+    tell(options, model, given_remarks(model, request, more))
 
 
 def _structural_names(options: Namespace, outputs: tuple[str, ...]) -> set[str]:
@@ -187,7 +192,9 @@ def load_asked(options: Namespace) -> tuple[Model, Request]:
     model = load_model(options, given, ())
     tell_warnings(options, model)
     initial = start_values(options.initial, model.scene)
-    return model, asked(options, open_parameters(model.scene, given), initial, read_inputs(options.input, model.scene))
+    request = asked(options, open_parameters(model.scene, given), initial, read_inputs(options.input, model.scene))
+    tell_given(options, model, request)
+    return model, request
 
 
 def start_values(texts: Iterable[str], scene: Any) -> dict[str, Any]:

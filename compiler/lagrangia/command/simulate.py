@@ -21,6 +21,7 @@ from lagrangia.command.arguments import (
     prepare_target,
     read_inputs,
     start_values,
+    tell_given,
     tell_inputs,
     tell_warnings,
     values_with_units,
@@ -64,11 +65,12 @@ def simulate_command(options: Namespace) -> int:
     initial = start_values(options.initial, scene)
     request = asked(options, open_parameters(scene, given), initial, read_inputs(options.input, scene))
     experiment = plan(scene, request)
-    request = _from_rest(options, model, request, experiment.start)
+    asked_for, request = request, _from_rest(options, model, request, experiment.start)
     values = check_values(scene, request.parameters, request.initial, request.inputs)
     picture = _planned(options, model, request) if options.plot is not None else None
     tell_warnings(options, model)
     tell_inputs(options, model, experiment, request.inputs)
+    tell_given(options, model, asked_for)
     tell_measures = _measuring(model, measured, request) if measured else None
     compiled = time.perf_counter() - begin
     code = _run(options, model, experiment, values, compiled, target, picture)

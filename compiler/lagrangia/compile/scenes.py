@@ -35,6 +35,7 @@ from lagrangia.language.events import kept_by
 from lagrangia.language.flat import FlatModel, Variable, When, rate_of
 from lagrangia.language.folding import numbers_of
 from lagrangia.language.observables import observe
+from lagrangia.language.parameter_readers import find_readers
 from lagrangia.language.tree import Array, Flat
 from lagrangia.native.c_code import jet_tape, usual_rhs
 from lagrangia.native.narrow import may_be_narrow, may_hide
@@ -43,6 +44,8 @@ from lagrangia.needs.islands import MOST_COORDINATES, MOST_ISLANDS, find_islands
 from lagrangia.run.rules import Moment, decide
 from lagrangia.run.runtime import Solver
 from lagrangia.run.scene import Column, Parameter, Scene
+
+_MANY_VARIABLES = 5000  # from which on what reads parameters is looked for when somebody asks: see model.py
 
 
 def build_scene(
@@ -291,6 +294,7 @@ def _told(kinematics: Kinematics, constraints: Constraints, initial: InitialCond
             **({"delays": [str(delay.span) for delay in model.delays]} if model.delays else {}),
             **({"inertias": inertias} if inertias else {}),
             "attitudes": {name: parts_of(name) for name in kinematics.symbols.attitudes},
+            "readers": find_readers(model) if len(model.variables) <= _MANY_VARIABLES else None,
             "signals": {state.coordinate: name for name, state in model.states.items()}}
 
 

@@ -83,11 +83,10 @@ class Assembly:
         rates = self._solve(all_of_them, n, 2 * n, x)
         if rates[1] < 0:
             return rates
+        if (found := self._search_rates(x)) is not None:
+            return found, -1
         together = self._solve(all_of_them, 0, 2 * n, x)
-        if together[1] < 0:
-            return together
-        found = self._search_rates(x)
-        return rates if found is None else (found, -1)  # positions close: what fails are rates
+        return together if together[1] < 0 else rates  # positions close: what fails are rates
 
     def _step_aside(self, guess: Vector) -> Vector:
         """The guess, or a place beside it where all equations are finite: y/x = 2 says nothing where both are 0."""

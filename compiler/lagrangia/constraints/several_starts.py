@@ -11,13 +11,13 @@ from lagrangia.algebra.orthogonal import Vector
 from lagrangia.algebra.scalars import symbols_in
 from lagrangia.base.diagnostics import Report
 from lagrangia.constraints.assemblies import Search
-from lagrangia.constraints.assembly import begin
+from lagrangia.constraints.assembly import Assembly, begin
 from lagrangia.constraints.initial import FIXED, GUESS, InitialConditions, initial_function, start_function
 from lagrangia.frames.kinematics import Kinematics
 from lagrangia.language.flat import rate_of
 
 _MOST_VALUES = 60  # coordinates of scenes that are looked at
-_NEARER, _CLOSED = 0.9, 1e-9
+_NEARER, _CLOSED, _MOVED = 0.9, 1e-9, 1e-3
 
 
 def find_several_starts(kinematics: Kinematics, initial: InitialConditions) -> Report:
@@ -36,6 +36,8 @@ def find_several_starts(kinematics: Kinematics, initial: InitialConditions) -> R
     x, failed = assembly.assemble()
     if failed >= 0 or not np.isfinite(x).all():
         return report
+    if is_asked[1]:
+        _tell_moved(kinematics, initial, assembly, x, report)
     with np.errstate(all="ignore"):
         for of_rates in (False, True):
             if is_asked[of_rates]:
@@ -60,6 +62,21 @@ def _bends(kinematics: Kinematics, initial: InitialConditions, of_rates: int) ->
     names, lost = (symbols.rates, initial.lost_v) if of_rates else (symbols.positions, initial.lost_q)
     rows = initial.residuals[n:] if of_rates else initial.residuals[:n]
     return any(ca.which_depends(rows, ca.vertcat(*names.values(), lost), 2, True))
+
+
+def _tell_moved(kinematics: Kinematics, initial: InitialConditions, assembly: Assembly, x: Vector, report: Report
+                ) -> None:
+    """Places that are stated, moved by equations of rates for want of a direction: their slopes vanish where rates do."""
+    coordinates, n = (*kinematics.graph.coordinates, *initial.lost), assembly.n
+    free = [k for k in range(n) if initial.fixed[n + k] not in (FIXED, GUESS)]
+    moved = [k for k in range(n) if initial.fixed[k] == GUESS and not coordinates[k].attitude
+             and abs(x[k] - assembly.guess[k]) > _MOVED * assembly.reach[k]]
+    if initial.n_positions or not moved or not free:
+        return
+    told = ", ".join(f"{coordinates[k].name} at {x[k]:.4g} {coordinates[k].unit}" for k in moved[:4])
+    names = " or ".join(f"der({coordinates[k].name})" for k in free[:3])
+    report.warning("L0609", f"this moves starts that are stated: {told}; of the rates that could make it hold, none says which "
+                   "way it goes", initial.residual_spans[0], f"state a start for {names}")
 
 
 def _tell(kinematics: Kinematics, search: Search, stated: set[int], report: Report) -> None:

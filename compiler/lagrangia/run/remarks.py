@@ -1,12 +1,26 @@
-"""What a run does that nobody asked for: inputs that nothing is given for, and tables of inputs that end before it does."""
+"""What a run does that nobody asked for: inputs that nothing is given for, tables of inputs that end before it does, parameters
+that change nothing beside others that are given."""
 
 import warnings
-from collections.abc import Collection
-from typing import Any
+from collections.abc import Collection, Iterable, Mapping
+from typing import Any, Protocol
 
 from lagrangia.base.diagnostics import InputWarning
+from lagrangia.run.overridden import all_names, may_be_overridden, overridden_remarks
 from lagrangia.run.request import Experiment, Request, check_values, plan
 from lagrangia.run.scene import Scene
+
+
+class Told(Protocol):
+    """A Model, as far as it is asked here."""
+
+    @property
+    def scene(self) -> Scene:
+        """Its scene."""
+
+    @property
+    def readers(self) -> Mapping[str, list[str]]:
+        """Of parameters that nothing reads but others that can be given, these."""
 
 
 def input_remarks(scene: Scene, experiment: Experiment, given: Any, later: Collection[str] = ()) -> list[str]:
@@ -24,15 +38,24 @@ def input_remarks(scene: Scene, experiment: Experiment, given: Any, later: Colle
     return found
 
 
-def warn_of_inputs(scene: Scene, request: Request, later: Collection[str] = ()) -> None:
+def given_remarks(model: Told, request: Request, more: Iterable[str] = ()) -> list[str]:
+    """The same of parameters that change nothing beside others; `more` are names of what each run of a sweep has its own of."""
+    several = list(more)
+    parameters, initial = all_names(request.parameters, several), all_names(request.initial, several)
+    is_asked = may_be_overridden(parameters, request.initial or ())
+    return overridden_remarks(model.scene, model.readers, parameters, initial) if is_asked else []
+
+
+def warn_of_given(model: Told, request: Request, more: Iterable[str] = (), later: Collection[str] = ()) -> None:
     """The same in Python, as InputWarnings at the line that called who calls this, but those that the model allows; inputs may be
     a list of those of several runs. Raises LagError for a request that is none."""
-    if not scene.inputs:
-        return  # what is given all the same the run refuses
-    experiment, found = plan(scene, request), dict[str, None]()
-    for given in request.inputs if isinstance(request.inputs, list) else [request.inputs]:
-        check_values(scene, inputs=given)
-        found |= dict.fromkeys(input_remarks(scene, experiment, given, later))
+    scene, found = model.scene, dict[str, None]()
+    if scene.inputs:  # else what is given all the same the run refuses
+        experiment = plan(scene, request)
+        for given in request.inputs if isinstance(request.inputs, list) else [request.inputs]:
+            check_values(scene, inputs=given)
+            found |= dict.fromkeys(input_remarks(scene, experiment, given, later))
+    found |= dict.fromkeys(given_remarks(model, request, more))
     for text in found:
         head, _, message = text.partition("\n")[0].partition(": ")
         if head.removeprefix("warning[").removesuffix("]") not in scene.notes["allowed"]:

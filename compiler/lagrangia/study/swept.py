@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
 from lagrangia.run.engines import Engine
-from lagrangia.run.remarks import warn_of_inputs
+from lagrangia.run.remarks import warn_of_given
 from lagrangia.run.request import Request
 from lagrangia.run.scene import Scene
 
@@ -62,11 +62,12 @@ class Swept(ABC):
         """
         from lagrangia.study.sweep.plan import Design
         from lagrangia.study.sweep.run import run_many
+        from lagrangia.study.sweep.values import names_of_runs
 
         request = Request(start, stop, tolerance, interval, None, solver, max_step, max_steps, parameters, initial, inputs)
         table = Path(runs) if isinstance(runs, str | os.PathLike) else runs
         design = Design(table, samples, seed, sampling, together, seconds_per_run, keep, until)
-        warn_of_inputs(self.scene, request)
+        warn_of_given(self, request, names_of_runs(table))
         return run_many(self, outputs, request, design, path, restart=restart, jobs=jobs, dask=dask, progress=progress)
 
     def measure(self, measures: str | Sequence[str], **asked: Any) -> dict[str, float]:
@@ -74,7 +75,7 @@ class Swept(ABC):
         where there is none. Raises LagError, RunError, Interrupted. See `lag help sweep`."""
         from lagrangia.study.measuring import prepare_measures
 
-        warn_of_inputs(self.scene, request := Request(**asked))
+        warn_of_given(self, request := Request(**asked))
         sweep = prepare_measures(self, measures, request)()
         return {measure.text: float(sweep[measure.text][0]) for measure in sweep.job.measures}
 
@@ -82,7 +83,7 @@ class Swept(ABC):
         """Cycles of a quantity, "y" or "y, from=2", by ASTM E1049: (cycles, 3) of range, mean (SI units) and count, 1 or 1/2."""
         from lagrangia.study.measuring import take_cycles
 
-        warn_of_inputs(self.scene, request := Request(**asked))
+        warn_of_given(self, request := Request(**asked))
         return take_cycles(self, quantity, request)
 
     def rollout(self, q0: "ArrayLike | None" = None, v0: "ArrayLike | None" = None,

@@ -315,6 +315,13 @@ def columns_of_runs(given: Any) -> "dict[str, np.ndarray]":
     return found
 
 
+def names_of_runs(given: Any) -> list[str]:
+    """The names of the columns of a table of runs, of any kind; none without one. Raises LagError L0713."""
+    if given is None:
+        return []
+    return read_runs(given)[0] if isinstance(given, Path) else list(columns_of_runs(given))
+
+
 def read_cell(path: Path, line: int, name: str, cell: str, unit: str) -> float:
     """Raises LagError L0713 for a cell that is no number."""
     try:
