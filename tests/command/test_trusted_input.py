@@ -177,3 +177,14 @@ def test_what_is_allowed_is_a_code(capsys: pytest.CaptureFixture[str]) -> None:
     for wrong in ('"everything"', "3", '""'):
         assert main(["check", write(IDLE % f"  annotation(allow = {wrong});\n")]) == 2
         assert "'allow' is a text with codes of warnings" in capsys.readouterr().err
+
+
+def test_what_makes_steps_short_is_told(capsys: pytest.CaptureFixture[str]) -> None:
+    file = write("""model Stiff World world(gravity = {0, 0}); Block a(m = 1, base = world, s(start = 1));
+      Block b(m = 1, base = world, s(start = 1));
+      energy potential 1[N/m3]*a.s^4; potential 1e8[N/m3]*b.s^4; potential 1[N/m]*(a.s - b.s)^2; end Stiff;""")
+    assert main(["simulate", file, "--stop", "0.8", "--interval", "0.01"]) == 0
+    assert re.search(r"its steps are short, 2.\d?e-05 s on average and 1.\d?e-05 s at least: (der\(b\.s\)|b\.s) limits them",
+                     capsys.readouterr().out)
+    assert main(["simulate", file, "--stop", "0.02", "--interval", "0.01"]) == 0
+    assert "its steps are short" not in capsys.readouterr().out

@@ -35,8 +35,10 @@ def _named(sides: Iterable[Flat], parameters: set[str]) -> Iterator[str]:
 
 def _elsewhere(model: FlatModel) -> Iterator[Flat]:
     """All that is stated, but the bindings and starts of variables."""
-    for equation in (*model.constraints, *model.initial_equations, *model.frame_equations):
+    for equation in (*model.constraints, *model.initial_equations):
         yield from (equation.left, equation.right)
+    for joint in model.frame_equations:
+        yield from (joint.left, joint.right)
     yield from (energy.value for energy in model.energies)
     for work in model.works:
         yield from (work.force, work.position)

@@ -5,6 +5,7 @@ The run time itself is C (runtime/); rows come in portions, so that memory stays
 
 import math
 import time
+from collections import Counter
 from collections.abc import Callable, Generator, Iterator, Sequence
 from dataclasses import field, replace
 from typing import Any, NoReturn
@@ -46,6 +47,7 @@ class Progress:
     engine: str = ""  # native, tape, or an integrator of CasADi
     events: Sequence[float] = ()  # times of the first ones, s
     ended: str = ""  # what terminate(...) has said, and when
+    limits: Counter[int] = field(default_factory=Counter)  # what limited steps when somebody looked, as Statistics.worst has it
     warned: list[str] = field(default_factory=list)  # assertions that warn and do not hold, and since when
 
 
@@ -136,6 +138,7 @@ def _rows(parts: _Parts, progress: Progress, watch: Callable[[Progress], None] |
                     return False
                 finally:
                     progress.seconds, progress.statistics, progress.time = time.perf_counter() - begin, run.statistics, run.time
+                    progress.limits[progress.statistics.worst] += 1
                     if log is not None:
                         progress.events = log.times()
                     progress.warned += warnings_of(parts.scene, run)

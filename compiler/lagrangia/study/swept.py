@@ -31,6 +31,11 @@ class Swept(ABC):
     def reporting(self, names: Sequence[str]) -> Self:
         """The one that reports these names too."""
 
+    @property
+    @abstractmethod
+    def readers(self) -> Mapping[str, list[str]]:
+        """What reads the parameters that only other parameters and starts read."""
+
     @abstractmethod
     def prepared_for(self, measures: "Sequence[Measure]", request: Request, design: "Design") -> "tuple[Self, Job]":
         """All runs of a sweep, and the model for them."""
