@@ -51,6 +51,28 @@ def test_each_is_told_once_with_its_code(tmp_path: Path, capsys: pytest.CaptureF
     assert "L0806" not in told and "90[deg]" not in told.replace(SCENE, "")
 
 
+def test_what_stands_in_packages_and_in_formulas_of_variables(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Names that a package gives to others of its own are not proposed there."""
+    assert lint("""package P
+  function sin "hides a function"
+    input Real x;
+    output Real y = 7*x;
+  end sin;
+
+  model Torque
+    parameter Real k(unit = "N.m") = 2, power(unit = "W") = 3[W];
+    Real pi = 3;
+    Length s = 2[m] + sin(pi)*1[m], t = 2[m];
+  end Torque;
+end P;
+""", tmp_path) == 1
+    told = capsys.readouterr().err
+    for code, words in (("L0802", "'sin' hides the language's"), ("L0802", "'pi' hides the constant"),
+                        ("L0803", "2[m] stands in"), ("L0805", '"W") has a name')):
+        assert f"warning[{code}]: " in told and told.count(words) == 1
+    assert "N.m" not in told.replace('k(unit = "N.m")', "")
+
+
 def test_codes_are_allowed_by_the_command_line_and_by_classes(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert lint(SCENE, tmp_path, "--allow", ",".join(CODES)) == 0
     text = SCENE.replace('annotation(experiment(StopTime = 1))', 'annotation(experiment(StopTime = 1), allow = "L0802,L0804")')

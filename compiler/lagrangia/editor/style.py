@@ -1,7 +1,7 @@
 """What is right, but could be written better: what nothing uses, what hides something else, numbers without a name, names."""
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import fields, is_dataclass
 from typing import Any
 
@@ -9,7 +9,9 @@ from lagrangia.base.diagnostics import Diagnostic, Report, Source, Span
 from lagrangia.editor.formatting import formatted
 from lagrangia.editor.meanings import Index, class_named
 from lagrangia.language.experiments import allowed_of
+from lagrangia.language.functions import CONSTANTS, FUNCTIONS
 from lagrangia.language.tree import (
+    Binary,
     Call,
     ClassDefinition,
     Comprehension,
@@ -30,19 +32,27 @@ _ANGLES = ("deg", "rad", "rev")
 def look_at_style(index: Index) -> list[Diagnostic]:
     """Warnings L0801 to L0806, but those that the class they are about allows."""
     found: list[Diagnostic] = []
-    for definition in index.syntax.classes:
+    for definition, allowed in _classes(index, index.syntax.classes, ()):
         report = Report()
         for look in (_unused, _shadowed, _numbers, _names, _units_spelled_out):
             look(index, definition, report)
-        allowed = allowed_of(index.table, definition)
         found += [diagnostic for diagnostic in report.diagnostics if diagnostic.code not in allowed]
     return [*found, *_layout(index.syntax.source)]
+
+
+def _classes(index: Index, classes: Sequence[ClassDefinition], allowed: tuple[str, ...]
+             ) -> Iterator[tuple[ClassDefinition, tuple[str, ...]]]:
+    """All of a text, those in others too, each with the codes that it or one around it allows."""
+    for definition in classes:
+        own = (*allowed, *allowed_of(index.table, definition))
+        yield definition, own
+        yield from _classes(index, definition.classes, own)
 
 
 def _unused(index: Index, definition: ClassDefinition, report: Report) -> None:
     """Of files that end with a model that runs: what others import, these may use."""
     last = index.syntax.classes[-1]
-    if definition is last or last.kind != "model" or last.is_partial or not (
+    if definition is last or definition not in index.syntax.classes or last.kind != "model" or last.is_partial or not (
             definition.is_partial or definition.kind in ("function", "type")):
         return
     named = [found for found in index.occurrences
@@ -53,10 +63,16 @@ def _unused(index: Index, definition: ClassDefinition, report: Report) -> None:
 
 
 def _shadowed(index: Index, definition: ClassDefinition, report: Report) -> None:
-    if definition.name in index.table.library:
-        place = index.table.library[definition.name].name_span
-        report.warning("L0802", f"'{definition.name}' hides the library's, which is at {place}", definition.name_span,
-                       "choose another name")
+    name = definition.name_span.text
+    if name in index.table.library and definition in index.syntax.classes:
+        place = index.table.library[name].name_span
+        report.warning("L0802", f"'{name}' hides the library's, which is at {place}", definition.name_span, "choose another name")
+    elif definition.kind == "function" and name in FUNCTIONS:
+        report.warning("L0802", f"'{name}' hides the language's own", definition.name_span, "choose another name")
+    for element in definition.elements:
+        if isinstance(element, Declaration) and element.name in CONSTANTS:
+            report.warning("L0802", f"'{element.name}' hides the constant of the language", element.name_span,
+                           "choose another name")
     members = index.members(definition)
     for loop in _nodes((definition.elements, definition.sections), ForBlock | Comprehension):
         for iterator in loop.iterators:
@@ -67,13 +83,15 @@ def _shadowed(index: Index, definition: ClassDefinition, report: Report) -> None
 
 
 def _numbers(index: Index, definition: ClassDefinition, report: Report) -> None:
-    """In equations and energies; drawings, starts and declarations are where such numbers belong."""
-    for section in definition.sections:
-        if section.kind not in ("equation", "energy"):
-            continue
-        sampled = {id(number) for call in _nodes(section.clauses, Call) if call.function == "sample"
+    """In equations, energies and formulas of variables; drawings, starts, parameters and variables that are a number alone are
+    where such numbers belong."""
+    written: list[Any] = [section.clauses for section in definition.sections if section.kind in ("equation", "energy")]
+    written += [element.binding for element in definition.elements if isinstance(element, Declaration)
+                and isinstance(element.binding, Binary) and not {"parameter", "constant"} & element.prefixes]
+    for clauses in written:
+        sampled = {id(number) for call in _nodes(clauses, Call) if call.function == "sample"
                    for number in _nodes(call.arguments, Number)}
-        for number in _nodes(section.clauses, Number):
+        for number in _nodes(clauses, Number):
             if number.unit not in (None, "1", *_ANGLES) and number.value not in _PLAIN and id(number) not in sampled:
                 report.warning("L0803", f"{number.span.text} stands in a formula without a name", number.span,
                                "declare it: parameter ... = " + number.span.text)
@@ -95,7 +113,7 @@ def _names(index: Index, definition: ClassDefinition, report: Report) -> None:
 
 
 def _units_spelled_out(index: Index, definition: ClassDefinition, report: Report) -> None:
-    """Where a quantity type says the same."""
+    """Where a quantity type says the same, and its name means it there."""
     if definition.kind == "type":
         return
     types: dict[str, str] = {}
@@ -106,7 +124,8 @@ def _units_spelled_out(index: Index, definition: ClassDefinition, report: Report
     for element in definition.elements:
         if isinstance(element, Declaration) and element.type_name == "Real":
             for unit in _given_units(element):
-                if unit in types:
+                known = class_named(index.table, types[unit], element.type_span) if unit in types else None
+                if known is not None and known.kind == "type":
                     report.warning("L0805", f"Real(unit = \"{unit}\") has a name", element.type_span,
                                    f"write {types[unit]} {element.name}")
 
