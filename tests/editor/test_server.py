@@ -125,6 +125,25 @@ def test_completion_in_texts_that_are_being_written(client: Client) -> None:
     assert "phi" in labels(client.at("completion", uri, half, "bar.center.", 11))
 
 
+DRIVE = """model Drive
+  Rotational.Inertia i(J = 1, w(start = 3)), j(J = 2);
+equation
+  connect(i.flange_b, j.flange_a);
+end Drive;
+"""
+
+
+def test_completion_where_shafts_are_connected(client: Client) -> None:
+    """Names, whole or broken off at the end of a class; what has no frames has no reaction."""
+    uri, wrong = client.open("drive.lag", DRIVE)
+    assert wrong == [] and {"i", "j"} <= set(labels(client.at("completion", uri, DRIVE, "j.flange_a")))
+    assert "flange_a" in (found := labels(client.at("completion", uri, DRIVE, "i.flange_b", 2))) and "reaction" not in found
+    broken = DRIVE.replace("j.flange_a);", "")
+    assert client.change(uri, broken, 2)[0]
+    found = labels(client.at("completion", uri, broken, "flange_b, ", 10))
+    assert {"i", "j"} <= set(found) and "nominal" not in found
+
+
 def test_signatures(client: Client, scene: str) -> None:
     shown = client.at("signatureHelp", scene, SCENE, "k = 3", 4)
     assert shown["signatures"][0]["label"] == "Spring(k, s_rel0, a, b, stretch)"

@@ -107,9 +107,10 @@ def _members_of(index: Index, owner: ClassDefinition, names: str) -> Iterator[Pr
     if isinstance(found, ClassDefinition) and found.name != "World":
         yield from _of_class(index, found)
     elif definition is not None:
-        visible = (d for d in index.members(definition).values() if "protected" not in d.prefixes)
+        visible = [d for d in index.members(definition).values() if "protected" not in d.prefixes]
         yield from (_member(index, declaration) for declaration in visible)
-        yield from (Proposal(name, "property", ATTRIBUTES[name].unit) for name in REACTIONS)
+        if sum(declaration.type_name == "Frame" for declaration in visible) > 1:
+            yield from (Proposal(name, "property", ATTRIBUTES[name].unit) for name in REACTIONS)
 
 
 def _of_class(index: Index, definition: ClassDefinition) -> Iterator[Proposal]:

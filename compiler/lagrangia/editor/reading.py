@@ -1,5 +1,6 @@
 """A text as it is being written -> what is wrong with it, and what its names mean: of a broken one, of what is left of it."""
 
+import re
 from collections.abc import Callable
 from functools import cached_property
 from pathlib import Path
@@ -19,6 +20,7 @@ from lagrangia.language.tree import ClassDefinition
 
 Read = Callable[[Path], Source]
 _LACKS_A_VALUE = "L0211"
+_CLOSING = re.compile(r"\bend\s+(?!if\b|for\b|when\b|while\b)[^\W\d]\w*\s*;")
 _MOST_MENDED = 8  # statements that are left out
 
 
@@ -106,6 +108,8 @@ def without_statements(text: str, places: list[Span]) -> str:
 
 
 def statement_around(text: str, offset: int) -> tuple[int, int]:
-    """From behind what ends the statement before a place, to the end of the line or statement there."""
+    """From behind what ends the statement before a place, to the end of the line or statement there, or of the class."""
     ends = [end for end in (text.find("\n", offset), text.find(";", offset) + 1) if end > 0]
-    return statement_start(without_texts(text[:offset])), min(ends, default=len(text))
+    start, end = statement_start(without_texts(text[:offset])), min(ends, default=len(text))
+    closing = _CLOSING.search(text, start, end)  # where brackets are open, an `end` is read as what stands in them
+    return start, closing.start() if closing is not None else end

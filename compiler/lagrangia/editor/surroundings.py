@@ -8,7 +8,7 @@ from lagrangia.language.tree import ClassDefinition, Declaration
 
 _SKIPPED = re.compile(r'"(?:[^"\\]|\\.)*"?|//[^\n]*|/\*.*?(?:\*/|$)', re.DOTALL)
 _PREFIX = r"(?:(?:parameter|constant|input|output|coordinate|final|discrete|each|inner|outer|replaceable)\s+)*"
-_DECLARED = re.compile(rf"^\s*{_PREFIX}(?P<type>[^\W\d][\w.]*)\s*(?:\[[^\]]*\]\s*)?(?P<rest>[^\W\d].*)$", re.DOTALL)
+_DECLARED = re.compile(rf"^\s*{_PREFIX}(?P<type>[^\W\d][\w.]*)(?![\w.])\s*(?:\[[^\]]*\]\s*)?(?P<rest>[^\W\d].*)$", re.DOTALL)
 _NAME_BEFORE = re.compile(r"([^\W\d][\w.]*)\s*(?:\[[^\]]*\])?\s*$")
 _SECTION = re.compile(r"^\s*(equation|initial equation|energy|algorithm|drawing|public|protected)\b", re.MULTILINE)
 _HEADS = re.compile(
