@@ -38,6 +38,7 @@ Starts       spring.phi_rel(start = 0.1, fixed = true) is an initial equation; w
              Where a start fits in two ways (der(b.s)^2 = 4, a loop whose crank alone is given) L0609 tells which was taken: the
              one nearest to the starts of the others, which choose: b.v(start = 2).
 Planar       scenes have shafts by Rotational.HingeFlange(of = hinge.phi) and Translational.SliderFlange(of = slider.s).
+Pictures     lag draw FILE.lag shows a drive train along its shaft, by its connections (`lag help drawing`).
 Sensors      TorqueSensor, ForceSensor and MultiSensor stand between two flanges: what the first side does to the second.
 Modelica     Its names are understood: import Modelica.Units.SI; Modelica.Mechanics.Rotational.Components.Inertia.
              lag import FILE.mo makes a .lag file of a model of Modelica.Mechanics.Rotational and Translational, Modelica.Blocks
