@@ -18,7 +18,10 @@ def test_columns_are_made_of_what_others_hold() -> None:
     assert are_same(column(*own[2:11]), [a[k] for k in range(2, 11)])
     mixed = [own[3], others[0], z, own[3], 2.5, others[11], own[0], others[4]]
     assert are_same(column(*mixed), [a[3], b[0], z, a[3], ca.SX(2.5), b[11], a[0], b[4]])
+    assert are_same(column(*others[:11], *own[:11]), [*b.elements()[:11], *a.elements()[:11]])
+    assert are_same(column(*own[:7], others[9]), [*a.elements()[:7], b.elements()[9]])
     assert {type(x) for x in (*own, *others)} == {Cell}  # nobody looked
+    assert are_same(column(1.0, 0.0, -0.0, *range(6)), [ca.SX(x) for x in (1.0, 0.0, -0.0, *range(6))])
 
 
 @pytest.mark.parametrize("asked", [1, 12])

@@ -8,7 +8,7 @@ import casadi as ca
 import pytest
 
 from lagrangia.compile import casadi_instructions, instructions
-from lagrangia.compile.casadi_instructions import read_instructions
+from lagrangia.compile.casadi_instructions import APART, read_instructions
 from lagrangia.compile.instructions import count_operations, tape_of
 from lagrangia.native.tapes import Tape
 from lagrangia.run.interpret import evaluate
@@ -31,6 +31,7 @@ FUNCTIONS: dict[str, Callable[[], ca.Function]] = {
     "few sines": lambda: ca.Function("f", [x], [ca.sin(x[0]) + ca.cos(x[0]) + ca.sin(x[1])]),
     "nested sines": lambda: ca.Function("f", [x, y], [ca.sin(ca.cos(x) * ca.sin(x + y[0])) + ca.sin(ca.sin(ca.cos(x)))]),
     "conditions": lambda: ca.Function("f", [x, y], [ca.if_else(x[0] > y[0], ca.atan2(x[1], 2.0), ca.fmax(x[2], y[1]) ** 3)]),
+    "apart": lambda: ca.Function("f", [x, y], [chain_of(9), ca.vertcat(2.5, x[2])], ["x", "y"], ["a", "b"], APART),
     "long": lambda: ca.Function("f", [x, y], [chain_of(200), ca.sumsqr(chain_of(20))]),
 }
 

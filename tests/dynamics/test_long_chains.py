@@ -5,6 +5,7 @@ from pathlib import Path
 import pytest
 
 from lagrangia.algebra import scans
+from lagrangia.base.diagnostics import LagError
 from lagrangia.compile.pipeline import compile_file
 from lagrangia.frames import stamped_poses
 from lagrangia.run.scene import Scene, to_json
@@ -47,3 +48,19 @@ def test_links_that_are_stamped_out_are_those_derived_one_by_one(name: str, tmp_
     monkeypatch.setattr(scans, "_FEWEST", 1000)
     monkeypatch.setattr(stamped_poses, "FEWEST", 1000)
     assert to_json(stamped) == to_json(scene_of(CHAINS[name], tmp_path))
+
+
+def test_momenta_of_a_long_chain_are_made_where_one_moves_no_mass_or_somebody_asks(tmp_path: Path) -> None:
+    chain = """Revolute hinge[301]; Bar link[301](each m = 1, each L = 0.5);
+equation
+  connect(world, hinge[1].a);
+  for i in 1:301 loop connect(hinge[i].b, link[i].a); end for;
+  for i in 1:300 loop connect(link[i].b, hinge[i + 1].a); end for;"""
+    path = tmp_path / "chain.lag"
+    path.write_text(f"model Chain\n  {chain}\nend Chain;\n", encoding="utf-8")
+    motion = compile_file(path).run
+    assert not motion.momenta.is_known and motion.momentum.numel() == 301
+    text = f"model Chain\n  Revolute loose;\n  {chain}\n  connect(link[301].b, loose.a);\nend Chain;\n"
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises(LagError, match=r"'loose\.phi' moves no mass"):
+        compile_file(path)

@@ -10,8 +10,8 @@ is made of columns of them is indexed. Each becomes an Expression when something
 
 from collections.abc import Callable, Sequence
 from functools import lru_cache
-from itertools import repeat
-from operator import attrgetter
+from itertools import accumulate, repeat
+from operator import add, attrgetter
 from typing import Any
 
 import casadi as ca
@@ -22,6 +22,7 @@ _OPERANDS = (ca.SX, float, int)
 _binary, _unary = ca.SX.binary, ca.SX.unary
 _THIS, _SOURCE, _PLACE = attrgetter("this"), attrgetter("source"), attrgetter("place")
 _FEWEST = 8  # elements of a column that are worth Cells
+_MUCH = 2  # times as many elements as are wanted: whole columns are put together at once
 _SINGLY = 16  # of so many elements one is looked up alone; more of them are all at once
 
 
@@ -110,8 +111,11 @@ def as_expression(x: Any) -> Expression:
 
 def column(*values: Any) -> ca.SX:
     """Numbers and expressions, one below the other; (0, 1) of none."""
-    if len(values) >= _FEWEST and Cell in {*map(type, values)}:
+    kinds = {*map(type, values)} if len(values) >= _FEWEST else {ca.SX}
+    if Cell in kinds:
         return _gathered(values)
+    if kinds.issubset(_NUMBERS):
+        return ca.SX(ca.DM([*values]))
     if not values:
         return ca.SX(0, 1)
     try:
@@ -130,8 +134,17 @@ def _stacked(wrapped: Sequence[Any]) -> ca.SX:
 
 def _gathered(values: Sequence[Any]) -> ca.SX:
     """A column of which elements of others are a part."""
-    if {*map(type, values)} == {Cell} and len({*map(id, map(_SOURCE, values))}) == 1:
-        return values[0].source.column[[*map(_PLACE, values)]]
+    if {*map(type, values)} == {Cell}:
+        sources = [*map(_SOURCE, values)]
+        keys = [*map(id, sources)]
+        known = dict(zip(keys, sources, strict=True))
+        if len(known) == 1:
+            return sources[0].column[[*map(_PLACE, values)]]
+        columns = [source.column for source in known.values()]
+        ends = [*accumulate(x.numel() for x in columns)]
+        if ends[-1] <= _MUCH * len(values):
+            begins = dict(zip(known, (0, *ends), strict=False))
+            return ca.vertcat(*columns)[[*map(add, map(begins.__getitem__, keys), map(_PLACE, values))]]
     loose: tuple[list[int], list[Any]] = [], []
     taken: dict[int, tuple[_Source, list[int], list[int]]] = {}
     for k, x in enumerate(values):

@@ -6,6 +6,7 @@ what is handed on, differ in what is a number among them, each is a step of its 
 """
 
 from collections.abc import Callable, Sequence
+from itertools import chain, compress
 from math import inf, nan
 from typing import TypeAlias
 
@@ -16,7 +17,7 @@ from lagrangia.algebra.scalars import Expression, as_expression, cells, column, 
 from lagrangia.base.records import dataclass
 
 _FEWEST = 24  # elements: a Function for fewer takes longer than it saves
-_AT_ONCE = 8  # elements in one call; to make a Function of all takes as long as they do
+_AT_ONCE = 32  # elements in one call; to make a Function of all takes as long as they do
 Numbers: TypeAlias = "tuple[float | None, ...]"  # of scalars; None for expressions
 Step: TypeAlias = "Callable[[list[Scalar], list[Scalar]], tuple[list[Scalar], list[Scalar]]]"
 
@@ -77,7 +78,7 @@ def _end(kinds: Sequence[Numbers], k: int) -> int:
 
 
 def _numbers(values: Sequence[Scalar]) -> Numbers:
-    return tuple(None if isinstance(x, ca.SX) else float(x) for x in values)
+    return tuple([None if isinstance(x, ca.SX) else float(x) for x in values])
 
 
 @dataclass(frozen=True)
@@ -92,7 +93,8 @@ class _Stamp:
     def along(self, state: list[Scalar], inputs: Sequence[list[Scalar]]) -> tuple[list[Scalar], list[list[Scalar]]]:
         """The state behind the last element, and the results of each."""
         count, width = len(inputs), self.inputs.count(None)
-        given = [x for values in inputs for x, number in zip(values, self.inputs, strict=True) if number is None]
+        is_open = [number is None for number in self.inputs]
+        given = chain.from_iterable(compress(values, is_open) for values in inputs)
         table = ca.reshape(column(*given), width, count)
         begin = column(*(x for x, number in zip(state, self.state, strict=True) if number is None))
         found: list[ca.SX] = []

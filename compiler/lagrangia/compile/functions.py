@@ -14,6 +14,7 @@ from lagrangia.algebra.duals import Scalar
 from lagrangia.algebra.scalars import symbols_in
 from lagrangia.algebra.with_casadi import Mode
 from lagrangia.base.records import dataclass
+from lagrangia.compile.casadi_instructions import APART
 from lagrangia.compile.hoisting import Hoisted, hoist
 from lagrangia.compile.mode_places import (
     events_of,
@@ -94,7 +95,7 @@ def build_functions(
     table = _functions_of_steps(motion, jacobian, switches, found, d, c) | {
         **_functions_of_parameters(kinematics, motion, hoisted.values), "start": start_function(kinematics, initial),
         **_observing_functions(full, *found["outputs"]),
-        "energies": ca.Function("energies", state, found["energies"], labels, ["energies"]),
+        "energies": ca.Function("energies", state, found["energies"], labels, ["energies"], APART),
     }
     table |= _functions_of_constraints(motion, found, d, c) | _flow_functions(motion, hamilton, found["flow"], c)
     table |= mode_functions(motion, modes) | _kick_function(state, found["kick"], kick.before)
@@ -165,8 +166,8 @@ def build_island_functions(kinematics: Kinematics, motion: Motion) -> Functions:
 
 def _functions_of_parameters(kinematics: Kinematics, motion: Motion, hoisted: ca.SX) -> dict[str, ca.Function]:
     given, mask, p = all_parameters(kinematics, motion.p.numel())
-    return {"parameters": ca.Function("parameters", [given, mask], [p], ["given", "mask"], ["p"]),
-            "hoist": ca.Function("hoist", [motion.p], [hoisted], ["p"], ["c"])}
+    return {"parameters": ca.Function("parameters", [given, mask], [p], ["given", "mask"], ["p"], APART),
+            "hoist": ca.Function("hoist", [motion.p], [hoisted], ["p"], ["c"], APART)}
 
 
 def _watched(motion: Motion, switches: Switches) -> dict[str, list[ca.SX]]:
@@ -181,7 +182,7 @@ def _functions_of_steps(motion: Motion, jacobian: Jacobian, switches: Switches, 
     t, q, v, a, u = motion.t, motion.q, motion.v, motion.a, motion.u
     held_d = ca.vertcat(d, switches.symbols, motion.impacts.impulses, switches.rest_symbols)
     state, labels = [t, q, v, u, held_d, c], ["t", "q", "v", "u", "d", "c"]
-    table = {"rhs": ca.Function("rhs", state, found["rhs"], labels, ["a", "power", "lambda"])}
+    table = {"rhs": ca.Function("rhs", state, found["rhs"], labels, ["a", "power", "lambda"], APART)}
     if "regular" in found:
         table["regular"] = ca.Function("regular", state, found["regular"], labels, ["a", "power", "doubt"])
     if switches.symbols.numel():

@@ -137,6 +137,6 @@ def _are_rigid(straight: ca.SX, turned: ca.SX, body: Any, kinematics: Kinematics
     free = ca.symvar(table)
     values = [body.general.get(s.__hash__(), 0.7 + 0.31 * (k % 17)) for k, s in enumerate(free)]
     found = ca.Function("identity", [ca.vertcat(*free)], [table])(ca.DM(values)) if free else ca.evalf(table)
-    sizes = abs(found.full())
-    return [flag and gap.max() <= 1e-12 * size.max()
-            for flag, gap, size in zip(steady, sizes[:, : gaps.size2()], sizes[:, gaps.size2() :], strict=True)]
+    sizes, count = abs(found.full()), gaps.size2()
+    are_small = sizes[:, :count].max(axis=1) <= 1e-12 * sizes[:, count:].max(axis=1)
+    return [flag and is_small for flag, is_small in zip(steady, are_small.tolist(), strict=True)]

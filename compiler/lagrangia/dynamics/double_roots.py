@@ -82,10 +82,10 @@ def _lift(kinematics: Kinematics, constraints: Constraints, initial: InitialCond
 
 def touching_notes(kinematics: Kinematics, constraints: Constraints) -> dict[str, object]:
     """As plain data, for a scene that is kept: the constraints that only just hold, and the places of parameters in them."""
-    phi = ca.vertcat(ca.SX(0, 1), *[row.value(kinematics, 0) for row in constraints.touching])
-    mentioned = symbols_in(phi)
-    p = parameter_symbols(kinematics)
-    places = [k for k, x in enumerate(p.elements()) if x.__hash__() in mentioned] if constraints.touching else []
+    places = list[int]()
+    if constraints.touching:
+        mentioned = symbols_in(ca.vertcat(*[row.value(kinematics, 0) for row in constraints.touching]))
+        places = [k for k, x in enumerate(parameter_symbols(kinematics).elements()) if x.__hash__() in mentioned]
     return {"touching": {"told": list(dict.fromkeys(row.told for row in constraints.touching)), "parameters": places}}
 
 

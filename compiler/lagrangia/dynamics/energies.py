@@ -2,11 +2,12 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import cached_property
 
 import casadi as ca
 
 from lagrangia.algebra.duals import Scalar, rate_of
-from lagrangia.algebra.scalars import as_expression, column
+from lagrangia.algebra.scalars import as_expression, column, symbols_in
 from lagrangia.base.diagnostics import LagError, Report
 from lagrangia.base.records import dataclass
 from lagrangia.frames.alike import evaluate_all
@@ -62,13 +63,27 @@ class Energies:
 
     def of_mechanism(self) -> "Energies":
         """Without first-order states."""
+        if not (any(t.statement.is_signal for t in self.kinetic) or any(load.statement.is_signal for load in self.loads)):
+            return self
         return replace(self, kinetic=tuple(t for t in self.kinetic if not t.statement.is_signal),
                        loads=tuple(load for load in self.loads if not load.statement.is_signal))
 
-    @staticmethod
-    def total(terms: tuple[Term, ...]) -> ca.SX:
-        """Sum by halves, which keeps the tree of additions shallow."""
-        return _balanced_sum([as_expression(t.value) for t in terms])
+    def total(self, terms: tuple[Term, ...]) -> ca.SX:
+        """Sum by halves, which keeps the tree of additions shallow; all terms of a kind are summed once."""
+        if not any(terms is own for own in (self.kinetic, self.potential, self.dissipation)):
+            return _balanced_sum([as_expression(t.value) for t in terms])
+        if id(terms) not in self._totals:
+            self._totals[id(terms)] = _balanced_sum([as_expression(t.value) for t in terms])
+        return self._totals[id(terms)]
+
+    @cached_property
+    def _totals(self) -> dict[int, ca.SX]:
+        return {}
+
+    @cached_property
+    def moving(self) -> frozenset[int]:
+        """The hashes of the symbols that kinetic energies mention."""
+        return symbols_in(self.total(self.kinetic))
 
 
 def generalised_force(loads: Sequence[Load], q: ca.SX, v: ca.SX) -> ca.SX:

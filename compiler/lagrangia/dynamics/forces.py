@@ -6,13 +6,13 @@ on the body it acts on, found by virtual displacements of every frame and every 
 others.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import field
 
 import casadi as ca
 
 from lagrangia.algebra.duals import Scalar
-from lagrangia.algebra.scalars import as_expression, cells, column, scalars_in, symbols_in
+from lagrangia.algebra.scalars import Expression, as_expression, cells, column, scalars_in, symbols_in
 from lagrangia.algebra.with_casadi import CasadiAlgebra
 from lagrangia.base.records import dataclass
 from lagrangia.constraints.rows import Row
@@ -22,6 +22,7 @@ from lagrangia.frames.alike import evaluate_all
 from lagrangia.frames.evaluation import Evaluator, Value, scalars_of
 from lagrangia.frames.kinematics import Kinematics, displacement
 from lagrangia.language.attitudes import parts_of
+from lagrangia.language.frame_attributes import FrameAttribute
 
 
 @dataclass(frozen=True)
@@ -48,8 +49,12 @@ class _StepsAtRest(CasadiAlgebra):
 
     def new_symbols(self, count: int) -> list[Scalar]:
         """Of displacements."""
+        return [*cells(self.new_column(count))]
+
+    def new_column(self, count: int) -> Expression:
+        """The same, which are one."""
         self.columns.append(ca.SX.sym("displacement", count))
-        return [*cells(self.columns[-1])]
+        return as_expression(self.columns[-1])
 
     def _at_rest(self, x: Scalar) -> Scalar:
         if not isinstance(x, ca.SX):
@@ -92,6 +97,19 @@ class _Apart:
     def time(self, level: int) -> Scalar:
         return self.kinematics.time(level)
 
+    def frames_together(self, names: Sequence[str], attribute: str, level: int,
+                        stacked: Callable[[Sequence[Value]], Value]) -> Value:
+        """Of each name that attribute, in columns; `stacked` puts values into them."""
+        news = dict.fromkeys(name for name in names if name in self.movable and name not in self.frames)
+        known, size = self.kinematics.graph.model.space.attributes[attribute], self.kinematics.geometry.size
+        if len(news) != len(names) or known.kind == "reaction" or self.kinematics.geometry.by_poses:
+            return stacked([self.frame(name, attribute, level) for name in names])
+        value = stacked([self.kinematics.frame(name, attribute, level) for name in names])
+        shifts, rates = ([self.algebra.new_column(len(names)) for _ in range(size)] for _ in range(2))
+        parts = zip(*(zip(*map(cells, columns), strict=True) for columns in (shifts, rates)), strict=True)
+        self.frames |= {name: ([*shift], [*rate]) for name, (shift, rate) in zip(names, parts, strict=True)}
+        return self._moved(value, known, shifts, rates, level)
+
     def frame(self, name: str, attribute: str, level: int) -> Value:
         value = self.kinematics.frame(name, attribute, level)
         known = self.kinematics.graph.model.space.attributes[attribute]
@@ -104,6 +122,10 @@ class _Apart:
         shift, rate = self.frames[name]
         if self.kinematics.geometry.by_poses:
             return self._displaced(name, attribute, level)
+        return self._moved(value, known, shift, rate, level)
+
+    @staticmethod
+    def _moved(value: Value, known: FrameAttribute, shift: Sequence[Scalar], rate: Sequence[Scalar], level: int) -> Value:
         if known.kind == "place":
             moved = tuple(displacement((shift[k], rate[k]), level) for k in known.components)
         else:

@@ -68,7 +68,7 @@ def settle_massless(kinematics: Kinematics, constraints: Constraints, energies: 
 def _massless(kinematics: Kinematics, constraints: Constraints, energies: Energies) -> tuple[list[str], list[str], list[str]]:
     """Coordinates that T does not depend on: those that some force acts on and no constraint holds, those that one does, and
     those of which nothing speaks (motion.py refuses them)."""
-    symbols, kinetic = kinematics.symbols, symbols_in(energies.total(energies.kinetic))
+    symbols, kinetic = kinematics.symbols, energies.moving
     kept = kinematics.graph.kept_coordinates  # whose own constraints say where they are
     found = [name for name in symbols.positions if name not in kept and _symbols_of(kinematics, name).isdisjoint(kinetic)]
     if not found:

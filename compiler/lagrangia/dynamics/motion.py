@@ -97,7 +97,7 @@ class Motion:
     V: ca.SX
     D: ca.SX
     H: ca.SX  # v . dT/dv - T + V: T + V, but for supports that move with time, and T of one's own that is not quadratic in v
-    momentum: ca.SX  # dT/dv
+    momenta: Later[ca.SX]
     inertial: Later[ca.SX]
     acceleration: ca.SX
     bodies: Bodies
@@ -119,6 +119,11 @@ class Motion:
     def pace(self) -> ca.SX:
         """dq/dt, (n,)."""
         return self.v if self.turning is None else self.turning
+
+    @property
+    def momentum(self) -> ca.SX:
+        """dT/dv, (n,). A large smooth tree without constraints is run without it as well."""
+        return self.momenta.value
 
     @property
     def h(self) -> ca.SX:
@@ -147,28 +152,27 @@ def build_motion(kinematics: Kinematics, energies: Energies, constraints: Constr
     q, v, a = (column(*s.values()) for s in (symbols.positions, symbols.rates, symbols.accelerations))
     t, tau = symbols.time, symbols.tau
     _require_coordinates(kinematics)
-    energies = replace(energies, loads=energies.loads + impacts.loads)
+    energies = replace(energies, loads=energies.loads + impacts.loads) if impacts.loads else energies
     bodies = find_bodies(kinematics, energies)
     T, V, D = map(energies.total, (energies.kinetic, energies.potential, energies.dissipation))
-    slopes, mechanism = ca.densify(ca.gradient(T - V, ca.vertcat(v, t))), energies.of_mechanism()
-    momentum, dL_dt = slopes[:-1, 0], slopes[-1]
+    (momentum, dL_dt), mechanism = _slopes(kinematics, T - V, v), energies.of_mechanism()
     T, force, damping = energies.total(mechanism.kinetic), generalised_force(mechanism.loads, q, v), gradient_by_rates(D, v)
     inertial = Later(lambda: _on_time([inertial_force(kinematics, energies, bodies, q, v) + damping], kinematics)[0])
     moved = tau * ca.gradient(D, tau)  # what supports that move do to dampers
     dissipated, source = ca.dot(v, damping) + moved, ca.dot(force, v) - tau * dL_dt + moved
     is_sum = not _knows(kinematics, T) and is_quadratic(mechanism, v)
-    H = T + V if is_sum else ca.dot(_kept_rates(kinematics, v), momentum) - T + V
+    H = T + V if is_sum else ca.dot(_kept_rates(kinematics, v), momentum.value) - T + V
     short = _collected(kinematics, energies, bodies, momentum, damping, bool(constraints.rows))
-    T, V, D, H, momentum, dissipated, source = _on_time([T, V, D, H, momentum, dissipated, source], kinematics)
+    T, V, D, H, dissipated, source = _on_time([T, V, D, H, dissipated, source], kinematics)
     constrained = None
     if constraints.rows:
-        if short is not None and short.is_shorter(kinematics, momentum, inertial.value):
+        if short is not None and short.is_shorter(kinematics, momentum.value, inertial.value):
             momentum, inertial = short.momentum, Later(short.whole)
-        free = FreeMotion(q, v, momentum, inertial.value, source, pace=kinematics.turning)
+        free = FreeMotion(q, v, momentum.value, inertial.value, source, pace=kinematics.turning)
         found, counted = _hold(kinematics, bodies, energies, constraints, free, for_any_mass, partition)
         acceleration, source, constrained, way = *found, found[2].way
     else:
-        _require_mass(kinematics, momentum, v)
+        _require_mass(kinematics, energies.moving if not bodies.rest else frozenset(), momentum, v)
         acceleration, way, counted = _solve(kinematics, energies, bodies, momentum, inertial, v, short)
         if short is not None and way == "collected":
             momentum, inertial = short.momentum, Later(short.whole)
@@ -253,6 +257,16 @@ def _lagrange(kinematics: Kinematics, T: ca.SX, q: ca.SX, v: ca.SX) -> ca.SX:
     return ca.jtimes(slopes[:n], ca.vertcat(q, t), ca.vertcat(v, tau)) - slopes[n:]
 
 
+def _slopes(kinematics: Kinematics, lagrangian: ca.SX, v: ca.SX) -> tuple[Later[ca.SX], ca.SX]:
+    """dL/dv, where the rate of time is 1, and dL/dt."""
+    t = kinematics.symbols.time
+    if not kinematics.is_timed:
+        return Later(lambda: ca.densify(ca.gradient(lagrangian, v))), ca.SX(0)
+    slopes = ca.densify(ca.gradient(lagrangian, ca.vertcat(v, t)))
+    (momentum,) = _on_time([slopes[:-1, 0]], kinematics)
+    return Later(lambda: momentum), slopes[-1]
+
+
 def _stack(kinematics: Kinematics, *kinds: str) -> ca.SX:
     """Of one kind after the other."""
     variables = kinematics.graph.model.variables
@@ -260,9 +274,12 @@ def _stack(kinematics: Kinematics, *kinds: str) -> ca.SX:
     return column(*[x for name in names for x in scalars_of(kinematics.symbols.values[name])])
 
 
-def _require_mass(kinematics: Kinematics, momentum: ca.SX, v: ca.SX) -> None:
-    """A coordinate whose momentum does not depend on any rate moves no mass, whatever the numbers."""
-    massless = [k for k, moves in enumerate(ca.which_depends(momentum, v, 1, True)) if not moves]
+def _require_mass(kinematics: Kinematics, of_bodies: frozenset[int], momentum: Later[ca.SX], v: ca.SX) -> None:
+    """A coordinate whose momentum does not depend on any rate moves no mass, whatever the numbers. `of_bodies`: hashes of the
+    symbols in T, where that is of rigid bodies alone, squares of what rates make: known before the momenta are."""
+    if not momentum.is_known and all(rate.__hash__() in of_bodies for rate in kinematics.symbols.rates.values()):
+        return
+    massless = [k for k, moves in enumerate(ca.which_depends(momentum.value, v, 1, True)) if not moves]
     if massless:
         coordinate = kinematics.graph.coordinates[massless[0]]
         others = f" (nor do {', '.join(kinematics.graph.coordinates[k].name for k in massless[1:4])})" if massless[1:] else ""
@@ -290,7 +307,7 @@ class _Short:
 
     inertia: Collected
     rest: ca.SX
-    momentum: ca.SX
+    momentum: Later[ca.SX]
 
     def whole(self) -> ca.SX:
         """h."""
@@ -298,17 +315,20 @@ class _Short:
 
     def is_shorter(self, kinematics: Kinematics, momentum: ca.SX, h: ca.SX) -> bool:
         rates = ca.vertcat(*kinematics.symbols.rates.values())
-        own, other = ([ca.jacobian(p, rates), force] for p, force in ((self.momentum, self.whole()), (momentum, h)))
+        own, other = ([ca.jacobian(p, rates), force] for p, force in ((self.momentum.value, self.whole()), (momentum, h)))
         return _work(own, kinematics) < _work(other, kinematics)
 
 
-def _collected(kinematics: Kinematics, energies: Energies, bodies: Bodies, momentum: ca.SX, damping: ca.SX,
+def _collected(kinematics: Kinematics, energies: Energies, bodies: Bodies, slopes: Later[ca.SX], damping: ca.SX,
                is_held: bool) -> _Short | None:
     """None for scenes with too many coordinates."""
     symbols = kinematics.symbols
     q, v = (column(*values.values()) for values in (symbols.positions, symbols.rates))
     most = _MOST_HELD if is_held else _MOST_FREE
-    if symbols.attitudes or not 0 < v.numel() <= most or ca.jacobian_sparsity(momentum, v[0]).nnz() > MOST_COORDINATES:
+    if symbols.attitudes or not 0 < v.numel() <= most:
+        return None
+    momentum = slopes.value
+    if ca.jacobian_sparsity(momentum, v[0]).nnz() > MOST_COORDINATES:
         return None  # a chain's whole pattern has as many entries as there are pairs of links
     largest = max(map(len, blocks_of(ca.jacobian_sparsity(momentum, v))), default=0)
     if largest > MOST_COORDINATES or (v.numel() > MOST_COORDINATES and not ca.depends_on(momentum, q)):
@@ -319,14 +339,14 @@ def _collected(kinematics: Kinematics, energies: Energies, bodies: Bodies, momen
     resting = ca.substitute(momentum, v, ca.SX.zeros(v.numel()))
     inner, rest, resting = _on_time([inner, outer + damping, resting], kinematics)
     inertia = collect(kinematics, ca.jacobian(momentum, v), inner, is_held)
-    return _Short(inertia, rest, inertia.momentum(v) + resting) if inertia is not None else None
+    return _Short(inertia, rest, Later(lambda: inertia.momentum(v) + resting)) if inertia is not None else None
 
 
 def _work(expressions: list[ca.SX], kinematics: Kinematics) -> int:
     return count_nodes(expressions, [kinematics.algebra.state])
 
 
-def _solve(kinematics: Kinematics, energies: Energies, bodies: Bodies, momentum: ca.SX, inertial: Later[ca.SX],
+def _solve(kinematics: Kinematics, energies: Energies, bodies: Bodies, momentum: Later[ca.SX], inertial: Later[ca.SX],
            v: ca.SX, short: _Short | None) -> tuple[ca.SX, str, dict[str, int]]:
     """The accelerations by the way that counts fewest nodes, and what each way that is open counts."""
     ways: dict[str, ca.SX] = {}
@@ -334,7 +354,7 @@ def _solve(kinematics: Kinematics, energies: Energies, bodies: Bodies, momentum:
     if tree is not None:
         ways["tree"] = _along(tree, energies, inertial)
     if tree is None or coupled_pairs(kinematics) <= _DENSEST * v.numel():
-        ways["dense"] = solve_dense(momentum, -inertial.value, v)
+        ways["dense"] = solve_dense(momentum.value, -inertial.value, v)
     if short is not None:
         ways["collected"] = short.inertia.accelerations(short.rest)
     if len(ways) == 1:
@@ -344,7 +364,7 @@ def _solve(kinematics: Kinematics, energies: Energies, bodies: Bodies, momentum:
     best = min(nodes, key=lambda way: nodes[way])
     nearly = _NEARLY if v.numel() <= MOST_COORDINATES else 1.0
     if (short is not None and nodes["collected"] <= nearly * nodes[best]
-            and short.is_shorter(kinematics, momentum, inertial.value)):
+            and short.is_shorter(kinematics, momentum.value, inertial.value)):
         best = "collected"
     return ways[best], best, nodes
 

@@ -269,10 +269,10 @@ def _without_unused(forces: Sequence[ca.SX], found: Mapping[Pair, Expression], r
 def find_roots(motion: Motion, switches: Switches) -> tuple[ca.SX, ca.SX]:
     """What stands under square roots in the forces and depends on positions, with its rates (r,): where it touches 0 forces bend,
     or jump, and no sign changes. Where whole numbers are counted, sin(pi x)^2 is what touches 0."""
-    moving, rates = symbols_in(motion.q), symbols_in(motion.v)
-    numbering, found = Numbering(), dict[int, ca.SX]()
     if _ROOTED.isdisjoint(motion.operations):
         return ca.SX(0, 1), ca.SX(0, 1)
+    moving, rates = symbols_in(motion.q), symbols_in(motion.v)
+    numbering, found = Numbering(), dict[int, ca.SX]()
 
     def note(op: int, numbers: list[int], operands: list[Expression]) -> None:
         is_asked = op in _ROOTED and not moving.isdisjoint(known := symbols_in(operands[0]))

@@ -123,6 +123,9 @@ class _Columns:
         raise _Unlike
 
     def frame(self, name: str, attribute: str, level: int) -> Value:
+        leaves = self.evaluators[0].leaves
+        if hasattr(leaves, "frames_together") and all(e.leaves is leaves for e in self.evaluators):
+            return leaves.frames_together(self.names[name], attribute, level, _stacked)
         return _stacked([e.leaves.frame(n, attribute, level) for e, n in zip(self.evaluators, self.names[name], strict=True)])
 
 

@@ -37,7 +37,7 @@ class Edge:
 
     def inverse(self) -> "Edge":
         """The same edge, from the child to the parent."""
-        steps = tuple(step.inverse() for step in reversed(self.steps))
+        steps = tuple([step.inverse() for step in reversed(self.steps)])
         return Edge(self.child, self.parent, steps, self.coordinates, self.moves_with_time, self.span)
 
 

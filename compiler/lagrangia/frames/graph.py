@@ -158,8 +158,8 @@ class _Building:
         for equation in self.model.frame_equations:
             self._add_edge(equation)
         outside = self._choose_tree()
-        used = self._used_frames()
         massive = self._massive_frames()
+        used = self._used_frames(massive)
         roots = [Root(name) for name, frame in self.model.frames.items() if frame.is_ground]
         for root in roots:
             self._grow(root.frame)
@@ -209,7 +209,7 @@ class _Building:
     def _require_steady_axes(self, steps: tuple[Step, ...], span: Span) -> None:
         """An axis that moves in its own frame would turn by more than the angle says."""
         axes = [step.axis for step in steps if step.axis is not None]
-        for leaf in leaves(axes, self.bindings):
+        for leaf in leaves(axes, self.bindings) if axes else ():
             variable = self.model.variables.get(leaf.name) if isinstance(leaf, Ref) else None
             if variable is None or variable.kind not in ("parameter", "variable"):
                 fail("L0402", "the axis of a turn is fixed in the frame that it begins at: it depends on parameters alone", span,
@@ -301,13 +301,16 @@ class _Building:
         """Frames whose motion some kinetic term measures, with the attributes it reads."""
         return self._read_frames([e.value for e in self.model.energies if e.kind == "kinetic"])
 
-    def _used_frames(self) -> dict[str, set[str]]:
+    def _used_frames(self, massive: Mapping[str, set[str]]) -> dict[str, set[str]]:
+        """Those, and what else is read of frames."""
         model = self.model
-        roots: list[Flat] = [e.value for e in model.energies] + [x for w in model.works for x in (w.force, w.position)]
+        roots: list[Flat] = [e.value for e in model.energies if e.kind != "kinetic"]
+        roots += [x for w in model.works for x in (w.force, w.position)]
         roots += [x for e in (*model.initial_equations, *model.constraints) for x in (e.left, e.right)]
         roots += model.looks()
         roots += [v.binding for v in model.variables.values() if v.is_output and v.binding is not None]
-        return self._read_frames(roots)
+        found = self._read_frames(roots)
+        return found | {name: found.get(name, set()) | attributes for name, attributes in massive.items()}
 
     def _read_frames(self, roots: list[Flat]) -> dict[str, set[str]]:
         read: dict[str, set[str]] = {}

@@ -66,9 +66,9 @@ def island_motion(kinematics: Kinematics, motion: Motion, groups: Sequence[tuple
         own = [term for term in _terms(power) if (_coordinates(term, motion) or groups[0])[0] in groups[k]]
         return ca.sum1(ca.vertcat(*own)) if own else ca.SX(1, 1)
 
-    own = replace(motion, q=motion.q[chosen], v=motion.v[chosen], a=motion.a[chosen], momentum=motion.momentum[chosen],
-                  inertial=Later(lambda: motion.h[chosen]), acceleration=motion.acceleration[chosen],
-                  dissipated_power=part(motion.dissipated_power),
+    own = replace(motion, q=motion.q[chosen], v=motion.v[chosen], a=motion.a[chosen],
+                  momenta=Later(lambda: motion.momentum[chosen]), inertial=Later(lambda: motion.h[chosen]),
+                  acceleration=motion.acceleration[chosen], dissipated_power=part(motion.dissipated_power),
                   source_power=part(held.load_power if held else motion.source_power), constrained=None,
                   way="dense", collected=None)
     return _held(kinematics, own, held, _own_rows(motion, held, chosen), chosen) if held else own

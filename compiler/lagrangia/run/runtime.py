@@ -425,7 +425,9 @@ class Run:
         """The same of many numbers, of which a portion may reach a few: memory is touched where it is written."""
         done, first = self.done, c.c_char.from_buffer(memory := mmap(-1, 8 * size))
         status = self._library.lag_run_advance(self._run, times.buffer_info()[0], len(times), c.addressof(first), done, seconds)
-        return self._rows(status, array("d", memory[: 8 * done[0] * self.width]), done[0])
+        values: array[float] = array("d")
+        values.frombytes(memoryview(memory)[: 8 * done[0] * self.width])
+        return self._rows(status, values, done[0])
 
     def advance_steps(self, most: int, seconds: float = 0.0) -> Rows:
         """Rows after each step, until t_stop or `most` of them."""
