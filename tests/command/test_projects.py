@@ -64,3 +64,8 @@ def test_names_that_cannot_be(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, c
     assert main(["new", "1 2"]) == 2 and "is no name for a project" in capsys.readouterr().err
     (tmp_path / "there").mkdir()
     assert main(["new", "there"]) == 2 and "exists" in capsys.readouterr().err
+
+
+def test_help_knows_commands_too(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["help", "lint"]) == 2
+    assert "of the command: lag lint --help" in capsys.readouterr().err
