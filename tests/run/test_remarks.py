@@ -71,3 +71,8 @@ def test_what_is_given_in_vain_is_told(scene: Callable[[str], lag.Model]) -> Non
         assert len(texts) == (told != "") and all(told in text and text.endswith("(L0747)") for text in texts), asked
     with pytest.warns(lag.InputWarning, match="'L' changes nothing.*L0747"):
         model.simulate_many(runs={"L": [1, 2], "p.L": [3, 4]})
+
+
+def test_an_interval_beyond_the_run_leaves_both_ends(scene: Callable[[str], lag.Model]) -> None:
+    model = scene(SCENE % ', allow = "L0708"')
+    assert [list(model.simulate(stop=stop, interval=1e9).time) for stop in (0.3, 2.0)] == [[0, 0.3], [0, 2]]

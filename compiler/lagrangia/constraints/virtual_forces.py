@@ -37,14 +37,18 @@ def refuse_forces_elsewhere(kinematics: Kinematics, constraints: Constraints, in
     for k, row in enumerate(rows):
         if np.abs(V[k]).max(initial=0.0) > _NOTHING:
             report.error("L0917", "not supported yet: the force of this equation acts on what it does not hold", row.span,
-                         "virtual(x) may only tell which bearings share the force, as in Gear: of what the equation holds, or of "
-                         "what cannot move", "let a force act instead: AppliedForce, ForcePair, or work ... on ...;")
+                         "such a force is not the one by which constraints do no work: virtual(x) may only tell which bearings "
+                         "share the force, as in Gear: of what the equation holds, or of what cannot move",
+                         "let a force act instead: AppliedForce, ForcePair, or work ... on ...;")
         elif not row.is_holonomic and _says_virtual(kinematics, row):
             report.error("L0917", "not supported yet: virtual(x) in an equation between rates", row.span,
-                         "write the equation between positions or angles, where it is one, without der(...)")
+                         "it is a displacement, and an equation between rates displaces nothing: its force acts on what it holds",
+                         "write it between positions or angles, where it is one, or leave virtual(x) out and let another force "
+                         "act: AppliedForce, ForcePair, or work ... on ...;")
         elif id(row) in powerless:
             report.error("L0917", "the force of this equation acts on nothing that could make it hold", row.span,
-                         "virtual(x) takes away as much as the equation says of x")
+                         "virtual(x) takes away as much as the equation says of x", "leave it out, so that the force acts on "
+                         "what the equation holds")
     report.raise_errors()
 
 

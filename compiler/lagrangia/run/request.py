@@ -67,7 +67,7 @@ class Experiment:
             return len(self.at)
         intervals = min((self.stop - self.start) / self.interval, 2.0 * _MOST_ROWS)
         nearest = round(intervals)
-        is_on_grid = abs(intervals - nearest) <= 1e-9 + 1e-12 * nearest
+        is_on_grid = nearest > 0 and abs(intervals - nearest) <= 1e-9 + 1e-12 * nearest
         return 1 + (nearest if is_on_grid else math.ceil(intervals))  # the stop time has a row of its own
 
     def times(self) -> Iterator[list[float]]:
