@@ -19,7 +19,8 @@
 #include "steps/step.h"
 #include "steps/turns.h"
 
-enum { LEAST_ORDER = 4, PATIENCE = 3 }; /* rejections after which rounding is asked for */
+enum { LEAST_ORDER = 4, PATIENCE = 3, MOST_PLANS = 40 }; /* PATIENCE: rejections after which rounding is asked for */
+static const double DOMINANT = 0.03; /* share of the end of a step */
 /* What the rest of the series may be worth in units of error, so that errors are those of Dormand-Prince at the same tolerance; by
  * how much a step may be wrong at its end; shrinking after a step that was. */
 static const double REST = 0.004, WRONG = LAG_TAYLOR_WRONG, SHRINK = LAG_TAYLOR_SHRINK, GROW = LAG_TAYLOR_GROW;
@@ -220,12 +221,12 @@ static void displacement(const LagTaylor *s, const LagModel *model, double *jets
 
 /* A state near the end of the planned step, which units are taken for: that before the latest one serves as well, if there is one
  * that moved. */
-static const double *other_end(LagRun *run, const LagTaylor *s)
+static const double *other_end(LagRun *run, const LagTaylor *s, double planned)
 {
     LagMotion *m = &run->motion;
     if (!s->is_fresh && !run->scale.is_resting)
         return m->other;
-    displacement(s, run->model, s->jets, s->order, run->step, m->sum);
+    displacement(s, run->model, s->jets, s->order, planned, m->sum);
     for (int i = 0; i < 2 * m->n; ++i)
         m->point[i] = m->y[i] + m->sum[i];
     return m->point;
@@ -260,11 +261,11 @@ static void weigh_state(LagRun *run, const LagTaylor *s, const double *end, doub
     }
 }
 
-/* The length at which the last two coefficients are worth a unit of error. */
-static double length_of(LagRun *run, const LagTaylor *s)
+/* The length at which the last two coefficients are worth a unit of error, where units are those of a step of the planned length. */
+static double length_by(LagRun *run, const LagTaylor *s, double planned)
 {
     const int p = s->order;
-    const double *end = other_end(run, s);
+    const double *end = other_end(run, s, planned);
     double last = 0, before = 0;
     if (run->model->is_long_state)
         lag_long_weigh(run, end, &last, &before);
@@ -273,6 +274,20 @@ static double length_of(LagRun *run, const LagTaylor *s)
     lag_taylor_weigh_turned(run, end, &last, &before);
     weigh_powers(run, s, &last, &before);
     return lag_min(lag_rough_power(s->last / last, lag_inverse[p - 1]), lag_rough_power(s->before_last / before, lag_inverse[p - 2]));
+}
+
+/* The same by the planned step, or, where that is so long that its last coefficients make much of its end, by shorter ones: what is stiff
+ * ends anywhere then, and its units tell nothing. */
+static double length_of(LagRun *run, const LagTaylor *s)
+{
+    double planned = run->step, h = length_by(run, s, planned);
+    for (int k = 0; k < MOST_PLANS && (s->is_fresh || run->scale.is_resting) && h < planned; ++k) {
+        if (!(s->last * lag_rough_power(planned / h, s->order) * run->scale.tolerance > DOMINANT))
+            break;
+        planned = h;
+        h = length_by(run, s, planned);
+    }
+    return h;
 }
 
 /* How far the accelerations at the end of the step are from the slope of the series there, in units of rates. */

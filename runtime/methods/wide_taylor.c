@@ -17,7 +17,7 @@ static const double FAINT = 1e-16; /* what the last two terms of short steps are
 
 int lag_wide_taylor_serves(const LagModel *model)
 {
-    const int happens = model->n_switches + model->n_resets + model->n_cones + model->n_delays + model->n_attitudes;
+    const int happens = model->n_looks + model->n_switches + model->n_resets + model->n_cones + model->n_delays + model->n_attitudes;
     return happens + model->n_multipliers + model->n_islands == 0 && model->jet_code && model->jet_pitch == 1
         && !model->is_long_state && !model->series_may_hide && model->n_jet_slots <= MOST_SLOTS;
 }

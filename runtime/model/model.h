@@ -84,6 +84,7 @@ struct LagModel {
     int n_resets;   /* rates that they reset, by impulses that follow the switches in d: forces of 1 when a way is looked for */
     int n_rests;    /* behind these: 1 where a switch is held at its jump, which may take more than what moves, else 0 */
     int n_roots;    /* of positions, in the forces: these bend where what stands under one touches 0 */
+    int n_looks;    /* of functions in the forces that fade where what stands inside is large: these turn within a narrow range */
     int n_cones;    /* slips in the plane, of which a force holds both components */
     int n_lookups;  /* tables in time, whose pieces are modes */
     int n_pieces;   /* inputs that stand where functions of time do: polynomials between rows, whose coefficients are modes */
@@ -167,6 +168,7 @@ struct LagModel {
     LagFunction switches;   /* t, q, v, a, u, du/dt, modes, c -> g, dg/dt   n_switches each */
     LagFunction resets;     /* t, q, v, u, modes, c -> rates, and what they become at their events   n_resets each */
     LagFunction roots;      /* t, q, v, u, d, c -> g, dg/dt   n_roots each */
+    LagFunction looks;      /* t, q, v, u, d, c -> g          n_looks: what stands inside of these */
     LagFunction held_first; /* p                -> held values before any instant */
     LagFunction samples;    /* t, q, v, u, d, p, fires -> held values, where samplers fire (1) or not (0) */
     LagFunction lags;       /* p                -> by how much each delayed value is late */

@@ -19,7 +19,7 @@ static size_t work_size(const LagModel *model)
                                       &model->events, &model->modes, &model->rhs, &model->outputs, &model->energies,
                                       &model->place, &model->steer, &model->jacobian, &model->tangent, &model->velocity,
                                       &model->force, &model->regular, &model->residual, &model->nearest,
-                                      &model->kick, &model->switches, &model->resets, &model->roots,
+                                      &model->kick, &model->switches, &model->resets, &model->roots, &model->looks,
                                       &model->held_first, &model->samples, &model->lags, &model->delayed, &model->before,
                                       &model->guards};
     size_t largest = 0;
@@ -71,6 +71,7 @@ static void layout(LagRun *run, LagArena *arena)
     lag_impacts_layout(&run->impacts, model, run->motion.size, arena);
     lag_methods_layout(&run->methods, &run->settings, model, &run->motion, arena);
     lag_roots_layout(&run->roots, model, run->motion.size, arena);
+    lag_looks_layout(&run->looks, model, run->motion.size, arena);
     lag_unsure_layout(&run->unsure, model, arena);
     lag_guards_layout(&run->guards, model, run->motion.size, arena);
     lag_branch_layout(&run->branch, model, arena);

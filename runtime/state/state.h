@@ -7,6 +7,7 @@
 #include "model/inputs.h"
 #include "choice/methods.h"
 #include "steps/branch.h"
+#include "steps/looks.h"
 #include "steps/orbit.h"
 #include "state/project.h"
 #include "steps/roots.h"
@@ -65,6 +66,7 @@ struct LagRun {
     LagImpacts impacts;
     LagOrbit orbit;
     LagRoots roots;
+    LagLooks looks;
     LagUnsure unsure;
     LagGuards guards;
     LagBranch branch;

@@ -132,16 +132,20 @@ int lag_roots_cross(LagRun *run)
 
 void lag_roots_forget(LagRun *run) { run->roots.known = 0; }
 
-static void take_back(LagRun *run, double share)
+void lag_roots_take_back(LagRun *run, double step)
 {
-    LagMotion *m = &run->motion;
-    run->step = HALF * share * (m->t - m->t_old);
-    lag_motion_take_back(m);
+    run->step = step;
+    lag_motion_take_back(&run->motion);
     lag_project_forget(run);
     lag_roots_forget(run);
     --run->statistics.steps;
     ++run->statistics.rejected;
     run->segment_over = 0;
+}
+
+static void take_back(LagRun *run, double share)
+{
+    lag_roots_take_back(run, HALF * share * (run->motion.t - run->motion.t_old));
 }
 
 LagStatus lag_roots_leave(LagRun *run)

@@ -25,6 +25,9 @@ int lag_roots_cross(LagRun *run);
 /* The latest step was none of the run. */
 void lag_roots_forget(LagRun *run);
 
+/* The latest step is taken back; the next one is to be so long. */
+void lag_roots_take_back(LagRun *run, double step);
+
 /* Equal steps are no good where forces bend or jump: another method goes on for good, with error control. Takes its first step. */
 LagStatus lag_roots_leave(LagRun *run);
 

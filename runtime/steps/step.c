@@ -8,6 +8,7 @@
 #include "events/rest.h"
 #include "steps/branch.h"
 #include "steps/delays.h"
+#include "steps/looks.h"
 #include "steps/segment.h"
 #include "steps/turns.h"
 
@@ -75,6 +76,8 @@ LagStatus lag_step(LagRun *run)
     status = run->methods.table->step(run);
     if (status == LAG_OK)
         status = lag_roots_watch(run);
+    if (status == LAG_OK)
+        status = lag_looks_watch(run);
     if (status == LAG_OK && run->model->n_delays > 0)
         status = lag_delays_note(run);
     if (status == LAG_OK && run->model->n_multipliers > 0)

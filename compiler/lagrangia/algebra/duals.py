@@ -41,6 +41,9 @@ class Algebra(Protocol):
 
     def call(self, function: str, *arguments: Scalar) -> Scalar:
         """A function of the language, by its name: "sin", "sqrt", "fmax", ..."""
+    def note_divisor(self, x: Scalar) -> None:
+        """Something is divided by it."""
+
     def note_length(self, x: Scalar) -> None:
         """|x| is a length: it hardly ever is 0, unlike what else has a corner there."""
 
@@ -208,6 +211,10 @@ class DualAlgebra:
     def number(self, value: float) -> Scalar:
         """As of the algebra beneath: numbers do not move."""
         return self.base.number(value)
+
+    def note_divisor(self, x: Scalar) -> None:
+        """As of the algebra beneath, of the value."""
+        self.base.note_divisor(value_of(x))
 
     def note_length(self, x: Scalar) -> None:
         """As of the algebra beneath, of the value."""

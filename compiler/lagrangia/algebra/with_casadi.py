@@ -149,6 +149,11 @@ class CasadiAlgebra:
         if isinstance(x, ca.SX):
             self.index.lengths.setdefault(self._number(x), x)
 
+    def note_divisor(self, x: Scalar) -> None:
+        """Keeps whether quotients may turn within a narrow range of what stands under them."""
+        if "ratio" not in self.index.asked and isinstance(x, ca.SX) and x.op() == ca.OP_ADD and not self._is_steady(x):
+            self.index.asked.add("ratio")
+
     def call(self, function: str, *arguments: Scalar) -> Scalar:
         """CasADi's function of that name; floor, ceil and signs become modes where time decides on them."""
         if function != "sqrt" or not isinstance(arguments[0], ca.SX) or not self._is_steady(arguments[0]):

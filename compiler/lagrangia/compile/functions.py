@@ -35,6 +35,7 @@ from lagrangia.dynamics.impulses import find_kick
 from lagrangia.dynamics.jacobians import Jacobian, build_jacobian
 from lagrangia.dynamics.joint_loads import settled
 from lagrangia.dynamics.motion import Motion
+from lagrangia.dynamics.narrow_places import find_narrow_places
 from lagrangia.dynamics.negative_inertia import without_negative_inertia
 from lagrangia.dynamics.reactions import build_reactions
 from lagrangia.dynamics.sampling import Sampling, find_sampling
@@ -173,7 +174,7 @@ def _functions_of_parameters(kinematics: Kinematics, motion: Motion, hoisted: ca
 def _watched(motion: Motion, switches: Switches) -> dict[str, list[ca.SX]]:
     """Results of the functions that tell of events."""
     return {"switches": [switches.values, switches.rates], "resets": [motion.impacts.rates, motion.impacts.wanted],
-            "roots": switches.hold(list(find_roots(motion, switches)))}
+            "roots": switches.hold(list(find_roots(motion, switches))), "looks": [find_narrow_places(motion, switches)]}
 
 
 def _functions_of_steps(motion: Motion, jacobian: Jacobian, switches: Switches, found: Mapping[str, list[ca.SX]], d: ca.SX,
@@ -191,6 +192,8 @@ def _functions_of_steps(motion: Motion, jacobian: Jacobian, switches: Switches, 
                                         [*labels[:3], "a", "u", "du", "d", "c"], ["g", "rate"])
     if found["roots"][0].numel():
         table["roots"] = ca.Function("roots", state, found["roots"], labels, ["g", "rate"])
+    if found["looks"][0].numel():
+        table["looks"] = ca.Function("looks", state, found["looks"], labels, ["g"])
     if motion.impacts.places:
         table["resets"] = ca.Function("resets", [t, q, v, u, d, c], found["resets"], labels, ["rate", "wanted"])
     multipliers = motion.constrained.symbols if motion.constrained else ca.SX(0, 1)

@@ -183,6 +183,7 @@ def _sizes(n: int, n_parameters: int, n_inputs: int, n_modes: int, functions: Fu
         **_of_constraints(motion), **functions.sizes, "rhs_cost": count_operations(usual_rhs(tapes)),
         "n_whens": motion.impacts.conditions.numel(), "n_resets": motion.impacts.rates.numel(),
         "n_roots": functions.table["roots"].numel_out(0) if "roots" in functions.table else 0,
+        "n_looks": functions.table["looks"].numel_out(0) if "looks" in functions.table else 0,
         "n_rubs": len(functions.patterns.get("rubs", ())) // 3, "n_rests": len(functions.patterns.get("rests", ())),
         "n_cones": len(functions.patterns.get("cones", ())) // 2, "n_lookups": len(functions.patterns["lookups"]) // 2,
         "has_corners": int(corners_remain(motion)), "may_hide": int(may_hide(usual_rhs(tapes))),

@@ -47,7 +47,7 @@ _NEARLY = 1.1
 _MOST_FREE, _MOST_HELD = 60, 250
 # Below this ratio fewer operations are worth differences of what the tree would do and what constraints take back.
 _CLEARLY = 0.9
-_SMOOTH = frozenset({"sin", "cos", "sinh", "cosh", "tanh", "exp"})  # with their derivatives
+_SMOOTH = frozenset({"sin", "cos", "sinh", "cosh", "tanh", "exp", "ratio"})  # with their derivatives
 Held = tuple[ca.SX, ca.SX, ConstrainedMotion]  # what `constrain` finds
 
 

@@ -171,6 +171,7 @@ class Evaluator:
                 divisor = _number(b, node.right.span)
                 if isinstance(divisor, float | int) and divisor == 0:
                     fail("L0217", "division by zero", node.span)
+                self.algebras[0].note_divisor(base_of(divisor))
                 return map_scalars(lambda x: x / divisor, a)
         a, b = _number(a, node.left.span), _number(b, node.right.span)
         match node.operator:

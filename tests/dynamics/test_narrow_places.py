@@ -1,0 +1,68 @@
+"""Smooth bumps and steps of forces that are much narrower than steps, against closed forms."""
+
+import math
+
+import pytest
+
+import lagrangia
+
+W = 0.002  # of all of them
+SCENE = f"""model Narrow "free blocks, each with a force that acts within 2 mm or 2 ms"
+  World world(gravity = {{0, 0}});
+  parameter Length w = {W};
+  Block pulse(m = 1, base = world);
+  Block bump(m = 1, base = world, v(start = 1));
+  Block hump(m = 1, base = world, v(start = 1));
+  Block ramp(m = 1, base = world, v(start = 1));
+  Block spike(m = 1, base = world, v(start = 1));
+  Block pole(m = 1, base = world, v(start = 1));
+  AppliedForce push(at = pulse.center, force = {{1[N]*exp(-((time - 1.2345[s])/0.002[s])^2), 0}});
+  AppliedForce over(at = bump.center, force = {{10[N]*exp(-((bump.s - 1.1[m])/w)^2), 0}});
+  AppliedForce near(at = pole.center, force = {{10[N]/(1 + ((pole.s - 0.5[m])/w)^2), 0}});
+  AppliedForce kink(at = spike.center, force = {{10[N]*exp(-abs(spike.s - 1.7[m])/w), 0}});
+energy
+  potential 0.02[J]*exp(-((hump.s - 0.4[m])/w)^2);
+  potential 0.02[J]*tanh((ramp.s - 1.4[m])/w);
+  annotation(experiment(StopTime = 2.9));
+end Narrow;
+"""
+
+
+@pytest.fixture(scope="module")
+def scene() -> lagrangia.Model:
+    return lagrangia.loads(SCENE)
+
+
+@pytest.mark.parametrize("tolerance", [1e-5, 1e-8])
+@pytest.mark.parametrize("solver", ["auto", "erk", "erk5", "erk9", "pirk", "taylor", "adams", "implicit"])
+def test_no_step_passes_over_a_narrow_place(scene: lagrangia.Model, solver: str, tolerance: float) -> None:
+    found = scene.simulate(solver=solver, tolerance=tolerance, at=[2.9])
+    pole = found["pole.s"][-1]
+    right = {
+        "pulse.s": W * math.sqrt(math.pi) * (2.9 - 1.2345),
+        "bump.v": math.sqrt(1 + 20 * W * math.sqrt(math.pi)),
+        "hump.v": 1,
+        "ramp.v": math.sqrt(1 - 4 * 0.02),
+        "spike.v": math.sqrt(1 + 20 * 2 * W),
+        "pole.v": math.sqrt(1 + 20 * W * (math.atan((pole - 0.5) / W) + math.atan(0.5 / W))),
+    }
+    assert {name: found[name][-1] for name in right} == pytest.approx(right, abs=20 * tolerance)
+    assert found["hump.s"][-1] < 2.9 - 1e-5  # it is slower on the hump
+
+
+def test_what_is_wide_costs_nothing() -> None:
+    wide = lagrangia.loads(SCENE.replace("w = 0.002", "w = 1").replace("/0.002[s]", "/1[s]").replace("-abs(", "-(w/3 + "))
+    counts = [wide.simulate(solver=solver, tolerance=1e-5, at=[2.9]).statistics for solver in ("erk", "erk9", "pirk")]
+    assert [(found.steps, found.rejected) for found in counts] == [(14, 0), (11, 0), (11, 0)]  # as without looks
+
+
+def test_no_first_step_ends_where_a_stiff_spring_has_exploded() -> None:
+    scene = lagrangia.loads("""model Follow
+      World world(gravity = {0, 0});
+      Block b(m = 1, base = world);
+      Frame p = shift(world, {0.1[m]*sin(3[rad/s]*time), 0});
+      Spring k(a = p, b = shift(b.center, {1, 0}), k = 1e10, s_rel0 = 1);
+      annotation(experiment(StopTime = 0.3));
+    end Follow;""")
+    found = scene.simulate(solver="taylor", tolerance=1e-6, max_steps=20_000, at=[0.01])
+    assert found["b.s"][-1] == pytest.approx(0.1 * math.sin(0.03), abs=5e-6)  # and swings by 3e-6
