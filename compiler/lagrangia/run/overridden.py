@@ -6,7 +6,6 @@ from collections.abc import Collection, Iterable, Mapping
 from lagrangia.run.scene import Scene
 
 Readers = Mapping[str, list[str]]  # as parameter_readers.find_readers has them
-CODE = "L0747"
 
 
 def may_be_overridden(parameters: Collection[str], initial: Collection[str]) -> bool:
@@ -23,7 +22,7 @@ def overridden_remarks(scene: Scene, readers: Readers, parameters: Collection[st
         if base in readers and not values.counts(base, readers) and (told := values.instead_of(base, readers)):
             verb = "is" if len(told) == 1 else "are"
             shown = " and ".join(map("'{}'".format, told[:3])) + (f" and {len(told) - 3} more" if len(told) > 3 else "")
-            found.append(f"warning[{CODE}]: the value given for '{name}' changes nothing: {shown} {verb} given as well, and "
+            found.append(f"warning[L0747]: the value given for '{name}' changes nothing: {shown} {verb} given as well, and "
                          "nothing else reads it\n   = leave one of them out")
     return found
 
