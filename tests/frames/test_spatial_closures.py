@@ -192,3 +192,23 @@ def test_reactions_of_cut_joints_accelerate_a_body(kind: str) -> None:
     F, v, L, M = (np.array([run[f"{name}[{k}]"] for k in (1, 2, 3)]) for name in "FvLM")
     for rate, wanted in ((v, F - np.array([[0], [0], [9.81]])), (L, M)):
         assert (rate[:, 2:] - rate[:, :-2]) / (2 * h) == pytest.approx(wanted[:, 1:-1], abs=1e-4)
+
+
+def test_gears_and_belts_join_angles_of_hinges_in_space() -> None:
+    """A bevel pair and a belt to a third shaft: with a torque on the first all turn as one inertia; a belt that slips pulls by
+    Euler's and Eytelwein's force."""
+    axes = {"p": "{1, 0, 0}", "q": "{0, 1, 0}", "r": "{0, 1, 0}", "s": "{0, 0, 1}"}
+    shafts = "".join(f"Revolute {name}(a = shift(world, {{0, 0, {k}}}), axis = {axis}); "
+                     f"Body r{name}(m = 1, I = {{{0.1 * (k + 1)}, {0.1 * (k + 1)}, {0.1 * (k + 1)}}}, center = {name}.b); "
+                     for k, (name, axis) in enumerate(axes.items()))
+    model = lag.loads(f"""model M {shafts}
+      Gear pair(r_a = 0.1, r_b = 0.2, phi_a = p.phi, phi_b = q.phi);
+      Belt belt(r_a = 0.3, r_b = 0.1, phi_a = q.phi, phi_b = r.phi);
+      RoughBelt slack(r_a = 0.1, r_b = 0.1, phi_a = r.phi, phi_b = s.phi, mu = 0.3, angle = 2, tension = 0.5);
+      energy work 0.7 on p.phi; end M;""")
+    run = model.simulate(stop=1, interval=0.5, tolerance=1e-11)
+    pull = 2 * 0.5 * np.tanh(0.3) * 0.1  # on the slack belt's pulleys
+    rate = (0.7 - 1.5 * pull) / (0.1 + 0.2 / 4 + 0.3 * 1.5**2)  # r turns by -1.5 of p
+    assert run["der(p.phi)"][-1] == pytest.approx(rate, rel=1e-9)
+    assert [run[f"der({x}.phi)"][-1] / rate for x in "qr"] == pytest.approx([-0.5, -1.5], rel=1e-12)
+    assert run["der(s.phi)"][-1] == pytest.approx(-pull / 0.4, rel=1e-9)

@@ -89,11 +89,11 @@ class Diagnostic:
     hints: tuple[str, ...] = ()
     excerpt: str = ""  # what shows the place where the text itself is no longer at hand
 
-    def placed(self, place: Span) -> "Diagnostic":
-        """The same at `place`, where it was found in a line of the library, which is then a hint."""
+    def placed(self, place: Span, other: str = "") -> "Diagnostic":
+        """The same at `place`, where it was found in a line of the library, which is then a hint; `other`: what follows it."""
         if self.span is None or not self.span.source.name.startswith(LIBRARY):
             return self
-        return replace(self, span=place, label="", hints=(*self.hints, f"it is read at {self.span}: {self.span.text}"))
+        return replace(self, span=place, label="", hints=(*self.hints, f"it is read at {self.span}: {self.span.text}{other}"))
 
     def render(self, color: bool = False) -> str:
         """The message, the line it is about with a caret under the text, and the hints."""

@@ -119,7 +119,8 @@ class _Bonds:
         own, plain = self.of(i, i), self.plain.get(i, 0.0)
         if own is not plain:
             self.doubt.append(ca.SX(own < DOUBTFUL * plain))
-        return own + small * plain if small else own
+        found = own + small * plain if small else own
+        return ca.SX(0) if is_zero(found) else found  # of a loop that nothing moves: told where it begins, infinite where it runs
 
 
 class ClosedTree:

@@ -223,9 +223,9 @@ class _Flattening:
         elif isinstance(member, FrameSlot):
             self._add_frame(member, owner)
         else:
-            self._guard(lambda: self._add_variable(member, owner), owner)
+            self._guard(lambda: self._add_variable(member, owner), owner, member)
 
-    def _guard(self, action: Any, owner: Instance) -> None:
+    def _guard(self, action: Any, owner: Instance, slot: Slot | None = None) -> None:
         """Collect what is wrong with one clause or declaration of an instance and go on with the next."""
         try:
             action()
@@ -234,14 +234,14 @@ class _Flattening:
         except TooMuchError as error:
             raise TooMuchError(self._placed(d, owner) for d in error.diagnostics) from None
         except LagError as error:
-            self.report.add(self._placed(d, owner) for d in error.diagnostics)
+            self.report.add(self._placed(d, owner, slot) for d in error.diagnostics)
 
-    def _placed(self, found: Diagnostic, owner: Instance) -> Diagnostic:
+    def _placed(self, found: Diagnostic, owner: Instance, slot: Slot | None = None) -> Diagnostic:
         """What was found in a line of the library, where people gave it what it is wrong for; the line is a hint."""
-        place = self._place(found.span, owner) if found.span is not None else None
-        if found.span is None or place == found.span:
+        if found.span is None or (place := self._place(found.span, owner)) == found.span:
             return found
-        return replace(found, span=place, label="", hints=(*found.hints, f"it is read at {found.span}: {found.span.text}"))
+        name = slot.declaration.name if slot is not None and kind_of(slot) == "variable" else ""
+        return found.placed(place, f", as the usual '{name}': another can be given, {name} = ..." if name else "")
 
     def _add_variable(self, slot: Slot, owner: Instance) -> None:
         declaration = slot.declaration
