@@ -110,6 +110,16 @@ def test_a_body_floats_with_an_attitude(tmp_path: Path) -> None:
     assert run["b.center.r"][-1] == pytest.approx([1, 12, -97], abs=1e-10)
 
 
+def test_a_potential_of_a_quaternion(tmp_path: Path) -> None:
+    """As that of the elements of R, whose forces are found on the body."""
+    ends = []
+    for square in ("b.center.Q[2]^2", "(1 + b.center.R[1,1] - b.center.R[2,2] - b.center.R[3,3])/4"):
+        body = "World world(gravity = {0, 0, -9.81}); Body b(m = 1, I = {0.1, 0.2, 0.3}, center(omega(start = {0.6, 0.1, 0.8})));"
+        run = scene(tmp_path, f"model Tied {body} energy potential 1[J]*{square}; end Tied;").simulate(stop=1, tolerance=1e-11)
+        ends.append(run["b.center.omega"][-1])
+    assert ends[0] == pytest.approx(ends[1], abs=1e-9)
+
+
 def test_a_held_tip_is_a_constraint(tmp_path: Path) -> None:
     """A floating top whose tip is held at one point moves as that on a ball joint."""
     held = """

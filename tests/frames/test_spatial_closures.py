@@ -180,6 +180,22 @@ def test_a_slider_rubs_on_a_guide_in_space() -> None:
         lag.loads(text.replace("mu = 0.2,", "mu = 0.2, length = 0.3,")).simulate(stop=1)
 
 
+def test_a_loop_begins_and_ends_with_ball_joints() -> None:
+    """As where three equations hold its tip."""
+    bars = """
+      World world(gravity = {0, 0, -9.81});
+      Spherical h1(a = world), h2(a = shift(h1.b, {0.3, 0.1, 0}));
+      Body b1(m = 1, I = {0.1, 0.2, 0.15}, center = shift(h1.b, {0.3, 0.1, 0.05}));
+      Body b2(m = 1, I = {0.1, 0.2, 0.15}, center = shift(h2.b, {0.1, 0, 0}));
+      Frame tip = shift(h2.b, {0.2, -0.1, 0});"""
+    cut, held = (lag.loads(f"model M {bars} {end} end M;") for end in
+                 ("Spherical cut(a = shift(world, {0.5, 0, 0}), b = tip);", "equation tip.r = {0.5, 0, 0};"))
+    assert [x.kind for x in cut.compilation.graph.closures] == ["ball"]
+    ends = [[run[f"{name}.center.omega[{k}]"][-1] for name in ("b1", "b2") for k in (1, 2, 3)]
+            for run in (model.simulate(stop=0.5, tolerance=1e-11) for model in (cut, held))]
+    assert ends[0] == pytest.approx(ends[1], abs=1e-8) and np.abs(ends).max() > 1
+
+
 @pytest.mark.parametrize("kind", ["cross", "cylinder"])
 def test_reactions_of_cut_joints_accelerate_a_body(kind: str) -> None:
     """Newton's and Euler's laws of a body between a hinge and the joint that is cut, by differences of what it does."""

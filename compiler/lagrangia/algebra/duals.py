@@ -175,6 +175,11 @@ def dot(a: Sequence[Scalar], b: Sequence[Scalar]) -> Scalar:
     return total
 
 
+def added(a: Sequence[Scalar], b: Sequence[Scalar]) -> list[Scalar]:
+    """a + b of two vectors of one length, without terms that are 0."""
+    return [plus(x, y) for x, y in zip(a, b, strict=True)]
+
+
 def value_of(x: Scalar) -> Scalar:
     """A dual's value; other scalars are their own."""
     return x.value if isinstance(x, Dual) else x

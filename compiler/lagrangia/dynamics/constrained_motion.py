@@ -10,7 +10,7 @@ from lagrangia.constraints.partition import Partition
 from lagrangia.constraints.rows import Constraints
 from lagrangia.dynamics.kkt import KKT, SMALL, SMALL_IN_SPACE, diagonal_of, factor
 from lagrangia.dynamics.null_space import NullSpace
-from lagrangia.dynamics.own_rows import OwnRows, WithOwnRows, factor_others, find_own_rows, form_others
+from lagrangia.dynamics.own_rows import OwnRows, WithOwnRows, factor_others, find_own_rows, form_others, knows_all
 from lagrangia.dynamics.regularity import find_evenness, is_even, relative_pivots
 from lagrangia.dynamics.schur import FreeTree, LoopByLoop, SchurComplement, form
 from lagrangia.frames.kinematics import Kinematics
@@ -101,6 +101,8 @@ def constrain(
     """
     J = ca.jacobian(rows.rate, free.v)
     own = find_own_rows(kinematics, J, free.momentum, free.v)
+    if free.tree is not None and not knows_all(free.tree, own):
+        free = replace(free, tree=None)
     small = SMALL_IN_SPACE if kinematics.geometry.by_rates else SMALL
     evenness = _evenness(kinematics, free, J, own)
     is_robust = for_any_mass or not is_even(kinematics, evenness)

@@ -18,7 +18,7 @@ from itertools import pairwise, zip_longest
 
 import casadi as ca
 
-from lagrangia.algebra.duals import Dual, Scalar, dot, is_zero, minus, plus, times
+from lagrangia.algebra.duals import Dual, Scalar, added, dot, is_zero, minus, plus, times
 from lagrangia.algebra.scalars import column, scalars_in
 from lagrangia.algebra.scans import each, scan
 from lagrangia.base.records import dataclass
@@ -174,7 +174,7 @@ class ArticulatedBodies:
             if k is None:
                 continue
             load = _about_reference([*_ahead(self.clusters[home].turn, self.bodies.local[frame]), *force])
-            found[k] = _sum(found.get(k, [*NOTHING]), load)
+            found[k] = added(found.get(k, [*NOTHING]), load)
         return found, is_held
 
     def granted(self, energies: Energies) -> Granted | None:
@@ -185,7 +185,7 @@ class ArticulatedBodies:
         still, (loads, _) = self.kinematics.without_accelerations(), self.on_carriers(forces)
         for k, name in enumerate(self._moving):
             own = _inertial_force([*upper(self.clusters[name].inertia), *motion_numbers(still.pose(name, 2))])
-            loads[k] = _sum(loads.get(k, [*NOTHING]), own)
+            loads[k] = added(loads.get(k, [*NOTHING]), own)
         r = [minus(0.0, forces.on_coordinates.get(c.name, 0.0)) for c in self.kinematics.graph.coordinates]
         return Granted(loads, r)
 
@@ -229,7 +229,7 @@ class ArticulatedBodies:
                 left |= {joint.index: u for joint, u in zip(self.joints[cluster.frame], values, strict=True)}
             parent = way[-1].parent
             if parent is not None and not parent.is_ground:
-                p[parent.frame] = _sum(p[parent.frame], last)
+                p[parent.frame] = added(p[parent.frame], last)
         return left
 
 
@@ -341,7 +341,7 @@ def _twist_behind(joint: Sequence[Scalar], twist: Vector) -> Vector:
 
 
 def _halves_added(values: Vector) -> Vector:
-    return _sum(values[:SIZE], values[SIZE:])
+    return added(values[:SIZE], values[SIZE:])
 
 
 class OneMoves:
@@ -417,7 +417,7 @@ def _pass_on(state: Vector, inputs: Vector) -> tuple[Vector, Vector]:
         s, share, r = own[k : k + SIZE], own[k + SIZE : k + 2 * SIZE], own[k + 2 * SIZE]
         left.append(minus(r, dot(s, p)))
         p = _passed_on(s, share, p, r, left[-1])
-    return _sum(more, about(p, place)), left
+    return added(more, about(p, place)), left
 
 
 def _follow(state: Vector, inputs: Vector) -> tuple[Vector, Vector]:
@@ -428,7 +428,7 @@ def _follow(state: Vector, inputs: Vector) -> tuple[Vector, Vector]:
         s, U, (u, inverse) = inputs[k : k + SIZE], inputs[k + SIZE : k + 2 * SIZE], inputs[k + 2 * SIZE : k + 2 * SIZE + 2]
         a = times(minus(u, dot(U, twist)), inverse)
         found.append(a)
-        twist = _sum(twist, [times(x, a) for x in s])
+        twist = added(twist, [times(x, a) for x in s])
     return twist, found
 
 
@@ -453,11 +453,3 @@ def _axis(s: Vector) -> int | None:
     """k when s is the k-th unit vector."""
     nonzero = [k for k, x in enumerate(s) if not is_zero(x)]
     return nonzero[0] if len(nonzero) == 1 and isinstance(s[nonzero[0]], float) and s[nonzero[0]] == 1.0 else None
-
-
-
-
-
-
-def _sum(a: Vector, b: Vector) -> Vector:
-    return [plus(x, y) for x, y in zip(a, b, strict=True)]

@@ -135,7 +135,9 @@ class _Apart:
     def _displaced(self, name: str, attribute: str, level: int) -> Value:
         """In space, where an attitude has no numbers that displacements add to."""
         kinematics, (shift, rate) = self.kinematics, self.frames[name]
-        self.is_whole &= attribute != "Q"
+        if attribute == "Q":
+            self.is_whole = False
+            return kinematics.frame(name, attribute, level)
         at = level + 1 if kinematics.graph.model.space.attributes[attribute].kind == "velocity" else level
         moved = [displacement(pair, at) for pair in zip(shift, rate, strict=True)]
         pose = kinematics.pose(name, at).displaced(moved, kinematics.evaluator.algebras[at])

@@ -23,7 +23,7 @@ from typing import Protocol
 
 import casadi as ca
 
-from lagrangia.algebra.duals import Scalar, dot, is_zero, minus, plus, times
+from lagrangia.algebra.duals import Scalar, added, dot, is_zero, minus, plus, times
 from lagrangia.algebra.scalars import column, scalars_in
 from lagrangia.base.records import dataclass
 from lagrangia.dynamics.energies import Energies
@@ -153,7 +153,7 @@ class ClosedTree:
         whole = open_rows[carrier.parent]
         for row, wrench in P.items():
             moved = carrier.wrench_to_parent(wrench)
-            whole[row] = _sum(whole[row], moved) if row in whole else moved
+            whole[row] = added(whole[row], moved) if row in whole else moved
 
     @property
     def span(self) -> int:
@@ -228,7 +228,7 @@ class ClosedTree:
                     gaps[row] = plus(gaps[row], times(pull, eased))
             parent = self.carriers[k].parent
             if parent is not None:
-                loads[parent] = _sum(loads[parent], self.carriers[k].wrench_to_parent(p))
+                loads[parent] = added(loads[parent], self.carriers[k].wrench_to_parent(p))
         return left
 
     def _root_to_leaf(self, gaps: Vector, left: Mapping[int, Scalar], multipliers: Vector) -> Vector:
@@ -318,9 +318,5 @@ def _further(vector: Vector, factor: Scalar, way: Vector) -> Vector:
     return [plus(x, times(factor, y)) for x, y in zip(vector, way, strict=True)]
 
 
-def _sum(a: Vector, b: Vector) -> Vector:
-    return [plus(x, y) for x, y in zip(a, b, strict=True)]
-
-
 def _together(a: Inertia, b: Inertia) -> Inertia:
-    return [_sum(x, y) for x, y in zip(a, b, strict=True)]
+    return [added(x, y) for x, y in zip(a, b, strict=True)]

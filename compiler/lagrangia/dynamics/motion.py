@@ -29,6 +29,7 @@ from lagrangia.dynamics.dissipation import gradient_by_rates
 from lagrangia.dynamics.energies import Energies, generalised_force, rate_of_potential
 from lagrangia.dynamics.forces import forces_of_loops
 from lagrangia.dynamics.impacts import Impacts
+from lagrangia.dynamics.loops_in_tree import Granted
 from lagrangia.dynamics.regularity import is_even
 from lagrangia.dynamics.schur import FreeTree, prefers
 from lagrangia.frames.evaluation import scalars_of
@@ -379,8 +380,7 @@ def _hold(kinematics: Kinematics, bodies: Bodies, energies: Energies, constraint
     along = None
     if tree is not None:
         alone = _along(tree, energies, Later(lambda: free.h))
-        own = FreeTree(tree, alone, forces_of_loops(kinematics, constraints.rows), range(tree.size),
-                       tree.granted(energies))
+        own = FreeTree(tree, alone, forces_of_loops(kinematics, constraints.rows), range(tree.size), _granted(tree, energies))
         along = own if is_even(kinematics, own.balance) else None
     found = [constrain(kinematics, rows, replace(free, tree=along), for_any_mass)]
     if is_preferred is None and found[0][2].tree is not None:
@@ -403,6 +403,18 @@ def _along(tree: Tree, energies: Energies, inertial: Later[ca.SX]) -> ca.SX:
     if found is None:
         found = tree.solve(-inertial.value)
     return _on_time([found], tree.kinematics)[0]
+
+
+def _granted(tree: Tree, energies: Energies) -> Granted | None:
+    """What acts on its bodies, by wrenches."""
+    found = tree.granted(energies)
+    if found is None or not _knows(tree.kinematics, column(*found.r, *(x for load in found.loads.values() for x in load))):
+        return found
+
+    def on_time(numbers: Sequence[Scalar]) -> list[Scalar]:
+        return [as_expression(x) for x in _on_time([*map(ca.SX, numbers)], tree.kinematics)]
+
+    return Granted({k: on_time(load) for k, load in found.loads.items()}, on_time(found.r))
 
 
 def _on_time(expressions: list[ca.SX], kinematics: Kinematics) -> list[ca.SX]:

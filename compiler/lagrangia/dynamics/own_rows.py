@@ -42,17 +42,25 @@ def find_own_rows(kinematics: Kinematics, J: ca.SX, momentum: ca.SX, v: ca.SX) -
     for row, k in zip(*pattern.get_triplet(), strict=True):
         users.setdefault(k, []).append(row)
     pairs, heavy = [], set[int]()
+    moving = ca.vertcat(kinematics.algebra.state, kinematics.symbols.time)
     if kinematics.graph.kept_coordinates:
         for pair in zip(*ca.jacobian_sparsity(momentum, v).get_triplet(), strict=True):
             heavy.update(pair)
     for name in sorted(kinematics.graph.kept_coordinates):
         k = names.get(name)
-        if k is not None and k not in heavy and len(users.get(k, ())) == 1 and J[users[k][0], k].is_constant():
+        if k is not None and k not in heavy and len(users.get(k, ())) == 1 and not ca.depends_on(J[users[k][0], k], moving):
             pairs.append((users[k][0], k))
     if not pairs:
         return None
     own, rows = {k for _, k in pairs}, {row for row, _ in pairs}
     return OwnRows(tuple(pairs), tuple(k for k in range(n) if k not in own), tuple(r for r in range(m) if r not in rows))
+
+
+def knows_all(tree: FreeTree, own: OwnRows | None) -> bool:
+    """Whether the bodies of a tree move by all that is left: they know nothing of what cut joints keep."""
+    left = own.others if own is not None else range(tree.bodies.size)
+    kept = tree.bodies.kinematics.graph.kept_coordinates
+    return not any(name in kept for k, name in enumerate(tree.bodies.kinematics.symbols.positions) if k in left)
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ from typing import Any
 
 import casadi as ca
 
-from lagrangia.algebra.duals import Scalar, dot, is_zero, minus, plus, times
+from lagrangia.algebra.duals import Scalar, added, dot, is_zero, minus, plus, times
 from lagrangia.algebra.scalars import as_expression
 from lagrangia.base.records import dataclass
 from lagrangia.dynamics.spatial_drift import STILL, Link
@@ -26,7 +26,6 @@ from lagrangia.frames.spatial_inertia import (
     Shift,
     Turn,
     Vector,
-    added,
     composed,
     cross,
     product,

@@ -9,9 +9,9 @@ bodies alone). What takes fewer operations is done, link by link, for origins an
 from collections.abc import Sequence
 from dataclasses import field
 
-from lagrangia.algebra.duals import Scalar, is_zero
+from lagrangia.algebra.duals import Scalar, added, is_zero
 from lagrangia.base.records import dataclass
-from lagrangia.frames.spatial_inertia import Inertia, Move, RigidInertia, Shift, Turn, Vector, added, cross
+from lagrangia.frames.spatial_inertia import Inertia, Move, RigidInertia, Shift, Turn, Vector, cross
 
 STILL: Sequence[Scalar] = (0.0,) * 3
 _TURNED = 6  # operations of a turn about an axis, of a vector

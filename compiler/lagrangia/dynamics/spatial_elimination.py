@@ -15,7 +15,7 @@ articulated-body inertias using successive axial screws (1995), for the turns ab
 from collections.abc import Mapping, Sequence
 from functools import cached_property
 
-from lagrangia.algebra.duals import Scalar, dot, is_zero, minus, plus, times
+from lagrangia.algebra.duals import Scalar, added, dot, is_zero, minus, plus, times
 from lagrangia.base.records import dataclass
 from lagrangia.dynamics.spatial_drift import STILL, Drift, Link
 from lagrangia.frames.spatial_inertia import (
@@ -23,7 +23,6 @@ from lagrangia.frames.spatial_inertia import (
     Inertia,
     Shift,
     Vector,
-    added,
     is_nothing,
     momentum,
     no_inertia,

@@ -10,7 +10,7 @@ from dataclasses import replace
 
 import casadi as ca
 
-from lagrangia.algebra.duals import Dual, Scalar, base_of, is_zero, minus, plus, rate_of, times, value_of
+from lagrangia.algebra.duals import Dual, Scalar, added, base_of, is_zero, minus, plus, rate_of, times, value_of
 from lagrangia.algebra.scalars import scalars_in
 from lagrangia.base.records import dataclass
 from lagrangia.dynamics.bodies import Bodies
@@ -32,7 +32,6 @@ from lagrangia.frames.spatial_inertia import (
     Matrix,
     RigidInertia,
     Vector,
-    added,
     composed,
     cross,
     is_nothing,

@@ -38,6 +38,9 @@ class Frames(Leaves, Protocol):
     def step(self, step: Step, pose: Pose, level: int) -> Pose:
         """The pose behind a step that begins at another one."""
 
+    def attitude_of(self, step: Step) -> str | None:
+        """The coordinate that a turn is by, if it is an attitude."""
+
     def turn_by(self, step: Step, level: int) -> Quaternion | None:
         """The quaternion of a turn by an attitude; None of other steps."""
 

@@ -94,6 +94,8 @@ def _axes_of_base(frames: Frames, closure: Closure) -> Matrix:
         for step in edge.steps:
             if step.kind != "turn":
                 continue
+            if frames.attitude_of(step) is not None:
+                return transposed(turned)
             angle, axis = frames.evaluator.value(step.amount), _axis_of(frames, step)
             if not all(isinstance(x, float | int) for x in (angle, *axis)):
                 return transposed(turned)

@@ -7,7 +7,7 @@ operations where three entries of a symmetric block mix, by u = s (a - b) + 2 c 
 
 from collections.abc import Callable, Sequence
 
-from lagrangia.algebra.duals import Scalar, dot, is_zero, minus, plus, times
+from lagrangia.algebra.duals import Scalar, added, dot, is_zero, minus, plus, times
 from lagrangia.base.records import dataclass
 
 Vector = list[Scalar]  # (3,), or (6,) of a twist or a wrench
@@ -24,11 +24,6 @@ SAME: Matrix = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 def cross(a: Sequence[Scalar], b: Sequence[Scalar]) -> Vector:
     """a x b."""
     return [minus(times(a[i], b[j]), times(a[j], b[i])) for _, i, j in _CYCLE]
-
-
-def added(a: Sequence[Scalar], b: Sequence[Scalar]) -> Vector:
-    """a + b, of any length."""
-    return [plus(x, y) for x, y in zip(a, b, strict=True)]
 
 
 def scaled(factor: Scalar, a: Sequence[Scalar]) -> Vector:
