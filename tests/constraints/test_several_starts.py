@@ -59,6 +59,18 @@ def test_nothing_is_told_where_one_fits_or_a_start_chose(parts: str, stated: str
     assert scene(f"model M {parts} initial equation {stated} end M;").warnings == []
 
 
+def test_sums_with_free_parameters_are_told_or_taken_apart(scene: Write) -> None:
+    """x^2 + p vanishes in parts where p is 0 alone, as declared, and is met to half the digits; p*x^2 does whatever p is."""
+    begins = "model M parameter Real p = {}; Block b(m = 1, base = world); initial equation {} end M;"
+    model = scene(begins.format(0, "(b.s/1[m] - 1)^2 + p = 0;"))
+    assert len(model.warnings) == 1 and "L0609]: with the parameters as declared this only just holds" in model.warnings[0]
+    model = scene(begins.format(2, "p*sqrt(b.s/1[m] - 3) = 0; ((b.v/1[m/s] - 1)^2 + b.s*0/1[m])/p = 0;"))
+    assert model.warnings == []
+    for p in (2.0, -3.0):
+        run = model.simulate(parameters={"p": p}, stop=1e-9, interval=1e-9)
+        assert [float(run[name][0]) for name in ("b.s", "der(b.s)")] == pytest.approx([3, 1], abs=1e-12)
+
+
 @pytest.mark.parametrize("stated", [
     "(a.s - 1)^2 + 3*(b.s - 2)^2 = 0; (a.v - 1)^2 + b.v^2/2 = 0;", "sqrt(a.s - 1[m]) = 0; sqrt(b.s - 2[m])*2 = 0; a.v = 1;",
     "abs(a.s - 1) + abs(b.s - 2) = 0; sqrt(a.v - 1[m/s]) + sqrt(b.v) = 0;",

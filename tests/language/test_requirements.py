@@ -71,6 +71,37 @@ def test_assertions_of_what_is_known(scene: Write) -> None:
             assert len(scene(text).compilation.flat.guards) == 3
 
 
+def test_what_is_known_of_a_condition_is_left_out_of_it(scene: Write) -> None:
+    """n == 3 beside what moves, in assertions, events, and functions."""
+    text = """function g
+      input Real x;
+      input Integer n;
+      output Real y;
+    algorithm
+      if n <> 7 then
+        assert(n == 3 or x < 0.5, "too far");
+      end if;
+      y := x;
+    end g;
+    model M
+      parameter Integer n = 2;
+      Block b(m = 1, base = world, v(start = 1));
+      output Real y = g(b.s/1[m], n);
+    equation
+      assert(n == 2 or b.s < 0.1, "never told");
+      assert(not (n == 2 and b.s > 0.4), "beyond");
+      when n <> 3 and b.s > 0.2 then
+        reinit(b.v, 2);
+      end when;
+    end M;"""
+    model = scene(text)
+    assert len(model.compilation.flat.guards) == 2
+    with pytest.raises(lag.RunError, match=r"t = 0\.3: beyond"):
+        model.simulate(stop=1.0)
+    with pytest.raises(lag.RunError, match="too far"):
+        scene(text.replace("b.s > 0.4", "b.s > 4")).simulate(stop=1.0)
+
+
 def test_texts_are_put_together(scene: Write) -> None:
     """Of numbers, truth values and values of enumerations that are known."""
     model = scene("""type Kind = enumeration(soft, hard);
@@ -78,12 +109,13 @@ def test_texts_are_put_together(scene: Write) -> None:
       parameter Integer n = 3;
       constant Real third = 1/3;
       parameter String s = "n = " + String(n) + ", " + String(Kind.hard) + String(third, significantDigits = 3)
-        + String(n > 2) + "|" + String(n, minimumLength = 3, leftJustified = false);
+        + String(n > 2) + "|" + String(n, minimumLength = 3, leftJustified = false) + String(1000000*n + 1) + " "
+        + String(abs(-3000001)) + " " + String(3000000/1);
       Block b(m = 1, base = world, along = {1, 0}, v(start = 1));
     equation
       assert(b.s < 1, s);
     end M;""")
-    with pytest.raises(lag.RunError, match=r"t = 1: n = 3, hard0\.333true\|  3 "):
+    with pytest.raises(lag.RunError, match=r"t = 1: n = 3, hard0\.333true\|  33000001 3000001 3e\+06"):
         model.simulate(stop=2.0)
 
 
@@ -131,3 +163,44 @@ def test_names_of_the_modelica_library(scene: Write) -> None:
     run = model.simulate(stop=3.0)
     assert run["wheel.phi"] == pytest.approx(run["exact"], abs=1e-9)
     assert run["g"][0] == 9.80665
+
+
+def test_functions_of_modelica_math_hide_others_of_their_names(scene: Write) -> None:
+    """Imported by name, by another one, in the package or whole, in models and functions; elsewhere one's own is meant."""
+    model = scene("""function sin
+      input Real x;
+      output Real y;
+    algorithm
+      y := 7*x;
+    end sin;
+    function h
+      import Modelica.Math.sin;
+      input Real x;
+      output Real y;
+    algorithm
+      y := sin(x);
+    end h;
+    package P
+      import Modelica.Math;
+      model Q
+        output Real y = Math.sin(1);
+      end Q;
+      model R
+        import Modelica.Math.*;
+        output Real y = sin(1);
+      end R;
+      model S
+        import s = Modelica.Math.sin;
+        output Real y = s(1);
+      end S;
+    end P;
+    model M
+      P.Q q;
+      P.R r;
+      P.S s;
+      Block b(m = 1, base = world);
+      output Real own = sin(1), other = h(1);
+    end M;""")
+    assert model.warnings == []
+    run = model.simulate(at=[0.0])
+    assert [run[name][0] for name in ("own", "other", "q.y", "r.y", "s.y")] == pytest.approx([7.0, *4*[0.8414709848078965]])

@@ -165,7 +165,7 @@ def test_models_that_test_others_fail_with_their_text(tmp_path: Path, monkeypatc
 
 
 @pytest.mark.parametrize(("stated", "code", "said"), [
-    ('assert(a.s, "x");', "L0225", "this is no comparison"),
+    ('assert(a.s, "x");', "L0225", "this does not"),
     ('assert(a.s > 1, a.s);', "L0302", "is a text"),
     ('assert(a.s > 1[kg], "x");', "L0304", "kg"),
     ('terminate("x");', "L0222", "terminate stands in a when"),

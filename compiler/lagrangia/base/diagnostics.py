@@ -217,7 +217,8 @@ def fail(code: str, message: str, span: Span | None = None, *hints: str, label: 
 
 def tell_miss(gap: float, unit: str) -> str:
     """By how much an equation fails to hold."""
-    return f"it misses by {abs(gap):.3g} ({unit})" if isfinite(gap) else "it has no finite value wherever it was looked for"
+    nowhere = "it has no finite value, or no finite slope, wherever it was looked for"
+    return f"it misses by {abs(gap):.3g} ({unit})" if isfinite(gap) else nowhere
 
 
 def nearest(word: str, known: Iterable[str]) -> str | None:

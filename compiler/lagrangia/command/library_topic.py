@@ -36,7 +36,8 @@ Friction     tau_pos and mu_pos are rows of a rate and what it takes there; it s
              of its lossTable, and may lock itself.
 Starts       spring.phi_rel(start = 0.1, fixed = true) is an initial equation; without fixed it has no effect (L0608).
              Where a start fits in two ways (der(b.s)^2 = 4, a loop whose crank alone is given) L0609 tells which was taken: the
-             one nearest to the starts of the others, which choose: b.v(start = 2).
+             one nearest to the starts of the others, which choose: b.v(start = 2). The search for others begins
+             within a turn, or twice the natural size (by starts and levers, else 1 m), of what was taken, and goes no further.
 Planar       scenes have shafts by Rotational.HingeFlange(of = hinge.phi) and Translational.SliderFlange(of = slider.s).
 Pictures     lag draw FILE.lag shows a drive train along its shaft, by its connections (`lag help drawing`).
 Sensors      TorqueSensor, ForceSensor and MultiSensor stand between two flanges: what the first side does to the second.

@@ -13,6 +13,7 @@ from lagrangia.base.diagnostics import Report
 from lagrangia.constraints.assemblies import Search
 from lagrangia.constraints.assembly import Assembly, begin
 from lagrangia.constraints.initial import FIXED, GUESS, InitialConditions, initial_function, start_function
+from lagrangia.constraints.vanishing_sums import only_touches
 from lagrangia.frames.kinematics import Kinematics
 from lagrangia.language.flat import rate_of
 
@@ -23,6 +24,7 @@ _NEARER, _CLOSED, _MOVED = 0.9, 1e-9, 1e-3
 def find_several_starts(kinematics: Kinematics, initial: InitialConditions) -> Report:
     """L0609, with the parameters as declared. Nothing is looked for where no exact start is left to be followed by others."""
     report, n, positions = Report(), len(initial.fixed) // 2, initial.n_positions
+    _tell_touching(kinematics, initial, report)
     stated = _stated(kinematics, initial)
     is_held = positions > 0 and FIXED in initial.fixed[:n] and GUESS not in initial.fixed[:n]  # and nobody chose how loops close
     is_asked = [is_held or any(k < positions for k in stated), any(k >= positions for k in stated)]
@@ -62,6 +64,19 @@ def _bends(kinematics: Kinematics, initial: InitialConditions, of_rates: int) ->
     names, lost = (symbols.rates, initial.lost_v) if of_rates else (symbols.positions, initial.lost_q)
     rows = initial.residuals[n:] if of_rates else initial.residuals[:n]
     return any(ca.which_depends(rows, ca.vertcat(*names.values(), lost), 2, True))
+
+
+def _tell_touching(kinematics: Kinematics, initial: InitialConditions, report: Report) -> None:
+    """Initial equations that hold where their slopes vanish, by the values of parameters."""
+    stated = {equation.span for equation in kinematics.graph.model.initial_equations}
+    touching = {span for residual, span in zip(initial.residuals.elements(), initial.residual_spans, strict=True)
+                if span in stated and only_touches(kinematics, residual)}
+    for span in initial.residual_spans:
+        if span in touching:
+            touching.remove(span)
+            report.warning("L0609", "with the parameters as declared this only just holds: a run begins within half of the "
+                           "digits of it, if at all", span,
+                           "state what vanishes there, as x - 1 = 0, or make the parameter a constant")
 
 
 def _tell_moved(kinematics: Kinematics, initial: InitialConditions, assembly: Assembly, x: Vector, report: Report

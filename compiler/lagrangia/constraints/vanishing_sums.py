@@ -7,7 +7,7 @@ these have slopes. So it is with a root, sqrt(x) = 0, whose slope has no bound t
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import partial
-from math import nan
+from math import isfinite, nan
 
 import casadi as ca
 
@@ -43,6 +43,12 @@ def vanishing_parts(kinematics: Kinematics, gap: ca.SX) -> list[ca.SX] | None:
     return _Sums(kinematics, is_general=True).parts_of(gap)
 
 
+def only_touches(kinematics: Kinematics, gap: ca.SX) -> bool:
+    """Whether a gap is such a sum with the parameters as declared alone, as x^2 + p where p is 0: it has no slopes where it
+    vanishes, and cannot be taken apart, as it is another one with other parameters."""
+    return vanishing_parts(kinematics, gap) is None and _Sums(kinematics).parts_of(gap) is not None
+
+
 def _value(part: ca.SX, kinematics: Kinematics, level: int) -> Scalar:
     return derived(part, kinematics, level)
 
@@ -69,7 +75,10 @@ class _Sums:
     def _vanishing(self, total: ca.SX) -> list[ca.SX] | None:
         """The parts of a sum of one sign, which vanishes with all of them."""
         found, signs, constant = list[ca.SX](), set[int](), ca.SX(0)
-        for sign, term in _terms(total):
+        terms = list(_terms(total))
+        if len(terms) == 1 and (scaled := self._scaled(terms[0][1])) is not None:
+            return scaled
+        for sign, term in terms:
             parts = self._parts(term)
             if parts is None and self._moves(term):
                 return None
@@ -98,6 +107,17 @@ class _Sums:
             if not self._moves(factor):
                 return self._vanishing(other) if self._number(factor) > 0 else None
         return [first] if op == ca.OP_MUL and ca.is_equal(first, second, 1) else None
+
+    def _scaled(self, term: ca.SX) -> list[ca.SX] | None:
+        """Of a single term with a factor of parameters, which may be 0 or negative: the parts of the rest, times that."""
+        if term.is_symbolic() or term.is_constant() or term.op() not in (ca.OP_MUL, ca.OP_DIV):
+            return None
+        pairs = ((term.dep(0), term.dep(1)), (term.dep(1), term.dep(0)))[term.op() == ca.OP_DIV :]
+        for factor, other in pairs:
+            if not self._moves(factor) and self._moves(other) and not isfinite(self._number(factor)):
+                parts = self._vanishing(other)
+                return None if parts is None else [x * factor if term.op() == ca.OP_MUL else x / factor for x in parts]
+        return None
 
     def _moves(self, x: ca.SX) -> bool:
         return not self.state.isdisjoint(symbols_in(x))

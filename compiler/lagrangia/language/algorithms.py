@@ -19,9 +19,11 @@ from lagrangia.language.function_variables import (
     leaves_of,
     part_of,
 )
+from lagrangia.language.functions import FUNCTIONS
 from lagrangia.language.instances import Instance, Scope
 from lagrangia.language.mentions import nodes
 from lagrangia.language.names import Names
+from lagrangia.language.number_checks import refuse_no_number
 from lagrangia.language.requirements import implied, measured, with_cells
 from lagrangia.language.tree import (
     Argument,
@@ -96,6 +98,7 @@ class _Builder:
         self.trees: dict[str, Tree] = {}
         self.units: dict[str, str] = {}
         self.whole: set[str] = set()  # leaves of Integer and Boolean variables
+        self.truths: set[str] = set()  # of Boolean ones
         self.constants: dict[str, Flat] = {}  # of those, while they are known
         # under which name a leaf's value is found; its own, unless branches or arrays gave it
         self.current: dict[str, str] = {}
@@ -181,6 +184,8 @@ class _Builder:
             self.units[leaf] = unit
             if base.builtin != "Real":
                 self.whole.add(leaf)
+            if base.builtin == "Boolean":
+                self.truths.add(leaf)
         return tree
 
     def _unit(self, declaration: Declaration, attributes: tuple[Argument, ...]) -> str:
@@ -210,7 +215,7 @@ class _Builder:
         cells = tuple(leaf for tree in inputs.values() for leaf in leaves_of(tree))
         results = {d.name: self.trees[d.name] for d in outputs}
         is_plain = len(results) == 1 and all(isinstance(tree, str) for tree in (*inputs.values(), *results.values())) and all(
-            d.name in inputs for d in self.declarations if "input" in d.prefixes)
+            d.name in inputs for d in self.declarations if "input" in d.prefixes) and name not in FUNCTIONS
         if is_plain:
             last = self.current[outputs[0].name]
             function = self._function(name, cells, tuple(steps), last)
@@ -351,6 +356,8 @@ class _Builder:
             self.constants[leaf] = Boolean(known, value.span) if isinstance(known, bool) else (
                 Number(float(known), None, value.span, float(known).is_integer()))
         self.names.work.spend(_STATEMENT + sum(1 for _ in nodes(value)), value.span)
+        if leaf not in self.truths:
+            refuse_no_number(value)
         steps.append((place, value))
         self.given.add(place)
         self.current[leaf] = place

@@ -14,7 +14,7 @@ from lagrangia.language.instances import Scope
 from lagrangia.language.names import Names
 from lagrangia.language.requirements import required
 from lagrangia.language.texts import said_by
-from lagrangia.language.tree import Call, Expression, Reference
+from lagrangia.language.tree import Boolean, Call, Expression, Reference
 
 _WRITE = 'write: assert(n > 2, "three or more links");'
 _ENDS = 'write: when x > 1 then terminate("it is there"); end when;'
@@ -39,13 +39,12 @@ def guard_of(call: Call[Expression], scope: Scope, place: Span, names: Names, re
     """The guard of an assertion that parameters or the motion decide; of another one, an error or a warning L0238 where it does
     not hold. Raises LagError L0215, L0225, L0302."""
     one = read_assertion(call, scope, place, names)
-    flat, said, is_warning = one.condition, one.text, one.kind == "warning"
-    holds = fold(flat)
-    if holds is None:
+    flat, said, is_warning = names.without_known(one.condition), one.text, one.kind == "warning"
+    if not isinstance(flat, Boolean):
         return [Guard(flat, required(flat), said, one.kind, scope.instance.path, place)]
-    if not holds and is_warning:
+    if not flat.value and is_warning:
         report.warning("L0238", said, place, "the assertion does not hold")
-    elif not holds:
+    elif not flat.value:
         report.error("L0238", said, place, "the assertion does not hold")
     return []
 

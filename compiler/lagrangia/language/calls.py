@@ -18,7 +18,6 @@ from lagrangia.language.loops import Loops
 from lagrangia.language.matrices import ARRAY_FUNCTIONS as OF_ARRAYS
 from lagrangia.language.matrices import cross_of_three
 from lagrangia.language.requirements import Requirements
-from lagrangia.language.scoping import KERNEL
 from lagrangia.language.texts import text_of
 from lagrangia.language.tree import (
     Array,
@@ -54,11 +53,10 @@ class Calls(Loops, Requirements, OwnCalls, Protocol):
         if node.function == "sample":
             fail("L0215", "sample(...) is a condition of its own", node.span,
                  "write: when sample(0, 0.01) then u = ...; end when;")
-        if (own := self.table.function(node.function, node.span)) is not None:
+        if (kernel := self.table.scopes.of_kernel(node.function, node.span)) is not None:
+            node = replace(node, function=kernel)
+        elif (own := self.table.function(node.function, node.span)) is not None:
             return self.own_call(node, own, scope)
-        if last != node.function and last in FUNCTIONS and self.table.scopes.package(
-                node.function.rpartition(".")[0], node.span) == KERNEL:
-            node = replace(node, function=last)
         arguments = tuple(self.flatten(a, scope) for a in node.arguments)
         named = tuple((name, self.flatten(a, scope)) for name, a in node.named)
         if node.function in scope.instance.members:

@@ -95,7 +95,8 @@ class ClassTable:
             return self.variants.settled(name[1:])
         if span.source in self.files or (not is_library and "." in name):
             full = self.scopes.full_name(name, span)
-            if full is not None and not (is_library and self.scopes.classes[full].span.source not in self.library_sources):
+            if full is not None and full in self.scopes.classes and not (
+                    is_library and self.scopes.classes[full].span.source not in self.library_sources):
                 return self.variants.settled(full)
         elif not is_library and name in self.user:
             return self.user[name]

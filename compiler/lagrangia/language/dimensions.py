@@ -18,7 +18,7 @@ from lagrangia.language.frame_attributes import dimension_of, known_of
 from lagrangia.language.function_variables import FlatFunction
 from lagrangia.language.functions import FRAME_FUNCTIONS
 from lagrangia.language.lookups import lookup_of, plane_of
-from lagrangia.language.number_checks import CONDITIONS, require_number, require_shape
+from lagrangia.language.number_checks import CONDITIONS, require_comparable, require_number, require_numbers, require_shape
 from lagrangia.language.tree import (
     Array,
     Binary,
@@ -146,13 +146,13 @@ class _Checker:
         for value, what in ((variable.binding, f"'{variable.name}'"), (variable.start, f"the start of '{variable.name}'")):
             if value is None:
                 continue
-            require_number(value, self.report)
             if variable.is_attitude:
                 self.expect(value, ONE, what, "1")
             elif declared.dimension is not None:
                 self.expect(value, declared.dimension, what, variable.unit)
                 self.check_turns(value, what, variable.unit)
             else:
+                require_number(value, self.report)
                 self.quantity(value)
 
     def check_turns(self, value: Flat, what: str, unit: str) -> None:
@@ -166,11 +166,13 @@ class _Checker:
                                 value.span, "divide by 2*pi, or declare an AngularFrequency")
 
     def check_equation(self, equation: Equation) -> None:
+        require_numbers((equation.left, equation.right), self.report)
         self.same(self.quantity(equation.left), self.quantity(equation.right), equation.span, "be equal")
 
     def check_when(self, when: When) -> None:
         self._require_condition(when.condition, None)
         for reset in when.resets:
+            require_number(reset.value, self.report)
             self.same(self.quantity(reset.rate), self.quantity(reset.value), reset.span, "be equal")
 
     def check_sampler(self, sampler: Sampler) -> None:
@@ -178,11 +180,13 @@ class _Checker:
         for node, what in ((sampler.start, "the first instant"), (sampler.interval, "the interval")):
             self.expect(node, _SECOND, what)
         for held in sampler.held:
+            require_number(held.value, self.report)
             self.same(self.declared(self.model.variables[held.name]), self.quantity(held.value), held.span, "be equal")
 
     def check_delay(self, delay: Delay) -> None:
         """A time, and what was before in the unit of what is late."""
         self.expect(delay.lag, _SECOND, "a delay")
+        require_numbers((delay.value, *filter(None, [delay.before])), self.report)
         if delay.before is not None:
             self.same(self.quantity(delay.value), self.quantity(delay.before), delay.span, "be equal")
 
@@ -199,6 +203,7 @@ class _Checker:
             self.expect(amount, *((_METRE, "a shift") if node.function == "shift" else (ONE, "an angle")))
 
     def check_work(self, force: Flat, position: Flat, span: Span) -> None:
+        require_numbers((force, position), self.report)
         product = self._times(self.quantity(force), self.quantity(position))
         if not _fits(product, _JOULE):
             self.report.error("L0304", f"force times position is in {product.spell()}, not in J", span,
@@ -209,6 +214,7 @@ class _Checker:
             for item in node.items:
                 self.expect(item, wanted, what, unit)
             return
+        require_number(node, self.report)
         found = self.quantity(node)
         if not _fits(found, wanted):
             name = unit or spell(wanted)
@@ -244,7 +250,11 @@ class _Checker:
                 return (local or {}).get(name, ANY)
             case Time():
                 return Quantity(_SECOND)
-            case Unary(_, operand, _):
+            case Unary(operator, operand, _):
+                if operator == "not":
+                    self._refuse_numbers(operand)
+                else:
+                    require_number(operand, self.report)
                 return self.quantity(operand, local)
             case Binary():
                 return self._binary(node, local)
@@ -277,8 +287,12 @@ class _Checker:
     def _binary(self, node: Binary[Flat], local: Mapping[str, Quantity] | None) -> Quantity:
         a, b = self.quantity(node.left, local), self.quantity(node.right, local)
         if node.operator not in CONDITIONS:
-            require_number(node.left, self.report)
-            require_number(node.right, self.report)
+            require_numbers((node.left, node.right), self.report)
+        elif node.operator in ("and", "or"):
+            self._refuse_numbers(node.left)
+            self._refuse_numbers(node.right)
+        else:
+            require_comparable(node, self.report)
         match node.operator:
             case "+" | "-":
                 return self.same(a, b, node.span, "be added" if node.operator == "+" else "be subtracted")
@@ -320,6 +334,10 @@ class _Checker:
         return Quantity(power(base.dimension, Fraction(value).limit_denominator(12)), base.is_soft)
 
     def _require_condition(self, node: Flat, local: Mapping[str, Quantity] | None) -> None:
+        self._refuse_numbers(node)
+        self.quantity(node, local)
+
+    def _refuse_numbers(self, node: Flat) -> None:
         """Conditions are comparisons, `true` and `false`, and what and, or and not make of them."""
         match node:
             case Boolean() | Unary("not", _, _):
@@ -328,7 +346,6 @@ class _Checker:
                 pass
             case _:
                 self.report.error("L0302", "a condition is true or false", node.span, "compare it with something, as x > 0")
-        self.quantity(node, local)
 
     def _refuse_frame(self, node: Flat, span: Span) -> Quantity:
         self.report.error("L0221", "a frame is no number", span, f"its position is {node}.r, its angle {node}.phi"
@@ -351,7 +368,7 @@ class _Checker:
             points = [self.quantity(end, local) for end in ends]
             self._common([Quantity(_METRE), *points], node.span, "be points")
             return Quantity(_METRE)
-        found = [self.quantity(argument, local) for argument in node.arguments]
+        found = self._arguments(node, local)
         match node.function:
             case "der":
                 return self._over(found[0], Quantity(_SECOND), node)
@@ -381,6 +398,12 @@ class _Checker:
             hints = [f"write: {node.function}(1[rad/s]*{argument.span.text})"] if isinstance(argument, Time) else []
             self._pure(quantity, argument, f"the argument of {node.function}", *hints)
         return PURE
+
+    def _arguments(self, node: Call[Flat], local: Mapping[str, Quantity] | None) -> list[Quantity]:
+        """Of numbers; of tables also the names of files."""
+        texts = String if node.function in ("table", "table2") else ()
+        require_numbers((x for x in node.arguments if not isinstance(x, texts)), self.report)
+        return [self.quantity(argument, local) for argument in node.arguments]
 
     def _table2(self, node: Call[Flat], found: list[Quantity]) -> Quantity:
         if len(found) == 5:

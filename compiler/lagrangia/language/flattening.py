@@ -423,7 +423,7 @@ class _Flattening:
         if isinstance(block.condition, Call) and block.condition.function == "sample":
             self._add_sampler(block, block.condition, scope, place)
             return
-        condition = self.names.flatten(block.condition, scope)
+        condition = self.names.without_known(self.names.flatten(block.condition, scope))
         if isinstance(condition, Array):
             fail("L0225", "an event has one condition", block.condition.span, "write: when x > 1 or x < -1 then ... end when;")
         self.resets, self.endings = [], []

@@ -10,6 +10,7 @@ from lagrangia.language.function_variables import Assertion, Built, Given, Tree,
 from lagrangia.language.instances import Scope
 from lagrangia.language.known_calls import MadeFunctions
 from lagrangia.language.matrices import shape_of
+from lagrangia.language.number_checks import refuse_no_number
 from lagrangia.language.tree import (
     Call,
     ClassDefinition,
@@ -58,6 +59,10 @@ class OwnCalls(Protocol):
         inputs = {d.name: d for d in declared if "input" in d.prefixes}
         given = _arranged(call, own.name, inputs)
         values = {name: self.flatten(node, scope) for name, node in given.items() if not self._record(inputs[name])}
+        for name, value in values.items():
+            base = self.table.base_type(inputs[name].type_name, inputs[name].type_span)
+            if base is not None and base.builtin in ("Real", "Integer"):
+                refuse_no_number(value)
         shapes = {name: shape_of(values[name], self.size) if name in values else (
                       self._record_shape(given[name], inputs[name], scope)) for name in inputs if name in given}
         constants = _constants(own, inputs, values)

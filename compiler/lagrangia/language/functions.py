@@ -18,6 +18,8 @@ FUNCTIONS: Mapping[str, tuple[int, ...] | None] = {
 # Those of numbers: of an array they are that of each element.
 SCALAR_FUNCTIONS = frozenset({"sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh", "asinh", "acosh", "atanh",
                               "exp", "log", "log10", "sqrt", "abs", "sign", "floor", "ceil", "atan2", "mod"})
+# Those that Modelica has in Modelica.Math; others of these it knows without a package.
+OF_MATH = SCALAR_FUNCTIONS - {"abs", "sign", "floor", "ceil", "mod", "sqrt"}
 FRAME_FUNCTIONS = frozenset({"shift", "turn"})
 CONSTANTS = {"pi": math.pi}
 DIMENSIONS = "dimensions"  # 2 in the plane, 3 in space: the size of vectors in components for both

@@ -47,7 +47,7 @@ def product(left: Flat, right: Flat, size: Size, span: Span) -> Flat:
     if not a or not b:
         return each(".*", left, right, size, span)
     if len(a) > 2 or len(b) > 2 or a[-1] != b[0]:
-        fail("L0303", f"{_spoken(a)} cannot be multiplied by {_spoken(b)}", span,
+        fail("L0303", f"{spoken(a)} cannot be multiplied by {spoken(b)}", span,
              "the columns of the first are as many as the rows of the second; of element after element the product is .*")
     rows = [written_out(left, size)] if len(a) == 1 else list(_items(left, size))
     right = written_out(right, size)
@@ -67,7 +67,7 @@ def matrix_power(base: Flat, exponent: Flat, size: Size, span: Span) -> Flat:
     """A^n of a square matrix, n a whole number from 0 on. Raises LagError L0303."""
     shape, n = shape_of(base, size), fold(exponent)
     if len(shape) != 2 or shape[0] != shape[1] or not isinstance(n, float | int) or not 0 <= n <= 100 or n != int(n):
-        fail("L0303", f"{_spoken(shape)} has no such power", span, "a square matrix has, of whole numbers; of element after "
+        fail("L0303", f"{spoken(shape)} has no such power", span, "a square matrix has, of whole numbers; of element after "
              "element the power is .^")
     found: Flat = _identity(shape[0], span)
     for _ in range(int(n)):
@@ -81,7 +81,7 @@ def each(operator: str, left: Flat, right: Flat, size: Size, span: Span) -> Flat
     if a is None and b is None:
         return Binary(_PLAIN[operator], left, right, span)
     if a is not None and b is not None and a != b:
-        fail("L0303", f"{_spoken(shape_of(left, size))} and {_spoken(shape_of(right, size))} do not go together", span)
+        fail("L0303", f"{spoken(shape_of(left, size))} and {spoken(shape_of(right, size))} do not go together", span)
     pairs = ((element(left, k, size), element(right, k, size)) for k in range(1, (a if a is not None else b or 0) + 1))
     return Array(tuple(each(operator, x, y, size, span) for x, y in pairs), span)
 
@@ -103,7 +103,8 @@ def side_by_side(rows: Sequence[Sequence[Flat]], size: Size, span: Span) -> Arra
     return _matrix(found, span)
 
 
-def _spoken(shape: tuple[int, ...]) -> str:
+def spoken(shape: tuple[int, ...]) -> str:
+    """Sizes for people."""
     if not shape:
         return "a number"
     return f"an array of {shape[0]}" if len(shape) == 1 else f"a matrix of {' by '.join(map(str, shape))}"
@@ -156,7 +157,7 @@ def _size(call: Call[Flat], size: Size) -> Flat:
         return Array(tuple(_integer(n, call.span) for n in shape), call.span)
     k = _count(call.arguments[1], 1)
     if k > len(shape):
-        fail("L0303", f"{_spoken(shape)} has no dimension {k}", call.span)
+        fail("L0303", f"{spoken(shape)} has no dimension {k}", call.span)
     return _integer(shape[k - 1], call.span)
 
 
@@ -215,7 +216,7 @@ def _cat(call: Call[Flat], size: Size) -> Flat:
 def _scalar(call: Call[Flat], size: Size) -> Flat:
     found = _vector(call, size)
     if len(found.items) != 1:
-        fail("L0303", f"{_spoken(shape_of(call.arguments[0], size))} is no single number", call.span)
+        fail("L0303", f"{spoken(shape_of(call.arguments[0], size))} is no single number", call.span)
     return found.items[0]
 
 
@@ -231,7 +232,7 @@ def _need(call: Call[Flat], size: Size, rank: int, count: int | None = None) -> 
         shape = shape_of(argument, size)
         if len(shape) != rank or (count is not None and shape[0] != count):
             wanted = "a matrix" if rank == 2 else f"an array of {count}" if count is not None else "an array"
-            fail("L0303", f"{call.function} takes {wanted}, not {_spoken(shape)}", argument.span)
+            fail("L0303", f"{call.function} takes {wanted}, not {spoken(shape)}", argument.span)
 
 
 # By name how many arguments a function takes (None: any number from the first), and what it makes of them.

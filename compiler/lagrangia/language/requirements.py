@@ -21,13 +21,21 @@ from lagrangia.language.tree import Binary, Boolean, Call, Expression, Flat, IfE
 
 
 def required(condition: Flat) -> Flat:
-    """0 or more where a condition holds. Raises LagError L0225."""
+    """0 or more where a condition holds, one that `implied` put together too. Raises LagError L0225."""
     try:
         return level_of(condition)
     except LagError as error:
         span = error.diagnostics[0].span or condition.span
-        fail("L0225", "an assertion of what moves, or of parameters, compares: this is no comparison", span,
-             "compare with <, <=, > or >=, as abs(x) <= 1; conditions go together with and, or, not")
+        if not _lies_in(span, condition.span):
+            fail("L0225", "an assertion stands under this condition, which has to compare with <, <=, > or >= then", span,
+                 f"the assertion is at {condition.span}; what is known when the scene is compiled, as an Integer parameter, may "
+                 "compare in any way")
+        fail("L0225", "an assertion of what moves, or of parameters, compares with <, <=, > or >=: this does not", span,
+             "write: abs(x) <= 1; conditions go together with and, or, not")
+
+
+def _lies_in(inner: Span, outer: Span) -> bool:
+    return inner.source is outer.source and outer.start <= inner.start < outer.end
 
 
 def implied(under: Sequence[Flat], condition: Flat) -> Flat:
@@ -35,6 +43,22 @@ def implied(under: Sequence[Flat], condition: Flat) -> Flat:
     for one in reversed(under):
         condition = Binary("or", Unary("not", one, one.span), condition, condition.span)
     return condition
+
+
+def undecided(condition: Flat, known: Callable[[Flat], float | bool | None]) -> Flat:
+    """What a condition comes to where parts of it are `known`."""
+    match condition:
+        case Binary("and" | "or" as operator, left, right, span):
+            sides = undecided(left, known), undecided(right, known)
+            for one, other in (sides, sides[::-1]):
+                if isinstance(one, Boolean):
+                    return other if one.value == (operator == "and") else one
+            return Binary(operator, *sides, span)
+        case Unary("not", operand, span):
+            inner = undecided(operand, known)
+            return Boolean(not inner.value, span) if isinstance(inner, Boolean) else Unary("not", inner, span)
+    value = known(condition)
+    return Boolean(value, condition.span) if isinstance(value, bool) else condition
 
 
 class Requirements(Protocol):
@@ -72,10 +96,15 @@ class Requirements(Protocol):
         """The value of an expression, where it is known when the scene is compiled."""
         return folded(self.made.with_known_calls(self.flatten(node, scope), self.work))
 
+    def without_known(self, condition: Flat) -> Flat:
+        """A condition without the parts of it that are known when the scene is compiled: true or false alone where that settles
+        it, in the whole's place."""
+        return replace(undecided(condition, lambda part: fold(self.made.with_known_calls(part, self.work))), span=condition.span)
+
     def require(self, one: Assertion, cells: Mapping[str, Flat], span: Span, scope: Scope) -> None:
         """That an assertion of a function holds for what a call gives it. Raises LagError L0225, L0238, L0902."""
-        whole = implied(self.under, with_cells(one.condition, cells))
-        holds = fold(self.made.with_known_calls(whole, self.work))
+        whole = self.without_known(implied(self.under, with_cells(one.condition, cells)))
+        holds = whole.value if isinstance(whole, Boolean) else None
         is_warning = one.kind == "warning"
         if holds is None and self.moment:
             fail("L0902", f"not supported yet: {self.moment} that calls a function with an assertion", span,
@@ -115,4 +144,5 @@ def measured(condition: Flat, result: Callable[[Flat], Flat]) -> Flat:
             return Unary("not", measured(operand, result), span)
         case Binary(operator, left, right, span) if operator in (*COMPARED, "==", "<>"):
             return Binary(operator, result(Binary("-", left, right, span)), Number(0.0, None, span), span)
-    return Boolean(False, condition.span) if required(condition) is None else condition
+    required(condition)  # which raises: this compares nothing
+    return condition

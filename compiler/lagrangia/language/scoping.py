@@ -5,7 +5,7 @@ from dataclasses import field, replace
 
 from lagrangia.base.diagnostics import Source, Span, fail, suggest
 from lagrangia.base.records import dataclass
-from lagrangia.language.functions import FUNCTIONS
+from lagrangia.language.functions import FUNCTIONS, OF_MATH
 from lagrangia.language.tree import ClassDefinition, Declaration, Extends, Import, Syntax
 
 KERNEL = "Modelica.Math"  # whose functions are those of this language
@@ -90,6 +90,14 @@ class Scopes:
         """The full name of the package or class that the beginning of a dotted name means where `span` is."""
         return self._resolved(f"{name}.", self.around(span)) if name else None
 
+    def of_kernel(self, name: str, span: Span) -> str | None:
+        """The function of the language that a name means where `span` is, by an import or written in full; None of others."""
+        package, _, last = (self.full_name(name, span) or "").rpartition(".")
+        if package != KERNEL and last != name:
+            package, _, last = name.rpartition(".")
+            package = self.package(package, span) or ""
+        return last if package == KERNEL and last in FUNCTIONS else None
+
     def around(self, span: Span) -> list[Enclosing]:
         """What encloses a place, the innermost first."""
         if (copy := self.copies.get(span.source)) is not None:
@@ -170,7 +178,7 @@ class Scopes:
     def _within(self, owner: str, name: str, seen: tuple[str, ...] = ()) -> str | None:
         """A class that stands in another one, or in what that extends."""
         self.settled(owner)
-        if self._reach(f"{owner}.{name}"):
+        if self._reach(f"{owner}.{name}") or (owner == KERNEL and name in OF_MATH and self._reach(owner)):
             return f"{owner}.{name}"
         for element in self.classes[owner].elements if owner in self.classes else ():
             base = self.base(element, owner) if isinstance(element, Extends) else None
@@ -186,8 +194,6 @@ class Scopes:
             for short, full in item.names:
                 if short == name:
                     package, _, element = full.rpartition(".")
-                    if package == KERNEL and element == short and element in FUNCTIONS:
-                        continue
                     if self._imports(full) is None and not (self._reach(package) and self.declares(package, element)):
                         fail("L0204", f"there is no '{full}' to be imported", item.span, *self._hints(package or full))
                     yield package, element

@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 from lagrangia.base.diagnostics import Span, fail
 from lagrangia.language.folding import fold
-from lagrangia.language.tree import Binary, Boolean, Call, EnumerationLiteral, Expression, Flat, Number, String
+from lagrangia.language.tree import Array, Binary, Boolean, Call, EnumerationLiteral, Expression, Flat, Number, String, Unary
 
 _DIGITS = 6  # of a number, unless significantDigits says otherwise
 _OPTIONS = ("significantDigits", "minimumLength", "leftJustified")
@@ -57,7 +57,23 @@ def _written(value: Flat, digits: int) -> str | None:
         return "true" if number else "false"
     if number is None:
         return None
-    return str(int(number)) if isinstance(value, Number) and value.is_integer else f"{number:.{max(1, digits)}g}"
+    return str(int(number)) if _is_whole(value) else f"{number:.{max(1, digits)}g}"
+
+
+def _is_whole(value: Flat) -> bool:
+    """Whether an expression is an Integer, of which each digit counts."""
+    match value:
+        case Number(_, _, _, is_integer):
+            return is_integer
+        case Unary("-", operand, _):
+            return _is_whole(operand)
+        case Binary("+" | "-" | "*", left, right, _):
+            return _is_whole(left) and _is_whole(right)
+        case Call("floor" | "ceil", _, (), _):
+            return True
+        case Call("abs" | "mod" | "min" | "max" | "sum" | "product", arguments, (), _) | Array(arguments, _):
+            return all(map(_is_whole, arguments))
+    return False
 
 
 def _number(value: Flat | None, usual: int) -> float:

@@ -238,7 +238,7 @@ class Variants:
     def _named(self, new: Declaration) -> str:
         """The class that a redeclaration names: in full, where it is none of the library."""
         found = self.scopes.full_name(new.type_name, new.type_span)
-        return f".{found}" if found is not None else new.type_name
+        return f".{found}" if found is not None and found in self.scopes.classes else new.type_name
 
     def _check(self, inner: ClassDefinition, full: str, bases: Sequence[str], span: Span) -> None:
         """Of a class that is redeclared as an element."""

@@ -268,7 +268,7 @@ def _words(part: Any) -> Iterator[str]:
         elif isinstance(found, Declaration | Extends):
             yield from found.type_name.split(".")
         elif isinstance(found, Call):
-            yield found.function
+            yield from found.function.split(".")
         pending += [getattr(found, name) for name in names]
 
 
