@@ -69,5 +69,5 @@ def _called(reader: str) -> str:
 
 
 def all_names(*groups: Iterable[str] | None) -> list[str]:
-    """Once each."""
-    return list(dict.fromkeys(name for group in groups for name in group or ()))
+    """Once each; what is given for names and is none, the run refuses."""
+    return list(dict.fromkeys(name for group in groups if isinstance(group, Iterable) for name in group if isinstance(name, str)))
