@@ -189,7 +189,7 @@ def test_a_loop_begins_and_ends_with_ball_joints() -> None:
       Body b2(m = 1, I = {0.1, 0.2, 0.15}, center = shift(h2.b, {0.1, 0, 0}));
       Frame tip = shift(h2.b, {0.2, -0.1, 0});"""
     cut, held = (lag.loads(f"model M {bars} {end} end M;") for end in
-                 ("Spherical cut(a = shift(world, {0.5, 0, 0}), b = tip);", "equation tip.r = {0.5, 0, 0};"))
+                 ("Spherical cut(a = tip, b = shift(world, {0.5, 0, 0}));", "equation tip.r = {0.5, 0, 0};"))
     assert [x.kind for x in cut.compilation.graph.closures] == ["ball"]
     ends = [[run[f"{name}.center.omega[{k}]"][-1] for name in ("b1", "b2") for k in (1, 2, 3)]
             for run in (model.simulate(stop=0.5, tolerance=1e-11) for model in (cut, held))]
