@@ -42,7 +42,7 @@ def given_remarks(model: Told, request: Request, more: Iterable[str] = ()) -> li
     """The same of parameters that change nothing beside others; `more` are names of what each run of a sweep has its own of."""
     several = list(more)
     parameters, initial = all_names(request.parameters, several), all_names(request.initial, several)
-    is_asked = may_be_overridden(parameters, initial)
+    is_asked = may_be_overridden(parameters, all_names(request.initial))
     return overridden_remarks(model.scene, model.readers, parameters, initial) if is_asked else []
 
 
