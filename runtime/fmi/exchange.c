@@ -204,7 +204,8 @@ static int account_by_polynomial(LagInstance *s, double h, double *sum, int *is_
 }
 
 /* The same by a run of our own from the last state: importers that tell of every hundredth step only are held to account. Not known
- * where it meets an event, which the importer's step has not: that takes its share when it comes. Into `is_same`: whether the equations are those that they were, which the importer must be told otherwise. */
+ * where it meets an event, which the importer's step has not: that takes its share when it comes. Into `is_same`: whether the
+ * equations are those that they were, which the importer must be told otherwise. */
 static int account_by_run(LagInstance *s, double *sum, int *is_same)
 {
     LagRun *run = s->run;

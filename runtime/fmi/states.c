@@ -14,10 +14,9 @@
 
 #include "fmi/instance.h"
 
+#include "model/attitude_places.h"
 #include "state/attitudes.h"
 #include "state/state.h"
-
-enum { PLACE, MODE, PARTS }; /* LagModel.attitudes */
 
 int lag_fmu_positions(const LagModel *m) { return m->n + m->n_attitudes; }
 
@@ -29,7 +28,7 @@ int lag_fmu_place(const LagModel *m, int k)
 {
     int before = k >= m->n ? m->n_attitudes : 0;
     for (int i = 0; i < m->n_attitudes && k < m->n; ++i)
-        before += m->attitudes[PARTS * i + PLACE] + 3 <= k;
+        before += lag_attitude_place(m->attitudes, i) + 3 <= k;
     return k + before;
 }
 
@@ -78,7 +77,7 @@ static double length_of(const double *quaternion)
 int lag_instance_has_attitudes(const LagModel *m, const double *x)
 {
     for (int i = 0; i < m->n_attitudes; ++i) {
-        const double length = length_of(x + lag_fmu_place(m, m->attitudes[PARTS * i + PLACE]));
+        const double length = length_of(x + lag_fmu_place(m, lag_attitude_place(m->attitudes, i)));
         if (!(length > 0 && isfinite(length)))
             return 0;
     }
@@ -112,7 +111,7 @@ void lag_attitudes_between(const LagInstance *s, double x, double h, double *sta
 {
     const LagModel *m = s->model;
     for (int i = 0; i < m->n_attitudes; ++i) {
-        const int place = m->attitudes[PARTS * i + PLACE], first = lag_fmu_place(m, place), r = lag_fmu_place(m, m->n + place);
+        const int place = lag_attitude_place(m->attitudes, i), first = lag_fmu_place(m, place), r = lag_fmu_place(m, m->n + place);
         double before[4], after[4], of[3][4], w[4], bend[4];
         second_rate(s->last + first, s->last + r, s->last_slope + r, before);
         second_rate(s->x + first, s->x + r, s->slope + r, after);
@@ -140,9 +139,9 @@ double *lag_instance_plain(LagInstance *s, const double *x)
     const LagModel *m = s->model;
     lag_fmu_by_coordinate(m, x, s->plain);
     for (int i = 0; i < m->n_attitudes; ++i) {
-        const int place = m->attitudes[PARTS * i + PLACE];
+        const int place = lag_attitude_place(m->attitudes, i);
         const double *quaternion = x + lag_fmu_place(m, place);
-        double *reference = s->run->d + m->attitudes[PARTS * i + MODE], length = length_of(quaternion), unit[4];
+        double *reference = s->run->d + lag_attitude_mode(m->attitudes, i), length = length_of(quaternion), unit[4];
         for (int k = 0; k < 4; ++k)
             unit[k] = quaternion[k] / length;
         if (s->kind == LAG_MODEL_EXCHANGE) {
@@ -161,8 +160,8 @@ void lag_instance_tell(LagInstance *s, const double *y, double *x)
     for (int k = 0; k < 2 * m->n; ++k)
         x[lag_fmu_place(m, k)] = y[k];
     for (int i = 0; i < m->n_attitudes; ++i) {
-        const int place = m->attitudes[PARTS * i + PLACE];
-        lag_attitude_present(s->run->d + m->attitudes[PARTS * i + MODE], y + place, x + lag_fmu_place(m, place));
+        const int place = lag_attitude_place(m->attitudes, i);
+        lag_attitude_present(s->run->d + lag_attitude_mode(m->attitudes, i), y + place, x + lag_fmu_place(m, place));
     }
 }
 
@@ -172,7 +171,7 @@ void lag_instance_take_states(LagInstance *s, const double *y, const double *out
     for (int k = 0; k < 2 * m->n; ++k)
         s->x[lag_fmu_place(m, k)] = y[k];
     for (int i = 0; i < m->n_attitudes; ++i) /* which come first among the outputs */
-        memcpy(s->x + lag_fmu_place(m, m->attitudes[PARTS * i + PLACE]), outputs + 4 * i, 4 * sizeof *outputs);
+        memcpy(s->x + lag_fmu_place(m, lag_attitude_place(m->attitudes, i)), outputs + 4 * i, 4 * sizeof *outputs);
 }
 
 double *lag_instance_starts(LagInstance *s)
@@ -181,7 +180,7 @@ double *lag_instance_starts(LagInstance *s)
     const double not_turned[4] = {1, 0, 0, 0};
     lag_fmu_by_coordinate(m, s->start, s->plain);
     for (int i = 0; i < m->n_attitudes; ++i) {
-        const int place = m->attitudes[PARTS * i + PLACE], first = lag_fmu_place(m, place);
+        const int place = lag_attitude_place(m->attitudes, i), first = lag_fmu_place(m, place);
         double wanted[4];
         int some = 0;
         for (int k = 0; k < 4; ++k) {
@@ -206,7 +205,7 @@ void lag_instance_pace(const LagModel *m, const double *x, const double *v, doub
     for (int k = 0; k < m->n; ++k)
         pace[lag_fmu_place(m, k)] = v[k];
     for (int i = 0; i < m->n_attitudes; ++i) {
-        const int place = m->attitudes[PARTS * i + PLACE], first = lag_fmu_place(m, place);
+        const int place = lag_attitude_place(m->attitudes, i), first = lag_fmu_place(m, place);
         const double half[4] = {0, v[place] / 2, v[place + 1] / 2, v[place + 2] / 2};
         lag_quaternion_product(x + first, half, pace + first);
     }

@@ -115,33 +115,54 @@ static LagAnswer refuse(const LagInstance *s, unsigned int reference, const char
     return lag_instance_log(s, LAG_ANSWER_ERROR, LAG_ERROR_CATEGORY, "%.200s cannot be set: %s", s->fmu->names[reference], why);
 }
 
-static LagAnswer set_start(LagInstance *s, unsigned int reference, int index, double value)
+static int is_early(const LagInstance *s)
 {
-    const int early = LAG_MODE_INSTANTIATED | LAG_MODE_CONFIGURATION | LAG_MODE_INITIALIZATION;
-    if (!(s->vital.mode & early)) {
-        if (s->kind != LAG_MODEL_EXCHANGE)
-            return refuse(s, reference, "it is integrated");
-        const LagAnswer answer = lag_instance_settle(s); /* some importers set states one by one */
-        s->x[index] = value;
-        lag_instance_forget(s);
-        return answer;
-    }
-    if (!s->fmu->state_settable[index])
-        return refuse(s, reference, "its start follows from parameters");
-    /* Importers write all start values back: what the description says already is nothing new. */
-    s->start[index] = value == s->fmu->state_start[index] ? NAN : value;
-    s->vital.has_started = 0;
-    return LAG_ANSWER_OK;
+    return s->vital.mode & (LAG_MODE_INSTANTIATED | LAG_MODE_CONFIGURATION | LAG_MODE_INITIALIZATION);
 }
 
-static LagAnswer set_parameter(LagInstance *s, unsigned int reference, int index, double value)
+/* Whether one number, by its own reference, which may be that of an element, can be set to this value. */
+static LagAnswer may_set(const LagInstance *s, unsigned int reference, double value)
 {
+    int index = 0;
+    const int group = lag_instance_locate(s->fmu, reference, &index);
+    if (group > LAG_GROUP_REAL)
+        return unknown(s, reference, "number");
+    if (!isfinite(value))
+        return refuse(s, reference, "the value is not finite");
+    if (group == LAG_GROUP_INPUT)
+        return LAG_ANSWER_OK;
+    if (group == LAG_GROUP_STATE) {
+        if (!is_early(s))
+            return s->kind == LAG_MODEL_EXCHANGE ? LAG_ANSWER_OK : refuse(s, reference, "it is integrated");
+        return s->fmu->state_settable[index] ? LAG_ANSWER_OK : refuse(s, reference, "its start follows from parameters");
+    }
+    if (group != LAG_GROUP_PARAMETER)
+        return refuse(s, reference, "it is computed, or constant");
     if (!s->fmu->parameter_settable[index])
         return refuse(s, reference, "it follows from other parameters");
     if (!(s->vital.mode & ANY_TIME))
         return refuse(s, reference, "not within a step");
     if (!(value >= s->fmu->minimum[index] && value <= s->fmu->maximum[index]))
         return refuse(s, reference, "the value is outside its limits");
+    return LAG_ANSWER_OK;
+}
+
+static LagAnswer set_state(LagInstance *s, int index, double value)
+{
+    if (!is_early(s)) {
+        const LagAnswer answer = lag_instance_settle(s); /* some importers set states one by one */
+        s->x[index] = value;
+        lag_instance_forget(s);
+        return answer;
+    }
+    /* Importers write all start values back: what the description says already is nothing new. */
+    s->start[index] = value == s->fmu->state_start[index] ? NAN : value;
+    s->vital.has_started = 0;
+    return LAG_ANSWER_OK;
+}
+
+static LagAnswer set_parameter(LagInstance *s, int index, double value)
+{
     if (s->given[index] == value)
         return LAG_ANSWER_OK;
     s->given[index] = value;
@@ -175,22 +196,29 @@ static LagAnswer set_input(LagInstance *s, int index, double value)
     return LAG_ANSWER_OK;
 }
 
-/* One number, by its own reference, which may be that of an element. */
 static LagAnswer set_number(LagInstance *s, unsigned int reference, double value)
 {
     int index = 0;
-    const int group = lag_instance_locate(s->fmu, reference, &index);
-    if (group > LAG_GROUP_REAL)
-        return unknown(s, reference, "number");
-    if (!isfinite(value))
-        return refuse(s, reference, "the value is not finite");
-    if (group == LAG_GROUP_STATE)
-        return set_start(s, reference, index, value);
-    if (group == LAG_GROUP_INPUT)
-        return set_input(s, index, value);
-    if (group == LAG_GROUP_PARAMETER)
-        return set_parameter(s, reference, index, value);
-    return refuse(s, reference, "it is computed, or constant");
+    switch (lag_instance_locate(s->fmu, reference, &index)) {
+    case LAG_GROUP_STATE: return set_state(s, index, value);
+    case LAG_GROUP_INPUT: return set_input(s, index, value);
+    default: return set_parameter(s, index, value);
+    }
+}
+
+/* Asks of each number, or sets it, until one is refused. */
+static LagAnswer each_number(LagInstance *s, const unsigned int *references, size_t count, const double *values, int is_asked)
+{
+    LagAnswer answer = LAG_ANSWER_OK;
+    for (size_t i = 0, done = 0; i < count && answer == LAG_ANSWER_OK; ++i) {
+        const size_t extent = lag_instance_extent(s, references[i]);
+        for (size_t k = 0; k < extent && answer == LAG_ANSWER_OK; ++k) {
+            const unsigned int reference = references[i] + (unsigned int)k;
+            const double value = values[done++];
+            answer = is_asked ? may_set(s, reference, value) : set_number(s, reference, value);
+        }
+    }
+    return answer;
 }
 
 LagAnswer lag_instance_set(LagInstance *s, const unsigned int *references, size_t count, const double *values, size_t size)
@@ -198,12 +226,9 @@ LagAnswer lag_instance_set(LagInstance *s, const unsigned int *references, size_
     if (count > 0 && (!references || !values))
         return lag_instance_log(s, LAG_ANSWER_ERROR, LAG_ERROR_CATEGORY, "values are set with none given");
     LagAnswer answer = lag_instance_fits(s, references, count, size, "number");
-    for (size_t i = 0, done = 0; i < count && answer == LAG_ANSWER_OK; ++i) {
-        const size_t extent = lag_instance_extent(s, references[i]);
-        for (size_t k = 0; k < extent && answer == LAG_ANSWER_OK; ++k)
-            answer = set_number(s, references[i] + (unsigned int)k, values[done++]);
-    }
-    return answer;
+    if (answer == LAG_ANSWER_OK) /* all or none */
+        answer = each_number(s, references, count, values, 1);
+    return answer == LAG_ANSWER_OK ? each_number(s, references, count, values, 0) : answer;
 }
 
 LagAnswer lag_instance_no_set(LagInstance *s, size_t count, const char *type)

@@ -7,6 +7,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "model/attitude_places.h"
 #include "state/attitudes.h"
 
 enum { MOST_TURNS = 30 };
@@ -69,7 +70,7 @@ void lag_collocation_turn(LagCollocation *step, const LagMotion *m, double h, do
     for (int i = 0; i < m->n_attitudes; ++i) {
         double change = INFINITY;
         for (int k = 0; k < MOST_TURNS && change > DBL_EPSILON; ++k) {
-            const double next = turn_stages(step, m, m->attitudes[2 * i], h, place);
+            const double next = turn_stages(step, m, lag_attitude_place(m->attitudes, i), h, place);
             if (!(next < change))
                 break;
             change = next;
@@ -109,7 +110,7 @@ void lag_collocation_at(const LagCollocation *step, const LagMotion *m, const do
         at[n + k] = y[n + k] + rate;
     }
     for (int i = 0; i < 3 * m->n_attitudes; ++i) {
-        const int k = m->attitudes[2 * (i / 3)] + i % 3;
+        const int k = lag_attitude_place(m->attitudes, i / 3) + i % 3;
         double place = x * y[n + k];
         for (int j = 0; j < s; ++j)
             place += integral[j] * step->way[j * n + k];

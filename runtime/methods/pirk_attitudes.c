@@ -1,9 +1,10 @@
 #include "methods/pirk_attitudes.h"
+#include "model/attitude_places.h"
 
 void lag_pirk_find_ways(const LagMotion *m, const double *y, const double *q, const double *v, double *ways, int stride)
 {
     for (int i = 0; i < m->n_attitudes; ++i) {
-        const int c = m->attitudes[2 * i];
+        const int c = lag_attitude_place(m->attitudes, i);
         for (int lane = 0; lane < LAG_ABREAST; lane += LAG_WIDE) {
             LagWide s[3], w[3];
             for (int k = 0; k < 3; ++k) {

@@ -4,6 +4,7 @@
 #ifndef LAG_PIRK_ATTITUDES_H
 #define LAG_PIRK_ATTITUDES_H
 
+#include "model/attitude_places.h"
 #include "numbers/wide.h"
 #include "state/motion.h"
 
@@ -11,7 +12,7 @@
 static inline int lag_pirk_ways(const LagMotion *motion) { return 3 * motion->n_attitudes; }
 
 /* The coordinate that row k of them is of. */
-static inline int lag_pirk_way_of(const LagMotion *motion, int k) { return motion->attitudes[2 * (k / 3)] + k % 3; }
+static inline int lag_pirk_way_of(const LagMotion *motion, int k) { return lag_attitude_place(motion->attitudes, k / 3) + k % 3; }
 
 /* Ways of eight states with the positions q and rates v, from rates at the beginning of y, into rows of this stride. */
 void lag_pirk_find_ways(const LagMotion *motion, const double *y, const double *q, const double *v, double *ways, int stride);

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "methods/radau.h"
+#include "model/attitude_places.h"
 #include "steps/step.h"
 
 /* Of an angle that turns more than this in a step, rad, and of what goes so many times as far as any of its kind was, accelerations are
@@ -47,7 +48,7 @@ static double norm(const LagRadau *s, const LagMotion *m, const LagScale *scale,
 static void place_attitudes(const LagRadau *s, const LagMotion *m, double *place)
 {
     for (int i = 0; i < 3 * m->n_attitudes; ++i) {
-        const int k = m->attitudes[2 * (i / 3)] + i % 3;
+        const int k = lag_attitude_place(m->attitudes, i / 3) + i % 3;
         place[k] = 0;
         for (int j = 0; j < s->tableau->stages; ++j)
             place[k] += s->tableau->error_place[j] * s->trial.way[j * m->n + k];

@@ -290,8 +290,20 @@ static double length_of(LagRun *run, const LagTaylor *s)
     return h;
 }
 
-/* How far the accelerations at the end of the step are from the slope of the series there, in units of rates. */
-static double gap(LagRun *run, const LagTaylor *s, double h)
+/* What counts for nothing of acceleration i at the end of the step: rounding of the largest one of its kind. */
+static double rounding_of(const LagRun *run, const LagTaylor *s, int i)
+{
+    const LagModel *model = run->model;
+    double size = 0;
+    for (int k = 0; k < model->n; ++k)
+        if (model->coordinate_kind[k] == model->coordinate_kind[i])
+            size = lag_max(fabs(*jet(model, s->old_jets, model->jet_places[k])), size);
+    return LAG_TAYLOR_ROUNDING * size;
+}
+
+/* How far the accelerations at the end of the step are from the slope of the series there, in units of rates, which are
+ * worth `share` of an error each. */
+static double gap(LagRun *run, const LagTaylor *s, double h, double share)
 {
     const LagMotion *m = &run->motion;
     const int n = m->n;
@@ -300,8 +312,9 @@ static double gap(LagRun *run, const LagTaylor *s, double h)
         const int place = run->model->jet_places[i];
         const double unit = lag_scale_unit(&run->scale, n + i, m->y, m->other);
         const double slope = lag_jet_value(jet(run->model, s->jets, place), run->model->jet_pitch, s->order - 1, h);
-        if (unit > 0)
-            largest = lag_max(fabs(*jet(run->model, s->old_jets, place) - slope) / unit, largest);
+        const double miss = fabs(*jet(run->model, s->old_jets, place) - slope);
+        if (unit > 0 && miss / unit > largest && (miss / unit * share <= WRONG || miss > rounding_of(run, s, i)))
+            largest = miss / unit;
     }
     return largest;
 }
@@ -309,7 +322,8 @@ static double gap(LagRun *run, const LagTaylor *s, double h)
 /* By how much the step of length h is wrong at its end: an error of the rates in units. */
 static double defect(LagRun *run, const LagTaylor *s, double h)
 {
-    return (run->model->is_long_state ? lag_long_gap(run) : gap(run, s, h)) * h / (s->order + 1);
+    const double share = h / (s->order + 1);
+    return (run->model->is_long_state ? lag_long_gap(run) : gap(run, s, h, share)) * share;
 }
 
 /* The first coefficients of the next step, in the place of those of the step before this one. */

@@ -2,6 +2,8 @@
 #ifndef LAG_TAYLOR_H
 #define LAG_TAYLOR_H
 
+#include <float.h>
+
 #include "numbers/jets.h"
 #include "state/method.h"
 #include "model/model.h"
@@ -25,6 +27,7 @@ typedef struct {
 #define LAG_TAYLOR_GROW 100
 #define LAG_TAYLOR_REMAINS 0.25
 #define LAG_TAYLOR_NOISE 1e-10
+#define LAG_TAYLOR_ROUNDING (16 * DBL_EPSILON) /* share of the largest acceleration of a kind */
 
 extern const double lag_inverse[LAG_JET_ORDER]; /* 1/1, 1/2, ... */
 

@@ -2,6 +2,7 @@
 
 #include <math.h>
 
+#include "model/attitude_places.h"
 #include "numbers/extremes.h"
 #include "numbers/jets.h"
 #include "state/attitudes.h"
@@ -24,7 +25,7 @@ void lag_taylor_place_turned(const LagRun *run, const double *y, double *jets)
     const LagModel *model = run->model;
     for (int i = 0; i < model->n_attitudes; ++i) {
         double *here = fours_of(model, jets, i), *c = parts_of(model, jets, i);
-        lag_attitude_present(run->d + model->attitudes[2 * i + 1], y + model->attitudes[2 * i], here);
+        lag_attitude_present(run->d + lag_attitude_mode(model->attitudes, i), y + lag_attitude_place(model->attitudes, i), here);
         for (int k = 0; k < 4; ++k)
             c[k * LAG_JET_STRIDE] = here[k];
     }
@@ -67,7 +68,7 @@ void lag_taylor_turn(const LagModel *model, const double *jets, int order, doubl
 {
     for (int i = 0; i < model->n_attitudes; ++i) {
         const double *r = fours_of(model, (double *)jets, i);
-        double *s = step + model->attitudes[2 * i], x[4];
+        double *s = step + lag_attitude_place(model->attitudes, i), x[4];
         change(r, order, h, x);
         const double real = 1 + r[0] * x[0] + r[1] * x[1] + r[2] * x[2] + r[3] * x[3];
         const double turn[3] = {
@@ -87,7 +88,7 @@ void lag_taylor_weigh_turned(LagRun *run, const double *end, double *last, doubl
     const LagModel *model = run->model;
     const LagTaylor *s = &run->methods.taylor;
     for (int i = 0; i < model->n_attitudes; ++i) {
-        const int place = model->attitudes[2 * i];
+        const int place = lag_attitude_place(model->attitudes, i);
         const double unit = lag_scale_unit(&run->scale, place, run->motion.y, end), weight = unit > 0 ? 2 / unit : 0;
         const double *c = fours_of(model, s->jets, i) + 4 * s->order;
         for (int k = 0; k < 4; ++k) {
@@ -103,7 +104,7 @@ void lag_taylor_weigh_turned(LagRun *run, const double *end, double *last, doubl
 int lag_taylor_turns_too_far(const LagRun *run, const double *y, double h)
 {
     for (int i = 0; i < run->model->n_attitudes; ++i) {
-        const double *w = y + run->model->n + run->model->attitudes[2 * i];
+        const double *w = y + run->model->n + lag_attitude_place(run->model->attitudes, i);
         if ((w[0] * w[0] + w[1] * w[1] + w[2] * w[2]) * h * h > MOST_TURN * MOST_TURN)
             return 1;
     }
@@ -114,7 +115,7 @@ double lag_taylor_longest_turn(const LagRun *run, const double *y)
 {
     double fastest = 0;
     for (int i = 0; i < run->model->n_attitudes; ++i) {
-        const double *w = y + run->model->n + run->model->attitudes[2 * i];
+        const double *w = y + run->model->n + lag_attitude_place(run->model->attitudes, i);
         fastest = lag_max(w[0] * w[0] + w[1] * w[1] + w[2] * w[2], fastest);
     }
     return MOST_TURN / sqrt(fastest);

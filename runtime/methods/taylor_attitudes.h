@@ -5,13 +5,14 @@
 #ifndef LAG_TAYLOR_ATTITUDES_H
 #define LAG_TAYLOR_ATTITUDES_H
 
+#include "model/attitude_places.h"
 #include "state/state.h"
 
 /* Whether a position is told by a quaternion. */
 static inline int lag_taylor_is_turned(const LagModel *model, int i)
 {
     for (int k = 0; k < model->n_attitudes; ++k)
-        if (i >= model->attitudes[2 * k] && i < model->attitudes[2 * k] + 3)
+        if (i >= lag_attitude_place(model->attitudes, k) && i < lag_attitude_place(model->attitudes, k) + 3)
             return 1;
     return 0;
 }

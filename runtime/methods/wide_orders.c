@@ -55,7 +55,10 @@ LAG_UNROLLED LagWide length_of(const LagWideTaylor *s, int lane)
 }
 
 /* Lengths of steps to the ends of segments. */
-LAG_UNROLLED LagWide left_of(const LagWideTaylor *s, int lane) { return lag_wide_read(s->lanes.stop + lane) - lag_wide_read(s->lanes.t + lane); }
+LAG_UNROLLED LagWide left_of(const LagWideTaylor *s, int lane)
+{
+    return lag_wide_read(s->lanes.stop + lane) - lag_wide_read(s->lanes.t + lane);
+}
 
 /* Orders that are known before there are any coefficients: 0 where a short step may do with less. Their latest orders tell where to
  * look first. */

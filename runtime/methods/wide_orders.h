@@ -10,7 +10,10 @@ static inline int lag_wide_input(const LagWideTaylor *s) { return 1 + 2 * s->lan
 
 static inline double *lag_wide_jet(const LagWideTaylor *s, int slot) { return s->series.jets + (size_t)slot * LAG_WIDE_JET; }
 
-static inline const double *lag_wide_power_jet(const LagWideTaylor *s, int i) { return lag_wide_jet(s, s->lanes.model->jet_places[s->lanes.n + i]); }
+static inline const double *lag_wide_power_jet(const LagWideTaylor *s, int i)
+{
+    return lag_wide_jet(s, s->lanes.model->jet_places[s->lanes.n + i]);
+}
 
 /* The series from their first coefficients on, up to the order that the most demanding lane asks for: own, made_to, and reach, where some
  * lane asks for all orders. */

@@ -112,7 +112,8 @@ LAG_UNROLLED void lag_wide_accept(LagWideSteps *s, int lane, LagWide good, LagWi
     lag_wide_scale_note(&s->scale, lane, s->y);
     lag_wide_write(s->taken + lane, good);
     lag_wide_write(s->steps + lane, lag_wide_read(s->steps + lane) + good);
-    lag_wide_write(s->in_vain + lane, LAG_WIDE_SELECT(good > LAG_WIDE_OF(0), LAG_WIDE_OF(0), lag_wide_read(s->in_vain + lane) + LAG_WIDE_OF(1)));
+    const LagWide zero = LAG_WIDE_OF(0), vain = lag_wide_read(s->in_vain + lane) + LAG_WIDE_OF(1);
+    lag_wide_write(s->in_vain + lane, LAG_WIDE_SELECT(good > zero, zero, vain));
 }
 
 #endif

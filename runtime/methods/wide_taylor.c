@@ -203,7 +203,8 @@ LAG_UNROLLED LagWide next_time(const LagWideTaylor *s, int lane)
         return lag_wide_read(s->lanes.stop + lane);
     LagWide wish = lag_wide_min(lag_wide_read(s->reach + lane), LAG_WIDE_OF(GROW) * before);
     wish = lag_wide_min(lag_wide_min(wish, LAG_WIDE_OF(s->lanes.longest)), lag_wide_read(s->limit + lane));
-    return LAG_WIDE_SELECT(lag_wide_read(s->own + lane) < all, lag_wide_read(s->lanes.stop + lane), lag_wide_end_of(&s->lanes, lane, t, wish));
+    const LagWide stop = lag_wide_read(s->lanes.stop + lane), end = lag_wide_end_of(&s->lanes, lane, t, wish);
+    return LAG_WIDE_SELECT(lag_wide_read(s->own + lane) < all, stop, end);
 }
 
 LAG_UNROLLED void go(LagWideTaylor *s, int lane, int is_own)
@@ -226,18 +227,45 @@ LAG_UNROLLED void go(LagWideTaylor *s, int lane, int is_own)
     lag_wide_write(s->lanes.next + lane, t_new);
 }
 
-/* How far the accelerations at the end of the step are from the slope of the series there, in units of rates. */
-LAG_UNROLLED LagWide gap(const LagWideTaylor *s, int lane, LagWide h, LagWide own, int is_own)
+/* As in taylor.c: what counts for nothing of acceleration i. */
+LAG_UNROLLED LagWide rounding_of(const LagWideTaylor *s, int lane, int i)
+{
+    const LagModel *model = s->lanes.model;
+    LagWide size = LAG_WIDE_OF(0);
+    for (int k = 0; k < model->n; ++k)
+        if (model->coordinate_kind[k] == model->coordinate_kind[i])
+            size = lag_wide_max(LAG_WIDE_ABS(lag_wide_of(s->series.line, model->jet_places[k], lane)), size);
+    return LAG_WIDE_OF(LAG_TAYLOR_ROUNDING) * size;
+}
+
+static int is_some_above(LagWide a, double limit)
+{
+    double each[LAG_WIDE];
+    memcpy(each, &a, sizeof each);
+    int some = 0;
+    for (int i = 0; i < LAG_WIDE; ++i)
+        some |= !(each[i] <= limit);
+    return some;
+}
+
+/* How far the accelerations at the end of the step are from the slope of the series there, in units of rates, which are
+ * worth `share` of an error each. */
+LAG_UNROLLED LagWide gap(const LagWideTaylor *s, int lane, LagWide h, LagWide share, LagWide own, int is_own)
 {
     const LagWide zero = LAG_WIDE_OF(0), square = h * h, before = lag_wide_read(s->lanes.length + lane);
+    const LagWide uncertain = LAG_WIDE_OF(DBL_EPSILON) / before;
     LagWide largest = zero;
     for (int i = 0; i < s->lanes.n; ++i) {
         const int place = s->lanes.model->jet_places[i];
         const LagWide slope = series(lag_wide_jet(s, place) + lane, s->made_to - 1, h, square, own, is_own);
         const LagWide miss = LAG_WIDE_ABS(lag_wide_of(s->series.line, place, lane) - slope);
         LagWide unit[2];
-        lag_wide_scale_units(&s->lanes.scale, i, lane, s->lanes.y, s->lanes.made, before, LAG_WIDE_OF(DBL_EPSILON) / before, &unit[0], &unit[1]);
-        const LagWide gap = LAG_WIDE_SELECT(unit[1] > zero, miss / unit[1], zero);
+        lag_wide_scale_units(&s->lanes.scale, i, lane, s->lanes.y, s->lanes.made, before, uncertain, &unit[0], &unit[1]);
+        LagWide gap = LAG_WIDE_SELECT(unit[1] > zero, miss / unit[1], zero);
+        if (is_some_above(gap * share, WRONG)) {
+            const LagWide counted = LAG_WIDE_SELECT(miss <= rounding_of(s, lane, i), zero, gap);
+            gap = LAG_WIDE_SELECT(gap * share <= LAG_WIDE_OF(WRONG), gap, counted);
+        }
         largest = LAG_WIDE_SELECT(gap <= largest, largest, gap); /* a NaN stays */
     }
     return largest;
@@ -248,8 +276,8 @@ LAG_UNROLLED void judge(LagWideTaylor *s, int lane, int is_own)
     const LagWide own = lag_wide_read(s->own + lane);
     const LagWide part = is_own ? LAG_WIDE_OF(1) / (own + LAG_WIDE_OF(1)) : LAG_WIDE_OF(1.0 / (s->order + 1));
     const LagWide zero = LAG_WIDE_OF(0), one = LAG_WIDE_OF(1), infinite = LAG_WIDE_OF((double)INFINITY);
-    const LagWide t = lag_wide_read(s->lanes.t + lane), h = lag_wide_read(s->lanes.next + lane) - t, before = lag_wide_read(s->wrong + lane);
-    const LagWide wrong = gap(s, lane, h, own, is_own) * h * part;
+    const LagWide t = lag_wide_read(s->lanes.t + lane), h = lag_wide_read(s->lanes.next + lane) - t;
+    const LagWide before = lag_wide_read(s->wrong + lane), wrong = gap(s, lane, h, h * part, own, is_own) * h * part;
     const LagWide is_faint = LAG_WIDE_SELECT(wrong * LAG_WIDE_OF(s->lanes.scale.tolerance) < LAG_WIDE_OF(NOISE), one, zero);
     const LagWide is_noise = LAG_WIDE_SELECT(wrong > LAG_WIDE_OF(REMAINS) * before, is_faint, zero);
     const LagWide is_near = LAG_WIDE_SELECT(wrong <= LAG_WIDE_OF(WRONG), one, is_noise);

@@ -5,6 +5,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "model/attitude_places.h"
 #include "model/tape.h"
 #include "numbers/jets.h"
 #include "numbers/sines.h"
@@ -164,7 +165,7 @@ static void next_state(const LagModel *model, const Place *p, int k, double *jet
     for (int i = 0; i < model->n_attitudes; ++i)
         lag_jet_turn(jets + (size_t)(1 + 2 * n + model->n_inputs + 4 * i) * LAG_JET_STRIDE,
                      jets + (size_t)(model->n_jets + 4 * i) * LAG_JET_STRIDE,
-                     jets + (size_t)(1 + n + model->attitudes[2 * i]) * LAG_JET_STRIDE, k);
+                     jets + (size_t)(1 + n + lag_attitude_place(model->attitudes, i)) * LAG_JET_STRIDE, k);
 }
 
 void lag_jet_tape_run(const LagModel *model, int first, int end, const double *numbers, double *jets, double *scratch)

@@ -1,7 +1,8 @@
 /* Guards: conditions that have to hold during a run, which ends, or warns, where one of them breaks; and those that end it.
  *
- * They are looked at when a step is known, in its dense output, and the motion knows nothing of them: with guards or without, it is the
- * same. A guard is g >= 0; one that ends the run has to have held before it can break.
+ * They are looked at when a step is known, in its dense output, and the motion knows nothing of them: a run that is made alone is the
+ * same with guards or without. Runs in lanes (run_lanes.h) may take another method where there are some, for its dense output: the
+ * same within the tolerance. A guard is g >= 0; one that ends the run has to have held before it can break.
  */
 #ifndef LAG_GUARDS_H
 #define LAG_GUARDS_H

@@ -96,7 +96,8 @@ static int choose(LagRunLanes *s, const LagModel *model, const LagSettings *sett
     if (lag_wide_taylor_serves(model))
         return 1;
     s->steps = &s->explicit.lanes;
-    s->method = batch->n_at < batch->sweep.n_reductions || s->is_guarded || settings->tolerance > MOST_TOLERANCE ? &lag_wide_dop853 : &lag_wide_verner9;
+    const int is_looked_into = batch->n_at < batch->sweep.n_reductions || s->is_guarded;
+    s->method = is_looked_into || settings->tolerance > MOST_TOLERANCE ? &lag_wide_dop853 : &lag_wide_verner9;
     s->explicit.caution = lag_run_solver(model, settings, NULL) == LAG_SOLVER_PIRK ? CAREFUL : 1;
     return settings->solver != LAG_SOLVER_TAYLOR && lag_wide_explicit_serves(model);
 }

@@ -15,10 +15,9 @@
 #include <math.h>
 #include <string.h>
 
+#include "model/attitude_places.h"
 #include "model/function.h"
 #include "state/state.h"
-
-enum { PLACE, MODE, PARTS }; /* LagModel.attitudes */
 
 void lag_attitude_rates(const double *s, const double *w, double *rates)
 {
@@ -32,7 +31,7 @@ void lag_attitude_rates(const double *s, const double *w, double *rates)
 void lag_attitudes_turn_slope(const LagMotion *m, const double *q, double *k)
 {
     for (int i = 0; i < m->n_attitudes; ++i) {
-        const int place = m->attitudes[PARTS * i + PLACE];
+        const int place = lag_attitude_place(m->attitudes, i);
         lag_attitude_rates(q + place, k + place, k + place);
     }
 }
@@ -53,7 +52,7 @@ static void declare_all(LagRun *run)
     const double *in[] = {&run->settings.t_start, run->p};
     lag_call(&run->model->modes, in, &run->d, run->work);
     for (int i = 0; i < run->model->n_attitudes; ++i)
-        declared(run, run->model->attitudes[PARTS * i + MODE]);
+        declared(run, lag_attitude_mode(run->model->attitudes, i));
 }
 
 void lag_attitude_between(const double *r, const double *x, double *s)
@@ -88,7 +87,7 @@ void lag_attitudes_guess(LagRun *run, const double *q_given)
     const double not_turned[4] = {1, 0, 0, 0};
     int is_declared = 0;
     for (int i = 0; i < run->model->n_attitudes; ++i) {
-        const int place = run->model->attitudes[PARTS * i + PLACE], mode = run->model->attitudes[PARTS * i + MODE];
+        const int place = lag_attitude_place(run->model->attitudes, i), mode = lag_attitude_mode(run->model->attitudes, i);
         double wanted[4];
         if (isnan(q_given[place]))
             continue;
@@ -103,7 +102,7 @@ void lag_attitudes_guess(LagRun *run, const double *q_given)
 void lag_attitudes_keep(LagRun *run)
 {
     for (int i = 0; i < run->model->n_attitudes; ++i) {
-        const int mode = run->model->attitudes[PARTS * i + MODE];
+        const int mode = lag_attitude_mode(run->model->attitudes, i);
         memcpy(run->d + mode, run->d_before + mode, 4 * sizeof *run->d);
     }
 }
@@ -149,7 +148,7 @@ void lag_attitudes_begin(LagRun *run, const double *q_given)
     declare_all(run);
     memset(run->motion.attitude_carry, 0, 4 * (size_t)model->n_attitudes * sizeof *run->motion.attitude_carry);
     for (int i = 0; i < model->n_attitudes; ++i) {
-        const int place = model->attitudes[PARTS * i + PLACE], mode = model->attitudes[PARTS * i + MODE];
+        const int place = lag_attitude_place(model->attitudes, i), mode = lag_attitude_mode(model->attitudes, i);
         double *s = run->motion.y + place, *size = run->scale.size + place, wanted[4];
         if (q_given && is_as_given(run->d + mode, q_given + place, s, wanted))
             memcpy(run->d + mode, wanted, sizeof wanted);
@@ -177,19 +176,19 @@ void lag_attitudes_move(LagRun *run)
     LagMotion *m = &run->motion;
     int moves = 0;
     for (int i = 0; i < model->n_attitudes; ++i) {
-        const int place = model->attitudes[PARTS * i + PLACE];
+        const int place = lag_attitude_place(model->attitudes, i);
         double *s = m->y + place;
         if (s[0] == 0 && s[1] == 0 && s[2] == 0)
             continue;
         moves = 1;
-        turn_reference(s, run->d + model->attitudes[PARTS * i + MODE], m->attitude_carry + 4 * i);
+        turn_reference(s, run->d + lag_attitude_mode(model->attitudes, i), m->attitude_carry + 4 * i);
         note_way(&run->scale, place, s);
         memset(s, 0, 3 * sizeof *s);
         memset(m->carry + place, 0, 3 * sizeof *s);
     }
     double *slope = moves && run->methods.table->slope ? run->methods.table->slope(run->methods.self) : NULL;
     for (int i = 0; i < model->n_attitudes && slope; ++i) {
-        const int place = model->attitudes[PARTS * i + PLACE];
+        const int place = lag_attitude_place(model->attitudes, i);
         memcpy(slope + place, m->y + m->n + place, 3 * sizeof *slope);
     }
 }

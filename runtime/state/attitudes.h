@@ -23,7 +23,8 @@ void lag_quaternion_product(const double *a, const double *b, double *product);
 /* A reference turned on by s. */
 void lag_attitude_present(const double *reference, const double *s, double *quaternion);
 
-/* References as parameters say, with what start values turned on, or as they were given, at the start of a run; and the size that angles have by themselves: after lag_scale_size. */
+/* References as parameters say, with what start values turned on, or as they were given, at the start of a run; and the size
+ * that angles have by themselves: after lag_scale_size. */
 void lag_attitudes_begin(LagRun *run, const double *q_given);
 
 /* Where modes were worked out anew, references stay as they are. */

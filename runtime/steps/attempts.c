@@ -101,8 +101,8 @@ static double next_way(LagRun *run, LagAttempts *attempts, double shorter)
 }
 
 /* Near singular positions at once, with a length that leads across, and for good: there will be more of them. Where time has no
- * shorter steps (what was held is let go, and begins from nothing), there is nothing to wait for; nor where a linkage is
- * driven in time, as a crank by its slide: short steps lead so near its dead points that rounding decides. */
+ * shorter steps (what was held is let go, and begins from nothing), there is nothing to wait for; nor where a linkage is driven in
+ * time, as a crank by its slide: short steps lead so near its dead points that rounding decides. */
 int lag_attempts_leave(LagRun *run, const LagAttempts *attempts, double h, double error, double shorter)
 {
     const int is_loop = run->model->n_multipliers > 0, leaves = run->methods.table->leaves_trouble;

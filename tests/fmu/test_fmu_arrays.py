@@ -88,6 +88,9 @@ def test_wrong_sizes_and_elements_are_errors(turns: Path) -> None:
             one.fmu.getFloat64([at], nValues=count)
         with pytest.raises(FMICallException):
             one.fmu.setFloat64([at], [9.0] * count)
+    for references, values in (([at], [9, 9, np.nan, 9, 9, 9]), ([at, one.reference["follows"]], [9.0] * 8)):
+        with pytest.raises(FMICallException):
+            one.fmu.setFloat64(references, values)
     with pytest.raises(FMICallException):
         one.fmu.getFloat64([at + 1])
     one.start()

@@ -113,6 +113,19 @@ def test_rounding_is_not_taken_for_a_wrong_step(tolerance: float) -> None:
     assert np.abs(run.energy.residual).max() < 1e-13 * run.statistics.energy_scale
 
 
+def test_accelerations_that_are_rounding_bind_no_steps(scene: Callable[[str], lag.Model]) -> None:
+    """Centres at rest whose force is along x: what is left of y and z is 1e-20, and so would their units be."""
+    model = scene("""model Floats
+      World world(gravity = {0, 0, 0});
+      Body a(m = 1, I = {0.1, 0.2, 0.3}, center(omega(start = {0.6, 0.1, 0.8})));
+      Body b(m = 2, I = {0.4, 0.2, 0.3}, center(r(start = {1, 0, 0}), omega(start = {0.6, 0.1, 0.8})));
+      AxialSpring spring(k = 50, s_rel0 = 0.7, a = shift(a.center, {0.1, 0.1, 0}), b = shift(b.center, {-0.2, 0, 0.1}));
+    end Floats;""")
+    for tolerance in (1e-6, 1e-9, 1e-12):
+        run = model.simulate(at=[0, 1], tolerance=tolerance, solver="taylor")
+        assert run.statistics.steps < 30 and not run.warnings
+
+
 def test_inputs_and_events_are_met(tmp_path: Path) -> None:
     """A force that is switched on in time, and a table of inputs with a corner: closed form."""
     path = tmp_path / "driven.lag"

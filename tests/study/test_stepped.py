@@ -166,3 +166,23 @@ def test_steps_are_quick(scene: Scene) -> None:
     begin = time.process_time()
     run.steps(np.zeros((20_000, 1)), 0.02)
     assert time.process_time() - begin < 2
+
+
+def test_a_run_that_has_ended_has_ended_when_come_back_to(scene: Scene) -> None:
+    model = scene("""model Falls
+      Block block(m = 1, base = world, along = {0, 1}, s(start = 1));
+    equation
+      when block.s < 0.5 then terminate("low"); end when;
+    end Falls;""")
+    run = model.start()
+    before = run.save()
+    run.steps(10, 0.1)
+    after = run.save()
+    assert run.ended
+    said = run.ended
+    run.restore(before)
+    assert run.ended == "" and len(run.steps(2, 0.1)) == 2
+    run.restore(after)
+    assert run.ended == said
+    with pytest.raises(RunError):
+        run.step(0.1)

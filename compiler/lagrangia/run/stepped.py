@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     import numpy as np
 
 _PAUSE = 0.1  # seconds between two looks at the keyboard
-_PACE = 24  # bytes of a kept state
+_PACE = 32  # bytes: where equal steps began, how long they are, how many there were; and those of `ended`
 _LOOK = 1000  # steps between two looks at what the engine could become
 
 
@@ -191,20 +191,22 @@ class SteppedRun:
         """The whole state of the run, to come back to: it then goes on bit for bit as it went on from here."""
         taken = array("b", bytes(self._library.lag_snapshot_size(self._handle)))
         self._library.lag_snapshot_take(self._handle, taken.buffer_info()[0])
-        pace = array("d", (self._begin, self._dt, self._count))
-        return pace.tobytes() + self._row.tobytes() + self._u.tobytes() + taken.tobytes()
+        ended = self.ended.encode()
+        pace = array("d", (self._begin, self._dt, self._count, len(ended)))
+        return pace.tobytes() + self._row.tobytes() + self._u.tobytes() + taken.tobytes() + ended
 
     def restore(self, kept: bytes) -> None:
         """Back to where `save` was called, of this run or another of the same model. Raises LagError L0702 for other bytes."""
         import numpy as np
 
         row, u = _PACE + self._row.nbytes, self._u.nbytes
-        inner = kept[row + u :]
-        if len(kept) <= row + u or self._library.lag_snapshot_restore(self._handle, inner, len(inner)) != 0:
+        pace = np.frombuffer(kept[:_PACE]).tolist() if len(kept) > row + u else []
+        end = len(kept) - int(pace[3]) if pace and 0 <= pace[3] <= len(kept) else 0
+        inner = kept[row + u : end]
+        if self._library.lag_snapshot_restore(self._handle, inner, len(inner)) != 0:
             fail("L0702", "these bytes are no state of this run", None, "give what save() has answered, of the same model")
-        self.ended = ""
-        self._begin, self._dt, count = np.frombuffer(kept[:_PACE]).tolist()
-        self._count = int(count)
+        self.ended = kept[end:].decode()
+        self._begin, self._dt, self._count = pace[0], pace[1], int(pace[2])
         self._row[:] = np.frombuffer(kept[_PACE:row])
         self._u[:] = np.frombuffer(kept[row : row + u])
 
