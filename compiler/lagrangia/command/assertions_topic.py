@@ -20,12 +20,13 @@ Conditions compare with <, <=, >, >= what moves, accelerations and forces in joi
 them. What has no value (NaN) does not hold. Structural ones (Integer, Boolean, constants) are checked by `lag check`, those of
 parameters where a run starts and where one of them is set.
 
-They are looked at after each step, in its dense output, so that the motion is the same with them or without, in every solver but
-islands and CasADi's, which refuse them (runs of sweeps that go on eight at a time may take a method with dense output then, and up
-to twice the steps: the same motion within the tolerance). A condition counts as broken that is so by more than an error of one tolerance in the
-state would make of it: what rests at a contact does not break x >= 0. Sweeps: a run whose assertion breaks is a failed row with
-its text, warnings are counted, and measures of a run that is terminated go up to its end, `final` too. FMUs: Co-Simulation ends
-at the same times, with an error, or by asking the importer to terminate; in Model Exchange completed steps are looked at. In
-Python: RunError; run.ended, run.warnings; runs in steps and prepared ones have `ended` too. `lag test` runs models whose names
-begin with Test, and fails where their assertions do. Positions of rest, modes and linearizations do not ask for them.
+They are looked at after each step, in its dense output, so that the motion is the same with them or without, in every solver
+but islands and CasADi's, which refuse them (runs of sweeps that go on eight at a time may take a method with dense output
+then, and up to twice the steps: the same motion within the tolerance). A condition counts as broken that is so by more than
+an error of one tolerance in the state would make of it: what rests at a contact does not break x >= 0. Sweeps: a run whose
+assertion breaks is a failed row with its text, warnings are counted, and measures of a run that is terminated go up to its
+end, `final` too. FMUs: Co-Simulation ends at the same times, with an error, or by asking the importer to terminate; in Model
+Exchange completed steps are looked at. In Python: RunError; run.ended, run.warnings; runs in steps and prepared ones have
+`ended` too. `lag test` runs models whose names begin with Test, and fails where their assertions do. Positions of rest, modes
+and linearizations do not ask for them.
 """
