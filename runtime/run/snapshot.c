@@ -15,6 +15,8 @@ typedef struct {
 enum { WORD = sizeof(uint64_t) };
 /* Code and constants of one library lie no farther apart, nor does what is in a model that was read from a file. */
 static const uint64_t REACH = (uint64_t)1 << 30;
+/* Where memory begins within that of 0 (executables at fixed addresses have it so), numbers of a fresh run lie below this. */
+static const uint64_t LOWEST = (uint64_t)1 << 24;
 
 static uint64_t address(const void *pointer) { return (uint64_t)(uintptr_t)pointer; }
 
@@ -56,7 +58,7 @@ static uint64_t read_word(const void *base, size_t k)
 static int is_near(uint64_t word, const void *place)
 {
     const uint64_t there = address(place);
-    return (word > there ? word - there : there - word) < REACH;
+    return word >= LOWEST && (word > there ? word - there : there - word) < REACH;
 }
 
 /* A word of the saved struct in the terms of `run`; first and second are runs just made. */
