@@ -268,6 +268,21 @@ class FlatModel:
         """All that events, samplers, delays and guards read."""
         return tuple(x for look in (*self.whens, *self.samplers, *self.delays, *self.guards) for x in look.expressions())
 
+    def stated(self) -> Iterator[Flat]:
+        """All that is stated, but the bindings and starts of variables, and the rates of states."""
+        for equation in (*self.constraints, *self.initial_equations):
+            yield from (equation.left, equation.right)
+        for joint in self.frame_equations:
+            yield from (joint.left, joint.right)
+        yield from (energy.value for energy in self.energies)
+        for work in self.works:
+            yield from (work.force, work.position)
+        yield from self.looks()
+        for figure in self.figures:
+            yield from figure.expressions()
+        for frame in self.frames.values():
+            yield from frame.starts.values()
+
     @property
     def space(self) -> Space:
         """What frames are made of."""

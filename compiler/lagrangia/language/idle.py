@@ -64,17 +64,6 @@ def _follows(node: Flat) -> bool:
 
 def expressions_of(model: FlatModel) -> Iterator[Flat]:
     """All that is stated, and the bindings and starts of all variables."""
-    for equation in (*model.constraints, *model.initial_equations):
-        yield from (equation.left, equation.right)
-    for joint in model.frame_equations:
-        yield from (joint.left, joint.right)
-    yield from (energy.value for energy in model.energies)
-    for work in model.works:
-        yield from (work.force, work.position)
-    yield from model.looks()
-    for figure in model.figures:
-        yield from figure.expressions()
-    for frame in model.frames.values():
-        yield from frame.starts.values()
+    yield from model.stated()
     for variable in model.variables.values():
         yield from (x for x in (variable.binding, variable.start) if x is not None)

@@ -14,7 +14,7 @@ def find_readers(model: FlatModel) -> Readers:
     is left out; what nothing reads at all, too."""
     parameters = {v.name for v in model.variables.values() if v.kind == "parameter"}
     found: dict[str, dict[str, None]] = {}
-    others: list[Flat] = list(_elsewhere(model))
+    others: list[Flat] = [*model.stated(), *(state.rate for state in model.states.values())]
     for variable in model.variables.values():
         is_parameter = variable.kind == "parameter"
         if variable.binding is not None and not is_parameter:
@@ -31,20 +31,3 @@ def find_readers(model: FlatModel) -> Readers:
 
 def _named(sides: Iterable[Flat], parameters: set[str]) -> Iterator[str]:
     return (node.name for node in nodes(*sides) if node.__class__ is Ref and node.name in parameters)
-
-
-def _elsewhere(model: FlatModel) -> Iterator[Flat]:
-    """All that is stated, but the bindings and starts of variables."""
-    for equation in (*model.constraints, *model.initial_equations):
-        yield from (equation.left, equation.right)
-    for joint in model.frame_equations:
-        yield from (joint.left, joint.right)
-    yield from (energy.value for energy in model.energies)
-    for work in model.works:
-        yield from (work.force, work.position)
-    yield from model.looks()
-    for figure in model.figures:
-        yield from figure.expressions()
-    for frame in model.frames.values():
-        yield from frame.starts.values()
-    yield from (state.rate for state in model.states.values())
