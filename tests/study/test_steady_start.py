@@ -64,6 +64,47 @@ def test_what_is_no_steady_motion_is_told(text: str, rates: dict[str, float], sa
         lag.loads(GOVERNOR.replace("  annotation", f"  {text}\n  annotation")).simulate(at=[1.0], from_=rates)
 
 
+RIDE = """model Ride "A bar on a ball joint at the rim of a turning disc"
+  World world(gravity = {0, 0, -9.81});
+  Revolute hinge(a = world); Body hub(m = 1, I = {0.1, 0.1, 0.2}, center = hinge.b);
+  Spherical ball(a = shift(hinge.b, {0.5, 0, 0}), S(start = axis_angle({1, 1, 1}, 0.3)));
+  Body bar(m = 1, I = {0.02, 0.02, 0.001}, center = shift(ball.b, {0, 0, -0.4}));
+end Ride;"""
+TOP = """model Top
+  World world(gravity = {0, 0, -9.81});
+  Spherical tip(a = world, S(start = axis_angle({1, 0, 0}, 1.2)));
+  Body top(m = 0.5, I = {0.0008, 0.0008, 0.001}, center = shift(tip.b, {0, 0, 0.1}));
+end Top;"""
+
+
+def test_a_bar_on_a_ball_joint_goes_round_aslant() -> None:
+    """(A - C) w^2 sin cos + m R l w^2 cos = m g l sin."""
+    w = 2.0
+    run = lag.loads(RIDE).simulate(at=np.linspace(0, 2, 5), from_={"hinge.w": w}, tolerance=1e-11)
+    a, x, y, z = (np.array(run[f"ball.S[{k}]"]) for k in (1, 2, 3, 4))
+    out, level, up = 2 * (x * z + a * y), 2 * (y * z - a * x), 1 - 2 * (x**2 + y**2)
+    angle = np.arctan2(-out, up)
+    balance = (0.02 + 0.16 - 0.001) * w**2 * np.sin(angle) * np.cos(angle) + 0.2 * w**2 * np.cos(angle) - 3.924 * np.sin(angle)
+    assert np.abs(balance).max() < 1e-9 and np.abs(level).max() < 1e-9 and 0.2 < angle[0] < 0.3
+
+
+def test_a_top_spins_steadily_where_it_points_up_or_down() -> None:
+    run = lag.loads(TOP).simulate(at=[0.0, 0.1], from_={"tip.w[3]": 200.0})
+    assert np.abs([run["tip.S[2]"], run["tip.S[3]"]]).max() < 1e-12
+    with pytest.raises(lag.RunError, match=r"no such steady motion.*depend on the positions whose rates are given"):
+        lag.loads(TOP).simulate(at=[0.1], from_={"tip.w[1]": 1.0})
+
+
+def test_hinges_that_turn_against_each_other_are_steady_along_their_way() -> None:
+    """What stays as it is as both go on need not stay where one goes on alone."""
+    text = """model Still World world; Revolute one(a = world, phi(start = 0.4)); Disc d(m = 1, r = 0.1, center = one.b);
+      Revolute two(a = one.b, phi(start = -0.4)); Body b(m = 1, I = 0.1, center = two.b);
+      Prismatic p(a = two.b, along = {0, 1}); PointMass m(m = 1, center = p.b);
+      Spring s(k = 9, stretch = p.s - 0.2); end Still;"""
+    run = lag.loads(text).simulate(at=[0.0, 1.0], from_={"one.w": 2.0, "two.w": -2.0})
+    assert np.abs(np.array(run["p.s"]) - (0.2 - 9.81 / 9)).max() < 1e-9
+
+
 def test_closed_loops_are_refused() -> None:
     loop = """model L Revolute O(a = world, phi(start = 1)), A; Bar one(m = 1, L = 1, a = O.b), two(m = 1, L = 1, a = A.b);
   Prismatic p(a = world, along = {1, 0}); equation connect(one.b, A.a); connect(two.b, p.b); end L;"""

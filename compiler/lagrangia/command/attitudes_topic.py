@@ -34,6 +34,8 @@ Functions    of model.functions(), --to casadi and --to python have the unit qua
              length; turning is dq/dt. --to modelica writes Euler's equations with the quaternion, whose length is kept.
 Small motion is in small turns tip.S.s[1] to [3] about the turned axes (rad), three of each attitude; the point is told by its
              quaternion. About a start that turns (--about start), as a sleeping top, frequencies are those seen from the turned
-             axes, and it is told whether the motion is steady. --from equilibrium begins at rest.
-Not supported yet: --from steady, pages that compute, small motion beside a run, kinetic energies of der(S) that
-are no rigid body's. Hinges (a Universal and a Revolute) have all but such pages."""
+             axes, and it is told whether the motion is steady. --from equilibrium begins at rest, --from "steady tip.w[3]=150"
+             where the body spins so about its own axes and these stay: upright, of a top. Regular precession is not that, as
+             the axes of the body go round: it is steady by hinges, a Universal and a Revolute. lag simulate --plot F --linear
+             shows small motion beside the run, in quaternions.
+Not supported yet: pages that compute, kinetic energies of der(S) that are no rigid body's."""

@@ -167,7 +167,7 @@ def curves_of(run: Trajectory, names: Sequence[str]) -> list[Curve]:
 
 def _usual(run: Trajectory) -> list[str]:
     scene = run.scene
-    return [*(column.name for column in scene.moving), *scene.signals.values(), *(column.name for column in scene.outputs)]
+    return [*(column.name for column in scene.moving), *scene.signals.values(), *(column.name for column in scene.own_outputs)]
 
 
 def energies_of(run: Trajectory) -> list[Curve]:

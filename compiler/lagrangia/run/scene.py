@@ -137,8 +137,8 @@ class Scene:
 
     @property
     def moving(self) -> tuple[Column, ...]:
-        """The coordinates of the mechanism: without those whose rates are first-order states."""
-        return tuple(c for c in self.coordinates if c.name not in self.signals)
+        """What tells where the mechanism is: positions without those whose rates are first-order states."""
+        return tuple(c for c in self.told_positions if c.name not in self.signals)
 
     def slot(self, name: str) -> int | None:
         """Place in (q, v) of a coordinate, a rate or another name of one."""

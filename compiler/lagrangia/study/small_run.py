@@ -16,12 +16,12 @@ from numpy.typing import NDArray
 
 from lagrangia.base.diagnostics import fail
 from lagrangia.compile.functions import observer
-from lagrangia.frames.attitude_starts import HINGES, refuse_attitudes
 from lagrangia.language.samplers import refuse_held
 from lagrangia.run.request import Values
 from lagrangia.study.analysis import Study
 from lagrangia.study.linearization import Linearization
-from lagrangia.view.rows import moments
+from lagrangia.study.turned import between
+from lagrangia.view.rows import columns, moments
 
 if TYPE_CHECKING:
     from lagrangia.compile.pipeline import Compilation
@@ -39,7 +39,6 @@ def small_run(compilation: "Compilation", values: Values, rows: Matrix, names: S
     Raises LagError L0918 for rolling and for inputs whose rates matter; RunError where there is no equilibrium.
     """
     refuse_held(compilation.flat, "small motion over time")
-    refuse_attitudes(compilation.graph.attitudes, "small motion over time", HINGES)
     study = Study(compilation, values, float(rows[0, 0]))
     linear = study.linearize("equilibrium", None, names)
     scene = compilation.scene
@@ -50,12 +49,23 @@ def small_run(compilation: "Compilation", values: Values, rows: Matrix, names: S
         if order and linear.excitations[k] in own:
             fail("L0918", f"not supported yet: small motion over time that depends on {name}, the rate of an input",
                  compilation.flat.span)
-    slots = [slot for name in linear.states if (slot := scene.slot(name)) is not None]
-    z = rows[0, [1 + slot for slot in slots]].copy()
-    z[: len(linear.coordinates)] -= [linear.point[name] for name in linear.coordinates]
     with np.errstate(all="ignore"):  # what runs away leaves the range of numbers
-        y = _follow(linear, z, rows[:, 0], lambda t: _exciting(study, linear, values, t))
+        y = _follow(linear, _first(study, linear, rows[0]), rows[:, 0], lambda t: _exciting(study, linear, values, t))
     return dict(zip(linear.outputs, y, strict=True))
+
+
+def _first(study: Study, linear: Linearization, row: Matrix) -> Matrix:
+    """The states at a row less those at the point: of attitudes the turns from there."""
+    scene, point = study.scene, linear.point
+    now = {column.name: float(x) for column, x in zip(columns(scene), row, strict=False)}
+    states: dict[str, float] = {}
+    for place, rate in zip(scene.coordinates, scene.rates, strict=True):
+        change = now[rate.name] - point.get(rate.name, 0.0)  # of a first-order state, which is a rate
+        states |= {place.name: now[place.name] - point.get(place.name, 0.0), f"der({place.name})": change, rate.name: change}
+    for reference, (name, parts) in zip(study.turned.read(point), scene.attitudes.items(), strict=True):
+        turn = between(reference, np.array([now[f"{name}[{k}]"] for k in range(1, 5)]))
+        states |= dict(zip(parts, turn, strict=True))
+    return np.array([states[name] for name in linear.states])
 
 
 def _exciting(study: Study, linear: Linearization, values: Values, times: Matrix) -> Matrix:
@@ -64,9 +74,8 @@ def _exciting(study: Study, linear: Linearization, values: Values, times: Matrix
     if not linear.inputs:
         return np.zeros((0, times.size))
     _, function = observer(c.kinematics, c.motion, c.constraints, linear.inputs)
-    here = np.zeros((times.size + 1, 1 + 2 * c.scene.n))
+    here = np.tile([linear.point.get(column.name, 0.0) for column in columns(c.scene)], (times.size + 1, 1))
     here[:, 0] = np.append(times, study.time)
-    here[:, 1 : 1 + c.scene.n] = [linear.point[name] for name in study.names]
     found = np.array(function(*moments(c.scene, study.p, values, here)))
     is_placed = np.array([[order == 0] for order, _ in linear.input_orders])
     return np.asarray(found[:, :-1] - np.where(is_placed, found[:, -1:], 0.0))

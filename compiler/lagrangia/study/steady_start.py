@@ -1,7 +1,9 @@
 """A run that begins in steady motion: given rates stay as they are, and all else stands still beside them.
 
 A relative equilibrium (E.J. Routh, 1877): accelerations know nothing of the coordinates whose rates are given, the cyclic ones;
-all others are where no coordinate is accelerated, and first-order states are where their rates vanish.
+all others are where no coordinate is accelerated, and first-order states are where their rates vanish. Attitudes are looked for
+as a whole, in small turns (turned.py), whether their rates are given or not: a body spins steadily about some of its axes, and
+those point somewhere.
 """
 
 from collections.abc import Mapping
@@ -12,12 +14,12 @@ import numpy as np
 from lagrangia.base.checked_values import by_name
 from lagrangia.base.diagnostics import RunError, fail, suggest
 from lagrangia.base.records import dataclass
-from lagrangia.frames.attitude_starts import HINGES, refuse_attitudes
 from lagrangia.run.request import check_values
 from lagrangia.study.rest_start import RestStart, start_at_rest
+from lagrangia.study.turned import product, turned_of
 
 _STEPS, _HALVES, _SMALL, _CLOSED, _TINY = 60, 12, 1e-13, 1e-9, 1e-300
-_LOOKS = (0.7, 2.3, 5.9)  # radians or metres, and seconds: elsewhere and later it is to be the same
+_LOOKS = (0.7, 2.3, 5.9)  # radians or metres, and seconds: further on and later it is to be the same
 
 
 def begun(model: Any, start_from: "str | Mapping[str, float]", parameters: Any, guesses: Any, inputs: Any, time: float
@@ -34,7 +36,6 @@ def start_steady(model: Any, rates: Mapping[str, float], parameters: Any, guesse
     """The steady motion with these rates, or with those among the guesses, that is reached from the guesses. Raises LagError
     L0706, L0901, RunError."""
     scene, compilation = model.scene, model.compilation
-    refuse_attitudes(compilation.graph.attitudes, "a start in steady motion", "state its rates with --initial", HINGES)
     if compilation.motion.constrained is not None:
         fail("L0901", "not supported yet: a start in steady motion of a scene with closed loops or rolling", None,
              "state its rates and positions with --initial")
@@ -48,19 +49,21 @@ def start_steady(model: Any, rates: Mapping[str, float], parameters: Any, guesse
         fail("L0706", "steady motion is said by rates of coordinates, and none is given", None,
              'write: --from "steady hinge.w=12", or --from steady --initial hinge.w=12')
     run = model.start(parameters=parameters, initial=stated, inputs=inputs, start=time)
-    state = run.state
-    q, v = np.array(state[: scene.n]), np.array(state[scene.n : 2 * scene.n])
-    steady = _Steady(model, parameters, inputs, time, q, v, given, signals)
+    quaternions = np.array([[run[f"{name}[{k}]"] for k in range(1, 5)] for name in scene.attitudes]).reshape(-1, 4)
+    q, v = np.array(run.state[: scene.n]), np.array(run.state[scene.n : 2 * scene.n])
+    steady = _Steady(model, parameters, inputs, time, q, v, quaternions, given, signals)
     x, missed = steady.solved()
     wrong = steady.told_of(x, missed)
     if wrong:
         raise RunError(f"there is no such steady motion near the start values: {wrong}")
-    q, v = steady.state(x)
-    values = {c.name: q[k] for k, c in enumerate(scene.coordinates) if k not in signals}
+    q, v, turned = steady.state(x)
+    values = {c.name: q[k] for k, c in enumerate(scene.coordinates) if k not in signals and c.name not in scene.turned}
+    values |= (attitudes := steady.turned.told(np.zeros(scene.n), turned))
     values |= {rate.name: v[k] for k, rate in enumerate(scene.rates) if k not in signals}
     values |= {name: v[k] for k, name in ((k, scene.signals[scene.coordinates[k].name]) for k in signals)}
     shown = [f"{rate.name} = {v[k]:.6g}" for k, rate in enumerate(scene.rates) if k in given]
-    shown += [f"{scene.coordinates[k].name} = {q[k]:.6g}" for k in steady.places]
+    shown += [f"{scene.coordinates[k].name} = {q[k]:.6g}" for k in steady.places if k not in steady.turned.all]
+    shown += [f"{name} = {value:.6g}" for name, value in attitudes.items()]
     more = f", ... ({len(shown)})" if len(shown) > 6 else ""
     return RestStart({name: float(value) for name, value in values.items()},
                      f"starts in steady motion: {', '.join(shown[:6])}{more}")
@@ -68,7 +71,8 @@ def start_steady(model: Any, rates: Mapping[str, float], parameters: Any, guesse
 
 @dataclass
 class _Steady:
-    """Unknown x: the positions whose rates are not given, and the first-order states."""
+    """Unknown x: the positions whose rates are not given, small turns of all attitudes, and the first-order states. `quaternions`
+    (attitudes, 4) are where the turns begin."""
 
     model: Any
     parameters: Any
@@ -76,40 +80,61 @@ class _Steady:
     time: float
     q: "np.ndarray"
     v: "np.ndarray"
+    quaternions: "np.ndarray"
     given: Mapping[int, float]
     signals: list[int]
 
     def __post_init__(self) -> None:
         model, values = self.model, check_values(self.model.scene, self.parameters, None, self.inputs)
-        self.places = [k for k in range(model.scene.n) if k not in self.given and k not in self.signals]
+        self.turned = turned_of(model.scene)
+        turned, firsts = self.turned.all, self.turned.firsts
+        self.columns = [(k, firsts.index(k) if k in firsts else None) for k in range(model.scene.n)
+                        if k in firsts or k not in turned]
+        self.places = [k for k in range(model.scene.n) if k in turned or (k not in self.given and k not in self.signals)]
         self.p = model.parameter_values(self.parameters)
         self.u = np.array(values.input_values[: len(model.scene.inputs)])
         self.function = model.functions(given=self.parameters or ())["rhs"]
         self.derivatives = self.function.factory("derivatives", self.function.name_in(),
                                                  [f"jac:{self.function.name_out(0)}:{self.function.name_in(k)}" for k in (1, 2)])
+        self.q[turned] = 0.0
         for k in range(model.scene.n):
             if k not in self.signals:
                 self.v[k] = self.given.get(k, 0.0)
 
-    def state(self, x: "np.ndarray") -> "tuple[np.ndarray, np.ndarray]":
+    def state(self, x: "np.ndarray") -> "tuple[np.ndarray, np.ndarray, np.ndarray]":
+        """Positions with nothing turned, rates, and the quaternions."""
         q, v, n = self.q.copy(), self.v.copy(), len(self.places)
         q[self.places], v[self.signals] = x[:n], x[n:]
-        return q, v
+        q, quaternions = self.turned.centred(q, self.quaternions)
+        return q, v, quaternions
 
-    def accelerations(self, x: "np.ndarray", moved: float = 0.0, later: float = 0.0) -> "np.ndarray":
-        """Of all coordinates, the given ones `moved` by so much."""
-        q, v = self.state(x)
-        q[list(self.given)] += moved
-        return np.array(self.function(self.time + later, q, v, self.u, self.p), dtype=float).ravel()
+    def told(self, q: "np.ndarray", quaternions: "np.ndarray") -> "np.ndarray":
+        """Positions in the order of Model.position_names."""
+        return np.concatenate([q[k : k + 1] if which is None else quaternions[which] for k, which in self.columns])
+
+    def told_by(self, quaternions: "np.ndarray") -> "np.ndarray":
+        """Derivatives of what is told by positions, (told, n), where small turns d are dQ = Q (0, d)/2."""
+        still = np.eye(self.q.size)
+        return np.vstack([still[k] if which is None else
+                          np.array([product(quaternions[which], turn) for turn in np.eye(4)[1:] / 2]).T @ still[k : k + 3]
+                          for k, which in self.columns])
+
+    def accelerations(self, x: "np.ndarray", after: float = 0.0, later: float = 0.0) -> "np.ndarray":
+        """Of all coordinates, as far on as the given rates lead `after` so many seconds, or when it is `later`."""
+        q, v, quaternions = self.state(x)
+        on = self.turned.advanced(q, np.where(np.isin(np.arange(q.size), self.signals), 0.0, v), after)
+        q, quaternions = self.turned.centred(on, quaternions)
+        return np.array(self.function(self.time + later, self.told(q, quaternions), v, self.u, self.p), dtype=float).ravel()
 
     def residual(self, x: "np.ndarray") -> "np.ndarray":
         return self.accelerations(x)[[*self.places, *self.signals]]
 
     def slopes(self, x: "np.ndarray") -> "np.ndarray":
         """Of the accelerations of all coordinates, by x."""
-        q, v = self.state(x)
-        by_q, by_v = (np.array(each, dtype=float) for each in self.derivatives(self.time, q, v, self.u, self.p))
-        return np.hstack([by_q[:, self.places], by_v[:, self.signals]])
+        q, v, quaternions = self.state(x)
+        by_q, by_v = (np.array(each, dtype=float) for each in
+                      self.derivatives(self.time, self.told(q, quaternions), v, self.u, self.p))
+        return np.hstack([(by_q @ self.told_by(quaternions))[:, self.places], by_v[:, self.signals]])
 
     def solved(self) -> "tuple[np.ndarray, float]":
         """By Newton's method, shortened where it leads away; how far the last step went."""
@@ -125,11 +150,16 @@ class _Steady:
                 if np.linalg.norm(self.residual(x + scale * dx)) <= np.linalg.norm(r):
                     break
                 scale /= 2
-            x = x + scale * dx
+            x = self.recentred(x + scale * dx)
             step = float(np.abs(dx / np.maximum(1.0, np.abs(x))).max())
             if step < _SMALL:
                 break
         return x, step
+
+    def recentred(self, x: "np.ndarray") -> "np.ndarray":
+        """The same, with quaternions from which nothing is turned."""
+        _, _, self.quaternions = self.state(x)
+        return np.where(np.isin(np.arange(x.size), np.flatnonzero(np.isin(self.places, self.turned.all))), 0.0, x)
 
     def told_of(self, x: "np.ndarray", missed: float) -> str:
         """Why it is none; "" where it is one."""
@@ -143,9 +173,9 @@ class _Steady:
             name = scene.coordinates[worst].name
             why = "something has to drive it" if worst in self.given else "try other guesses with --initial"
             return f"{name} is accelerated ({a[worst]:.3g}); {why}"
-        for look in _LOOKS:
-            for what, other in (("the positions whose rates are given", self.accelerations(x, moved=look)),
-                                ("time", self.accelerations(x, later=look))):
-                if not (np.abs(other - a) <= _CLOSED * size).all():
-                    return f"accelerations depend on {what}, so that nothing stays as it is"
+        moments = [look / abs(w) for w in self.given.values() if w for look in _LOOKS]
+        for what, others in (("the positions whose rates are given", (self.accelerations(x, after=moment) for moment in moments)),
+                             ("time", (self.accelerations(x, later=look) for look in _LOOKS))):
+            if not all((np.abs(other - a) <= _CLOSED * size).all() for other in others):
+                return f"accelerations depend on {what}, so that nothing stays as it is"
         return ""
