@@ -21,6 +21,8 @@ gravity with a third component, or one of the words below. Nothing is declared; 
   loads     AppliedForce(force = {Fx, Fy, Fz}), BodyForce, AppliedTorque(torque = {Mx, My, Mz}) in the world's axes, TorquePair;
             of one's own: energy work M on f.attitude. A motor in a hinge: energy work tau on hinge.phi
   springs   between points as in the plane; of torsion with the angle of a hinge: TorsionSpring(k = 2, twist = hinge.phi)
+  friction  of joints as in the plane; SlidingFriction(a = plane, b = foot, normal = ...) acts against the slip in the plane of
+            a's x and y axes, and holds up to the same force in any direction of it. A joint keeps b there, as PlanarJoint
   gears     Gear, Belt, RoughGear, RoughBelt of the angles of hinges: Gear(r_a = 0.1, r_b = 0.2, phi_a = p.phi, phi_b = q.phi);
             bearings do not feel what the teeth push them with
   planes    where all turns are about parallel axes and nothing shifts along them, the scene runs with the equations of the plane,
