@@ -11,6 +11,7 @@ import pytest
 import lagrangia as lag
 from lagrangia.base.folders import data_folder
 from lagrangia.command.cli import WRONG, main
+from lagrangia.draw.modes_film import swaying
 
 EXAMPLES = data_folder("models") / "examples"
 
@@ -48,6 +49,16 @@ def test_loops_stay_closed() -> None:
     open_by, left = (float(np.abs(np.array(gap(0, x, 0 * x, [], study.p))).max()) for x in (beside, study.closing(beside)))
     assert open_by > 1e-3
     assert left < 1e-9
+
+
+def test_places_of_a_period_are_closed_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """sin goes through each of its values again and again."""
+    study = lag.load(EXAMPLES / "four_bar.lag").study()
+    modes, closed = study.modes("equilibrium", False), []
+    monkeypatch.setattr("lagrangia.study.analysis.onto_constraints", lambda _, q, free: closed.append(q) or q)
+    t, states = swaying(study, modes, 0, 0.1)
+    assert len(closed) == 19 and states.q.shape[1] == t.size == 145
+    assert np.abs(states.q[:, :36] - states.q[:, 36:72]).max() < 1e-12
 
 
 @pytest.mark.parametrize("options", [["--mode", "2"], ["--animate", "x.html", "--mode", "9"], ["--animate", "x.csv"]])

@@ -2,6 +2,7 @@
 
 import os
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -19,6 +20,7 @@ from lagrangia.study.turned import Vector
 
 _PERIODS, _MOMENTS = 4, 36  # that are shown, and moments of each
 _NO_PERIOD = 1.0  # s, of what sways though it does not vibrate
+_DIGITS = 14  # in which a place of one period is that of another
 
 
 def animate_mode(model: Drawable, study: Study, modes: Modes, k: int, path: str | os.PathLike[str] | None = None) -> str:
@@ -54,8 +56,12 @@ def swaying(study: Study, modes: Modes, k: int, factor: float) -> tuple[Vector, 
     omega = modes[k].omega or 2 * np.pi / _NO_PERIOD
     t = np.linspace(0, _PERIODS * 2 * np.pi / omega, _PERIODS * _MOMENTS + 1)
     here = study.about_point(modes.linearization.point)
-    closing = here.closing
-    moved = [here.turned.centred(closing(q + factor * shape * side), here.references) for side in np.sin(omega * t)]
+
+    @cache
+    def at(side: float) -> tuple[Vector, Vector]:
+        return here.turned.centred(here.closing(q + factor * shape * side), here.references)
+
+    moved = [at(side) for side in np.sin(omega * t).round(_DIGITS).tolist()]  # each place of a period is met several times
     rates = factor * omega * np.outer(shape, np.cos(omega * t))
     given = [np.concatenate([study.u, attitudes.ravel(), held_at_first(study.scene, study.p.tolist())]) for _, attitudes in moved]
     return t, States(np.full((1, t.size), study.time), np.array([x for x, _ in moved]).T, rates, np.array(given).T,
