@@ -19,6 +19,8 @@ static const double MOMENT = 1e-3; /* s */
 /* Of the time that a bounce takes at the accelerations after the impact: no first step is longer. */
 static const double BOUNCE = 1.25;
 static const double SLACK = 1.0 / 1024; /* of one tolerance: what stands where nothing presses comes no sooner */
+/* Units of time in which what gaps change by shows above their rounding. */
+static const double MANY = 32;
 /* A bounce shorter than so many times what tells times apart is none. */
 static const double SHORT = 256, LOW = 1.0 / 64; /* of what is unknown of positions, which is that of many steps */
 
@@ -27,7 +29,8 @@ static int is_place(const LagRun *run, int k) { return run->impacts.has_contact[
 
 double lag_contacts_margin(const LagRun *run, int i)
 {
-    return run->impacts.coarse > 0 ? run->impacts.coarse * run->sliding.error[i] : LOW * run->switches.unknown[i];
+    const double own = run->impacts.coarse > 0 ? run->impacts.coarse * run->sliding.error[i] : LOW * run->switches.unknown[i];
+    return own + run->impacts.by_time[i - lag_gap(run->model, 0)];
 }
 
 /* Too slow, back too soon, or not higher than rounding. */
@@ -79,6 +82,20 @@ static void note_errors(LagRun *run, int pattern)
     }
 }
 
+/* By how much gaps cannot be told because times cannot, where supports move by themselves. */
+static void note_times(LagRun *run)
+{
+    LagSwitches *s = &run->switches;
+    const LagModel *model = run->model;
+    const LagMotion *m = &run->motion;
+    const double later = m->t + MANY * lag_time_resolution(m->t);
+    if (model->is_steady)
+        return;
+    lag_conditions_by(run, later, m->y, m->y + m->n, s->slope + m->n, s->g_inside, s->rate_inside);
+    for (int k = 0; k < model->n_whens; ++k)
+        run->impacts.by_time[k] = fabs(s->g_inside[lag_gap(model, k)] - s->g_begin[lag_gap(model, k)]) / MANY;
+}
+
 /* At the start nothing may have a size yet: accelerations tell of one by what they do in a moment. */
 void lag_contacts_find_errors(LagRun *run)
 {
@@ -90,6 +107,7 @@ void lag_contacts_find_errors(LagRun *run)
         return;
     memset(error + first, 0, (size_t)(model->n_switches - first) * sizeof *error);
     lag_conditions_of_events(run, s->g_begin, s->rate);
+    note_times(run);
     lag_conditions_units(run, run->motion.y, 1, s->error);
     for (int pattern = 0; pattern < LAG_PATTERNS; ++pattern)
         note_errors(run, pattern);

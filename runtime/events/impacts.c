@@ -33,6 +33,7 @@ void lag_impacts_layout(LagImpacts *s, const LagModel *model, int size, LagArena
     s->has_contact = lag_take_ints(arena, (size_t)model->n_whens);
     s->is_on = lag_take_ints(arena, (size_t)model->n_whens);
     s->before = lag_take(arena, (size_t)model->n_whens);
+    s->by_time = lag_take(arena, (size_t)model->n_whens);
     s->slack = lag_take(arena, (size_t)model->n_whens);
     s->which = lag_take_ints(arena, resets);
     s->rate = lag_take(arena, resets);

@@ -139,9 +139,9 @@ def test_the_rates_of_a_linkage_turn_together(scene: Write, solver: str) -> None
 
 
 SHAKEN = """model Shaken
-  parameter Real e = 0;  parameter AngularFrequency w = 12;
+  parameter Real e = 0;  parameter AngularFrequency w = 12;  parameter Length A = 0.1;
   Prismatic p(a = world, along = {0, 1});  PointMass ball(m = 0.1, center = p.b);
-  Length table = 0.1[m]*sin(w*time);
+  Length table = A*sin(w*time);
   Stop stop(e = e, gap = p.s - table);
   output Length gap = stop.gap;
 end Shaken;"""
@@ -161,6 +161,18 @@ def test_a_table_lets_go_where_it_falls_faster(scene: Write, solver: str, tolera
     whole = scene(SHAKEN).simulate(stop=20, interval=0.003, solver=solver, tolerance=tolerance, parameters={"e": 0.4})
     assert whole["gap"].min() > -tolerance
     assert whole.statistics.rhs_evaluations < 250_000
+
+
+def test_bounces_that_times_cannot_tell_end_on_a_shaken_table(scene: Write) -> None:
+    """The last ones are lower than what the table moves by from one time to the next."""
+    model = scene(SHAKEN)
+    runs = {"e": [0.37844675011918316, 0.3434500741910351, 0.4757449705891207],
+            "A": [0.017479451409174805, 0.01706672926248869, 0.010742185966004071],
+            "w": [31.241981979723757, 31.696830188442757, 63.198709113972846],
+            "p.s": [0.23827155562328348, 0.06359187840682955, 0.2617381211970584]}
+    for tolerance in (1e-6, 1e-8, 1e-10):
+        found = model.simulate_many(runs=runs, stop=3, tolerance=tolerance, progress=False)
+        assert not found.failures
 
 
 def test_what_rests_is_held_for_long(scene: Write) -> None:
