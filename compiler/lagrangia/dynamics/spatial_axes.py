@@ -9,6 +9,7 @@ Source: Denavit and Hartenberg (1955); Craig, Introduction to Robotics (1989), f
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import casadi as ca
@@ -17,6 +18,7 @@ from lagrangia.algebra.duals import Scalar, added, dot, is_zero, minus, plus, ti
 from lagrangia.algebra.scalars import as_expression
 from lagrangia.base.records import dataclass
 from lagrangia.dynamics.spatial_drift import STILL, Link
+from lagrangia.dynamics.spatial_regrouping import Meeting, regrouped
 from lagrangia.frames.spatial_inertia import (
     SAME,
     Matrix,
@@ -78,10 +80,13 @@ class Seat:
         """Components along the link's axes, (3,)."""
         return self.turn.to_parent(product(self.G, vector))
 
-    def placed(self, body: RigidInertia) -> RigidInertia:
-        """A body in the link's axes, about its origin."""
-        found = body.placed(self.G, self.origin)
-        return found if is_zero(self.angle) else found.turned(self.turn)
+    def steady(self, body: RigidInertia | None) -> RigidInertia | None:
+        """A body of the frame in axes in which it is constant: the link's but for the turn about z."""
+        return body.placed(self.G, self.origin) if body is not None and not body.is_nothing else None
+
+    def turned(self, body: RigidInertia | None) -> RigidInertia | None:
+        """The same in the link's axes."""
+        return body if body is None or is_zero(self.angle) else body.turned(self.turn)
 
 
 def lay_axes(joints: Sequence[SpatialJoint]) -> tuple[list[Link], list[Seat]]:
@@ -89,7 +94,10 @@ def lay_axes(joints: Sequence[SpatialJoint]) -> tuple[list[Link], list[Seat]]:
     layout = _Layout(joints)
     for k in range(len(joints)):
         layout.lay(k)
-    return layout.links, layout.seats
+    bodies = [seat.steady(joint.body) for joint, seat in zip(joints, layout.seats, strict=True)]
+    bodies = regrouped([*map(layout.meeting, range(len(joints)))], bodies)
+    return [replace(link, body=seat.turned(body)) for link, seat, body in
+            zip(layout.links, layout.seats, bodies, strict=True)], layout.seats
 
 
 class _Layout:
@@ -118,10 +126,19 @@ class _Layout:
             moves, own, sign = self._follow(joint, seat) if self.follows[k] else self._tilt(k, joint, seat)
             directions = [[*STILL, 0.0, 0.0, times(sign, slope)] for slope in joint.slopes]
             spin, spin_rate = ([0.0, 0.0, times(sign, x[0])] for x in joint.motion)
-        body = own.placed(joint.body) if joint.body is not None and not joint.body.is_nothing else None
         pairs = tuple(zip(joint.coordinates, directions, strict=False))  # of no coordinate where time moves it
-        self.links.append(Link(joint.parent, moves, pairs, spin, spin_rate, body))
+        self.links.append(Link(joint.parent, moves, pairs, spin, spin_rate))
         self.seats.append(own)
+
+    def meeting(self, k: int) -> Meeting:
+        """Where a joint meets the link of its parent."""
+        joint, own = self.joints[k], self.seats[k]
+        seat = self.seats[joint.parent] if joint.parent is not None else Seat(None)
+        centre = added(seat.origin, product(seat.G, joint.origin))
+        if joint.kind != "turn":
+            return Meeting(joint.parent, joint.kind, centre)
+        axis = SAME[2] if self.follows[k] else product(_product(seat.G, joint.R), joint.axis)
+        return Meeting(joint.parent, joint.kind, centre, axis, own.origin[2])
 
     def _is_parallel(self, joint: SpatialJoint) -> bool:
         """Whether a hinge is parallel to the hinge that its parent is, whatever the parameters."""

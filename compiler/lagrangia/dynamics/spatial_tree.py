@@ -76,7 +76,7 @@ class SpatialBodies:
     @property
     def masses(self) -> list[Scalar]:
         """Of the bodies, kg."""
-        return [link.body.mass for link in self.tree.links if link.body is not None]
+        return [joint.body.mass for joint in self.joints if joint.body is not None and not joint.body.is_nothing]
 
     @property
     def pivots(self) -> ca.SX:

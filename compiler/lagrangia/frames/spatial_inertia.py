@@ -26,6 +26,18 @@ def cross(a: Sequence[Scalar], b: Sequence[Scalar]) -> Vector:
     return [minus(times(a[i], b[j]), times(a[j], b[i])) for _, i, j in _CYCLE]
 
 
+def centripetal(w: Sequence[Scalar], ahead: Sequence[Scalar]) -> Vector:
+    """w x (w x d), by products of w where d is along an axis: others need them, too."""
+    along = [k for k, x in enumerate(ahead) if not is_zero(x)]
+    if len(along) != 1:
+        return cross(w, cross(w, ahead))
+    k, i, j = _CYCLE[along[0]]
+    found: Vector = [0.0] * 3
+    found[k] = minus(0.0, times(ahead[k], plus(times(w[i], w[i]), times(w[j], w[j]))))
+    found[i], found[j] = (times(ahead[k], times(w[k], w[other])) for other in (i, j))
+    return found
+
+
 def scaled(factor: Scalar, a: Sequence[Scalar]) -> Vector:
     """A multiple, of any length."""
     return [times(factor, x) for x in a]
@@ -102,8 +114,11 @@ class RigidInertia:
     def centrifugal(self, w: Sequence[Scalar]) -> Vector:
         """The wrench that the body asks for when it turns evenly about the origin, which stays: w x (w x b), w x J w."""
         J = self.second_moment
-        L = [dot([J[min(i, j)][max(i, j)] for j in range(3)], w) for i in range(3)]
-        return [*cross(w, cross(w, self.moment)), *cross(w, L)]
+        if all(is_zero(J[i][j]) for i, j in ((0, 1), (0, 2), (1, 2))):
+            torque = [times(minus(J[j][j], J[i][i]), times(w[i], w[j])) for _, i, j in _CYCLE]
+        else:
+            torque = cross(w, [dot([J[min(i, j)][max(i, j)] for j in range(3)], w) for i in range(3)])
+        return [*centripetal(w, self.moment), *torque]
 
 
 # -------------------------------------------------------------------- matrices of a twist
@@ -242,7 +257,7 @@ class Shift:
 
     def centrifugal(self, w: Sequence[Scalar]) -> Vector:
         """What the child's origin is accelerated with where the parent turns evenly: w x (w x d) + 2 w x d' + d''."""
-        found = cross(w, cross(w, self.ahead))
+        found = centripetal(w, self.ahead)
         if not is_nothing(self.rate):
             found = added(found, scaled(2.0, cross(w, self.rate)))
         return added(found, self.second)

@@ -65,8 +65,9 @@ class _Tree:
     @property
     def carried(self) -> list[tuple[SpatialJoint, RigidInertia]]:
         """Joints whose frames have bodies, and these in the axes of their links."""
-        pairs = zip(self.bodies.joints, self.bodies.tree.links, strict=True)
-        return [(joint, link.body) for joint, link in pairs if link.body is not None]
+        pairs = zip(self.bodies.joints, self.bodies.seats, strict=True)
+        own = [(joint, seat.turned(seat.steady(joint.body))) for joint, seat in pairs]
+        return [(joint, body) for joint, body in own if body is not None]
 
     def named(self, joint: SpatialJoint) -> tuple[str, Span | None]:
         """By its coordinate; one without has the name of none."""
