@@ -46,6 +46,7 @@ if TYPE_CHECKING:
     from lagrangia.frames.kinematics import Kinematics
     from lagrangia.language.classes import ClassTable
     from lagrangia.language.flat import FlatModel
+    from lagrangia.language.kept_components import KeptComponents
     from lagrangia.language.tree import ClassDefinition, ImportFile, Syntax
     from lagrangia.run.scene import Scene
 
@@ -270,11 +271,12 @@ def flatten_file(path: Path, model: str | None = None, structural: Mapping[str, 
 
 
 def flatten_files(syntax: "Syntax", imported: "list[Syntax]", model: str | None = None,
-                  structural: Mapping[str, Any] | None = None, is_drawn: bool = False) -> "FlatModel":
-    """The same of files that are read. Raises LagError."""
+                  structural: Mapping[str, Any] | None = None, is_drawn: bool = False, kept: "KeptComponents | None" = None
+                  ) -> "FlatModel":
+    """The same of files that are read; `kept` has what was made of the model before. Raises LagError."""
     packages = Packages(syntax)
     table = build_class_table(drawn_library() if is_drawn else library_classes(), [syntax, *imported], packages.find)
-    flat = flatten(table, _choose(syntax, table, model), structural)
+    flat = flatten(table, _choose(syntax, table, model), structural, kept)
     has_more = bool(syntax.imports or table.files or syntax.annotations)
     unused = find_idle_words(syntax, _brought(syntax, imported)) if has_more else Report()
     read = tuple(file.source.name for file in (*imported, *packages.read))
@@ -298,10 +300,12 @@ def _brought(main: "Syntax", imported: "list[Syntax]") -> "list[tuple[ImportFile
     return found
 
 
-def read_files(path: Path, read: Callable[[Path], Source] = read_source) -> "tuple[Syntax, list[Syntax]]":
-    """The file and all that it imports, each once; an editor reads what people have not saved yet. Raises LagError."""
+def read_files(path: Path, read: Callable[[Path], Source] = read_source,
+               tree: "Callable[[Source], Syntax] | None" = None) -> "tuple[Syntax, list[Syntax]]":
+    """The file and all that it imports, each once; an editor reads what people have not saved yet, and has trees of it. Raises
+    LagError."""
     refuse_others(path)
-    tree = _tree if read is read_source else parse  # an editor knows its sources again
+    tree = tree or (_tree if read is read_source else parse)  # an editor knows its sources again
     main = tree(read(path))
     found: dict[Path, Syntax] = {path.resolve(): main}
     report = Report()

@@ -9,14 +9,16 @@ from lagrangia.base.diagnostics import Diagnostic, LagError, Report, Source, Spa
 from lagrangia.compile.elsewhere import faults_beside
 from lagrangia.compile.packages import Packages
 from lagrangia.compile.pipeline import deep_recursion, flatten_files, read_files, without_collections
+from lagrangia.editor.live_text import LiveText
 from lagrangia.editor.meanings import Index, members
 from lagrangia.editor.surroundings import statement_start, without_texts
 from lagrangia.language.classes import ClassTable, build_class_table
 from lagrangia.language.component_library import library_classes
 from lagrangia.language.dimensions import check_dimensions
 from lagrangia.language.flat import FlatModel
+from lagrangia.language.kept_components import KeptComponents
 from lagrangia.language.syntax import parse
-from lagrangia.language.tree import ClassDefinition
+from lagrangia.language.tree import ClassDefinition, Syntax
 
 Read = Callable[[Path], Source]
 _LACKS_A_VALUE = "L0211"
@@ -39,27 +41,47 @@ class Reading:
             return self._find()
 
 
-def read_text(path: Path, read: Read) -> Reading:
-    """Of a file and all that it imports, as `read` gives them: errors and warnings of syntax, names and units."""
+class Known:
+    """What is kept of texts from one reading to the next: their trees, and what was made of the model of each."""
+
+    def __init__(self) -> None:
+        self.texts: dict[str, LiveText] = {}
+        self.components: dict[str, KeptComponents] = {}
+
+    def tree(self, source: Source) -> Syntax:
+        """Of a text as it is now; that of its last one is good no longer. Raises LagError."""
+        return self.texts.setdefault(source.name, LiveText()).tree(source)
+
+    def forget(self, name: str) -> None:
+        """A text that nobody writes any more."""
+        self.texts.pop(name, None)
+        self.components.pop(name, None)
+
+
+def read_text(path: Path, read: Read, known: Known | None = None) -> Reading:
+    """Of a file and all that it imports, as `read` gives them: errors and warnings of syntax, names and units. With what is
+    `known` of the last reading it takes less time."""
     with deep_recursion(), without_collections():
         source = read(path)
         report = Report()
         flat = None
         try:
-            syntax, imported = read_files(path, read)
+            syntax, imported = read_files(path, read, known.tree if known is not None else parse)
+            source = syntax.source
             table = build_class_table(library_classes(), [syntax, *imported], Packages(syntax).find)
         except LagError as error:
             return Reading(source, error.diagnostics, None, lambda: _index_of_mended(path, source, read))
         last = next((c for c in reversed(syntax.classes) if c.kind == "model" and not c.is_partial), None)
+        kept = known.components.setdefault(source.name, KeptComponents()) if known is not None else None
         is_part = last is None or _is_part(last, table)
         try:
             if last is not None:
-                flat = check_dimensions(flatten_files(syntax, imported))
+                flat = check_dimensions(flatten_files(syntax, imported, kept=kept))
                 report.add(flat.warnings)
         except LagError as error:
             report.add(found for found in error.diagnostics if not (is_part and found.code == _LACKS_A_VALUE and _is_open(found)))
-        known = {diagnostic.render() for diagnostic in report.diagnostics}
-        report.add(found for found in faults_beside(table, syntax) if found.render() not in known)
+        told = {diagnostic.render() for diagnostic in report.diagnostics}
+        report.add(found for found in faults_beside(table, syntax) if found.render() not in told)
         return Reading(source, tuple(report.diagnostics), flat, lambda: Index(syntax, table), is_part)
 
 

@@ -3,6 +3,7 @@
 import asyncio
 import os
 import sys
+import time
 from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path
@@ -21,12 +22,13 @@ from lagrangia.editor.formatting import formatted
 from lagrangia.editor.meanings import Index, Occurrence
 from lagrangia.editor.outline import MODIFIERS, TOKENS, folds, tokens, units_of_numbers
 from lagrangia.editor.protocol import Places, completion_item
-from lagrangia.editor.reading import Reading, read_text
+from lagrangia.editor.reading import Known, Reading, read_text
 from lagrangia.editor.signatures import signature
 from lagrangia.editor.telling import told_of
 from lagrangia.editor.whole import read_back
 
-_PAUSE = 0.03  # s of typing after which a text is looked at
+_PAUSE = 0.03  # s without a change after which a text is looked at that goes on changing
+_REST = 0.3  # s without a change after which the next one is looked at at once
 _MOST_FILES = 500  # of a folder that are looked through
 _PATIENCE = 60.0  # s for all phases of a saved text
 
@@ -37,7 +39,9 @@ class Server(LanguageServer):
     def __init__(self) -> None:
         super().__init__("lagrangia", VERSION)
         self.readings: dict[str, Reading] = {}
+        self.known = Known()
         self.changes = 0  # of any text
+        self.changed_at = -_REST  # s
         self.read_at: dict[str, int] = {}
 
     @property
@@ -60,7 +64,7 @@ class Server(LanguageServer):
     def reading(self, uri: str) -> Reading:
         """What is known of an open text now."""
         if self.read_at.get(uri) != self.changes:
-            self.readings[uri] = read_text(self.path(uri), self.read)
+            self.readings[uri] = read_text(self.path(uri), self.read, self.known)
             self.read_at[uri] = self.changes
         return self.readings[uri]
 
@@ -107,7 +111,9 @@ def opened(ls: Server, asked: types.DidOpenTextDocumentParams) -> None:
 async def changed(ls: Server, asked: types.DidChangeTextDocumentParams) -> None:
     """Looks at it unless it goes on changing."""
     ls.changes = now = ls.changes + 1
-    await asyncio.sleep(_PAUSE)
+    before, ls.changed_at = ls.changed_at, time.monotonic()
+    if ls.changed_at - before < _REST:
+        await asyncio.sleep(_PAUSE)
     if ls.changes == now:
         ls.tell(asked.text_document.uri)
 
@@ -135,6 +141,7 @@ def closed(ls: Server, asked: types.DidCloseTextDocumentParams) -> None:
     """Forgets it."""
     ls.changes += 1
     ls.readings.pop(asked.text_document.uri, None)
+    ls.known.forget(str(ls.path(asked.text_document.uri)))
     ls.text_document_publish_diagnostics(types.PublishDiagnosticsParams(asked.text_document.uri, []))
 
 

@@ -56,6 +56,9 @@ class _ExpressionNodes:
     def _span(self, meta: Place | Word) -> Span:
         return Span(self.source, meta.start_pos, meta.end_pos)
 
+    def _between(self, first: Span, last: Span) -> Span:
+        return self._span(Place(first.start, max(first.end, last.end)))
+
     def if_expression(self, meta: Place, children: list[Any]) -> Expression:
         *pairs, otherwise = children
         result: Expression = otherwise
@@ -79,15 +82,15 @@ class _ExpressionNodes:
 
     def signed_chain(self, meta: Place, children: list[Any]) -> Expression:
         whole = self._span(meta)
-        first = Unary(str(children[0]), children[1], self._span(children[0]).to(children[1].span) if children[2:] else whole)
+        span = self._between(self._span(children[0]), children[1].span) if children[2:] else whole
+        first = Unary(str(children[0]), children[1], span)
         return self._fold(first, children[2:], whole)
 
-    @staticmethod
-    def _fold(left: Expression, rest: Sequence[Any], whole: Span) -> Expression:
+    def _fold(self, left: Expression, rest: Sequence[Any], whole: Span) -> Expression:
         """The last one stands in the whole, with the brackets that it begins and ends with."""
         for k in range(0, len(rest), 2):
             operator, right = rest[k : k + 2]
-            left = Binary(str(operator), left, right, left.span.to(right.span) if k < len(rest) - 2 else whole)
+            left = Binary(str(operator), left, right, self._between(left.span, right.span) if k < len(rest) - 2 else whole)
         return left
 
     def logical_not(self, meta: Place, children: list[Any]) -> Unary[Expression]:

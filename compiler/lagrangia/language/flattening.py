@@ -36,17 +36,9 @@ from lagrangia.language.flat import (
 )
 from lagrangia.language.foreign_words import FOREIGN_CALLS
 from lagrangia.language.idle import find_idle
-from lagrangia.language.instances import (
-    FrameSlot,
-    Instance,
-    Member,
-    Modification,
-    Scope,
-    Slot,
-    is_absent,
-    outside,
-)
+from lagrangia.language.instances import FrameSlot, Instance, Member, Modification, Scope, Slot, is_absent, outside
 from lagrangia.language.instantiation import Instantiation
+from lagrangia.language.kept_components import KeptComponents
 from lagrangia.language.limits import (
     display_unit_of,
     flag_of,
@@ -100,15 +92,19 @@ _MOMENTS = {"initial": "an initial equation", "when": "an event", "sample": "a v
 _IF = "what the motion decides is chosen by an if expression: y = if x > 1 then a else b"
 
 
-def flatten(table: ClassTable, definition: ClassDefinition, structural: Mapping[str, Any] | None = None) -> FlatModel:
-    """The flat model of one class. `structural` holds values for its structural parameters.
+def flatten(table: ClassTable, definition: ClassDefinition, structural: Mapping[str, Any] | None = None,
+            kept: KeptComponents | None = None) -> FlatModel:
+    """The flat model of one class. `structural` holds values for its structural parameters, `kept` what was made of it before.
 
     Raises LagError with all that is wrong in names, modifications and arrays (L02xx).
     """
+    def flattened(found: Found) -> FlatModel:
+        return _Flattening(table, definition, Report(), found).flatten(structural or {}, kept)
+
     try:
-        return _Flattening(table, definition, Report(), Found()).flatten(structural or {})
+        return flattened(Found())
     except FoundSpaceError as left:
-        return _Flattening(table, definition, Report(), left.found).flatten(structural or {})
+        return flattened(left.found)
 
 
 class _Flattening:
@@ -142,11 +138,11 @@ class _Flattening:
         self.flanges: dict[str, str] = {}
         self.states: Mapping[str, State] = {}
 
-    def flatten(self, overrides: Mapping[str, Any]) -> FlatModel:
+    def flatten(self, overrides: Mapping[str, Any], kept: KeptComponents | None) -> FlatModel:
         definition = self.definition
         self._require_model()
         root = Instance("", definition, definition.name_span)
-        instantiation = Instantiation(self.table, self.names, self.report)
+        instantiation = Instantiation(self.table, self.names, self.report, before=kept)
         self.names.make_package = instantiation.constants_of
         root = instantiation.instantiate(definition, "", override_tree(overrides, root), definition.name_span, None)
         self.report.raise_errors()

@@ -22,6 +22,7 @@ from lagrangia.language.instances import (
     key_of,
     outside,
 )
+from lagrangia.language.kept_components import Asked, KeptComponents
 from lagrangia.language.modifications import deal_out, dealt_to_fields, merge, modification_of
 from lagrangia.language.redeclarations import (
     add_outer,
@@ -69,6 +70,7 @@ class Instantiation:
     of_types: dict[int, Modification] = field(default_factory=dict)  # by the ids of declarations, which are kept
     kept: list[Declaration] = field(default_factory=list)
     is_package: bool = False  # of which constants alone are made
+    before: KeptComponents | None = None  # what was made of the scene as it was
 
     def instantiate(
         self, definition: ClassDefinition, path: str, modification: Modification, span: Span, parent: Instance | None,
@@ -79,6 +81,7 @@ class Instantiation:
         definition = definition if path else self.table.settled(definition)
         instance = Instance(path, definition, span, parent=parent)
         if not path:
+            instance = self.before.begin(self.table, instance, self.values.space) if self.before is not None else instance
             self.values.begin(instance)
         if any(definition is outer for outer in self.stack):
             self.report.error("L0207", f"{definition.name} contains itself", span,
@@ -298,7 +301,26 @@ class Instantiation:
         sizes = self._dimensions(declaration, scope)
         if self.count + prod(sizes) > _MOST_COMPONENTS:
             fail("L0209", f"more than {_MOST_COMPONENTS} components", outside(self.table, declaration.name_span, instance))
-        instance.members[key_of(declaration)] = self._elements(instance, declaration, change, sizes, ())
+        if self.before is not None and instance.parent is None:
+            instance.members[key_of(declaration)] = self._kept(self.before, instance, declaration, change, sizes)
+        else:
+            instance.members[key_of(declaration)] = self._elements(instance, declaration, change, sizes, ())
+
+    def _kept(self, kept: KeptComponents, instance: Instance, declaration: Declaration, change: Modification,
+              sizes: tuple[int, ...]) -> Member:
+        """A component of the scene as it was made before, or made now."""
+        if (found := kept.found(declaration, sizes)) is not None:
+            self.count += found.count
+            return found.member
+        told, count, values = len(self.report.diagnostics), self.count, self.values
+        self.values = asked = Asked(values)
+        try:
+            member = self._elements(instance, declaration, change, sizes, ())
+        finally:
+            self.values = values
+        if not asked.any and len(self.report.diagnostics) == told:
+            kept.keep(declaration, sizes, member, self.count - count)
+        return member
 
     def _is_there(self, declaration: Declaration, scope: Scope) -> bool:
         """Whether its condition is true, or it has none. What is not there is kept in mind."""

@@ -2,7 +2,7 @@
 
 import marshal
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -56,14 +56,15 @@ RESERVED = frozenset(
 _KINDS: Mapping[str, str] = {"class": "model"}  # what a word means that has another one
 
 
-def parse(source: Source) -> Syntax:
-    """The syntax tree of one file. Raises LagError (L01xx)."""
+def parse(source: Source, make: "Callable[[Source], _Nodes] | None" = None) -> Syntax:
+    """The syntax tree of one file; `make` gives what makes its nodes. Raises LagError (L01xx)."""
     _check_text(source)
-    nodes = _Nodes(source)
+    make = make or _Nodes
+    nodes = make(source)
     try:
         items = read(source.text, tables(), nodes)
     except NotReadError:
-        nodes = _Nodes(source)
+        nodes = make(source)
         items = _parsed_by_lark(source, nodes)
     nodes.report.raise_errors()
     files = tuple(x for x in items if isinstance(x, ImportFile))

@@ -35,6 +35,7 @@ from lagrangia.language.unread import inside
 
 CODE = "L0224"
 _MOST_CLASSES = 20_000
+_MOST_ELEMENTS = 50_000
 _OF_MODELS = ("experiment", "allow")
 _OF_PARAMETERS = ("Evaluate", "Varying", ANNOTATION)
 _PLACES = ((_OF_MODELS, "on a line of its own in a model"), (_OF_PARAMETERS, "behind a parameter"))
@@ -234,24 +235,33 @@ def _look_at_functions(functions: Iterable[ClassDefinition], report: Report) -> 
 
 
 class _This:
-    """A class itself, whose parts nobody compares."""
+    """A class or an element itself, whose parts nobody compares."""
 
-    __slots__ = ("definition",)
+    __slots__ = ("part",)
 
-    def __init__(self, definition: ClassDefinition) -> None:
-        self.definition = definition
+    def __init__(self, part: Any) -> None:
+        self.part = part
 
     def __hash__(self) -> int:
-        return id(self.definition)
+        return id(self.part)
 
     def __eq__(self, other: object) -> bool:
-        return isinstance(other, _This) and self.definition is other.definition
+        return isinstance(other, _This) and self.part is other.part
 
 
 @lru_cache(maxsize=_MOST_CLASSES)
 def _words_of(this: _This) -> frozenset[str]:
     """Of a class, which are looked for once however many models of a file are looked at."""
-    return frozenset(_words((this.definition.elements, this.definition.sections)))
+    found = set(_words(this.part.sections))
+    for element in this.part.elements:
+        found |= _words_of_element(_This(element))
+    return frozenset(found)
+
+
+@lru_cache(maxsize=_MOST_ELEMENTS)
+def _words_of_element(this: _This) -> frozenset[str]:
+    """Of a declaration, which an editor keeps while others are written."""
+    return frozenset(_words(this.part))
 
 
 def _words(part: Any) -> Iterator[str]:
