@@ -31,6 +31,7 @@ static const double BEST = 0.4; /* the one at which steps of given length take l
 enum { MOST_SWEEPS = 20, EARLY = 2, PATIENT = 4, TURNS = 2 };
 static const double HOPELESS = 3; /* error, as it looks early, of a step that is given up then */
 static const double FLAT = 0.3; /* share of the first coefficients that the last ones have of rounding */
+static const double DOUBTED = 4; /* units: the error of a series that falls as its last coefficients do */
 static const double JUMPED = 10, UNLIKE = 0.5; /* of last coefficients: what rounding is not, and what smooth series have of those before */
 static const double CAUTION = 4; /* errors are as those of Dormand-Prince at the same tolerance */
 static const double SAFETY = 0.75, GROW = 2, SHRINK = 0.3, CLEARLY_LESS = 0.9;
@@ -267,6 +268,13 @@ static double remainder_of(Coefficients most)
     return most.last > JUMPED && most.last > UNLIKE * most.middle ? most.last : most.last * ratio * ratio;
 }
 
+/* The same for one that falls as its last coefficients do, whatever the first are of. */
+static double slow_remainder_of(Coefficients most)
+{
+    const double ratio = most.middle > 0 ? lag_min(most.last / most.middle, 1) : 1;
+    return most.last * ratio * ratio * ratio * ratio;
+}
+
 /* The error of the step, in units. */
 static double estimate(LagPirk *s, const LagMotion *m, double h, int *worst)
 {
@@ -281,6 +289,7 @@ static double estimate(LagPirk *s, const LagMotion *m, double h, int *worst)
         note(s, m->size - m->n + k, s->weight[m->n + k], &most);
     double error = remainder_of(most);
     s->last = most.last;
+    s->is_doubtful = CAUTION * slow_remainder_of(most) > DOUBTED;
     s->is_flat = most.last > FLAT * most.first;
     for (int c = m->n; c < m->size - m->n && energy > 0; ++c) {
         Coefficients work = {0, 0, 0};
@@ -351,7 +360,7 @@ static double iterate(LagPirk *s, LagMotion *m, const double *y, double h, int *
 static double look_again(LagPirk *s, LagMotion *m, double t_new)
 {
     const double error = lag_pirk_edges(s, m, t_new);
-    return error > 1 ? error : lag_max(lag_pirk_second_look(s, m), error);
+    return error > 1 ? error : lag_max(lag_pirk_second_look(s, m, m->y), error);
 }
 
 static double attempt(void *self, LagMotion *m, double t_new, const LagScale *scale, int *worst)
@@ -381,7 +390,7 @@ static double attempt(void *self, LagMotion *m, double t_new, const LagScale *sc
     lag_swap(&s->a, &s->known);
     s->begin = m->t;
     s->length = h;
-    if (error <= 1 && run->model->may_be_narrow)
+    if (error <= 1 && (run->model->may_be_narrow || run->model->n_looks > 0 || s->is_doubtful))
         error = lag_max(look_again(s, m, t_new), error);
     s->factor = length_factor(s, s->per == h ? s->contraction : 0, error);
     if (error > 1)
@@ -410,6 +419,9 @@ static void interpolate(void *self, LagMotion *m, double t, double *y)
     run->careful = careful;
 }
 
+/* Of the step that was taken. */
+static double miss(void *self, LagMotion *m) { return lag_pirk_second_look(self, m, m->other); }
+
 /* Where something jumps inside a step, beyond the place that it is cut at. */
 static void take_back(LagRun *run)
 {
@@ -434,6 +446,6 @@ double lag_pirk_series_cost(const LagModel *model, double tolerance)
 
 const LagMethod lag_pirk = {
     .name = "pirk", .order = 16, .layout = layout, .restart = restart, .step = lag_step_adaptive, .attempt = attempt,
-    .accept = accept, .interpolate = interpolate, .take_back = take_back, .is_good_inside = 1, .factor = factor, .holds_switches = 1, .stride = 1, .leaves_trouble = 1,
+    .accept = accept, .interpolate = interpolate, .take_back = take_back, .miss = miss, .is_good_inside = 1, .factor = factor, .holds_switches = 1, .stride = 1, .leaves_trouble = 1,
     .weighs_work = 1, .dreads_rows = 1,
 };

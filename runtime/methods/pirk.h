@@ -25,6 +25,7 @@ typedef struct LagPirk {
     double factor;     /* for the next step */
     int was_careful;   /* in the latest step */
     int is_flat;       /* coefficients of the latest accelerations do not fall */
+    int is_doubtful;   /* the last of them fall too slowly for the error that is told by the first */
     int limited;       /* steps, of late, that are as long as sweeps bear and not as errors allow */
     LagPirkDense dense;
 } LagPirk;

@@ -181,13 +181,13 @@ static void prepare(LagPirk *s, LagMotion *m)
     ++m->dense_outputs;
 }
 
-double lag_pirk_second_look(LagPirk *s, LagMotion *m)
+double lag_pirk_second_look(LagPirk *s, LagMotion *m, const double *y)
 {
     LagPirkDense *dense = &s->dense;
     double most = 0;
     need_tables(dense);
     begin(dense, s->known, m->size - m->n + lag_pirk_ways(m));
-    if (!evaluate(s, m, m->y))
+    if (!evaluate(s, m, y))
         return INFINITY;
     for (int c = 0; c < m->n; ++c) {
         double found[KEPT] = {0};

@@ -21,7 +21,7 @@ typedef struct {
 void lag_pirk_dense_layout(LagPirkDense *dense, const LagMotion *motion, LagArena *arena);
 
 /* By how many units the end of the step just tried, whose stages are known, is another one by twice as many stages. */
-double lag_pirk_second_look(struct LagPirk *pirk, LagMotion *motion);
+double lag_pirk_second_look(struct LagPirk *pirk, LagMotion *motion, const double *y);
 
 /* State y at t in the latest step. */
 void lag_pirk_dense_read(struct LagPirk *pirk, LagMotion *motion, double t, double *y);

@@ -35,6 +35,7 @@ void lag_guards_layout(LagGuards *s, const LagModel *model, int size, LagArena *
     s->places = lag_take(arena, PLACES * count);
     s->states = lag_take(arena, count > 0 ? PLACES * 2 * (size_t)model->n : 0);
     s->told = lag_take(arena, count);
+    s->passed = lag_take(arena, count);
     s->is_armed = lag_take_ints(arena, count);
     s->is_news = lag_take_ints(arena, count);
     s->state = lag_take(arena, state);
@@ -135,7 +136,7 @@ LagStatus lag_guards_reset(LagRun *run)
     s->end = INFINITY;
     s->row = NAN;
     for (int i = 0; i < run->model->n_guards; ++i) {
-        s->told[i] = NAN;
+        s->told[i] = s->passed[i] = NAN;
         s->is_armed[i] = s->is_news[i] = 0;
     }
     return lag_guards_of_parameters(run);
@@ -267,20 +268,30 @@ static double find_root(LagRun *run, int i, double low, double high, double a, d
     return high;
 }
 
-/* When guard i breaks in a part; INFINITY: it does not. */
+/* From when on guard i is beyond, as it is at place k of a part, and was not at the one before. */
+static double passed_at(LagRun *run, Part part, int i, int k)
+{
+    if (k == 0)
+        return time_at(run, part.low);
+    return time_at(run, find_root(run, i, share_of(part, k - 1), share_of(part, k), place(run, k - 1)[i], place(run, k)[i]));
+}
+
+/* When guard i breaks in a part, in the latest step; INFINITY: it does not. */
 static double when_broken(LagRun *run, Part part, int i)
 {
+    LagGuards *s = &run->guards;
     for (int k = 0; k < PLACES; ++k) {
-        const double g = place(run, k)[i], x = share_of(part, k);
-        if (is_beyond(run->model, i, g) && may_break(run, i)) {
-            look_inside(run, time_at(run, x));
-            if (is_surely_beyond(run, time_at(run, x), i)) {
-                const double before = k > 0 ? place(run, k - 1)[i] : g, low = share_of(part, k - 1);
-                const int is_between = k > 0 && !is_beyond(run->model, i, before);
-                return time_at(run, is_between ? find_root(run, i, low, x, before, g) : k > 0 ? low : x);
-            }
+        const double g = place(run, k)[i], t = time_at(run, share_of(part, k));
+        if (!is_beyond(run->model, i, g))
+            s->passed[i] = NAN;
+        else if (may_break(run, i)) {
+            if (isnan(s->passed[i]))
+                s->passed[i] = passed_at(run, part, i, k);
+            look_inside(run, t);
+            if (is_surely_beyond(run, t, i))
+                return fmax(s->passed[i], run->motion.t_old);
         }
-        arm(&run->guards, i, g);
+        arm(s, i, g);
     }
     return INFINITY;
 }
@@ -347,11 +358,14 @@ void lag_guards_forget(LagRun *run, double t)
         s->broken = 0;
     if (s->row > t)
         s->row = NAN;
-    for (int i = 0; i < run->model->n_guards; ++i)
+    for (int i = 0; i < run->model->n_guards; ++i) {
+        if (s->passed[i] > t)
+            s->passed[i] = NAN;
         if (s->told[i] > t) {
             s->told[i] = NAN;
             s->is_news[i] = 0;
         }
+    }
 }
 
 int lag_run_warning(LagRun *run, double *t)

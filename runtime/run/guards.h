@@ -17,6 +17,7 @@ typedef struct {
     double *places;        /* 5 n_guards: g in a part of the step */
     double *states;        /* 5 x 2 n: q, dq/dt there */
     double *told;          /* n_guards: when a warning broke at first; NaN: it did not */
+    double *passed;        /* n_guards: since when it is beyond, by however little; NaN: it is not */
     int *is_armed;         /* n_guards: those that end the run: whether they have held */
     int *is_news;          /* n_guards: a warning that nobody has asked for yet */
     double *state, *beside, *error; /* size */

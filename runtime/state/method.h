@@ -49,7 +49,10 @@ typedef struct {
 
     /* Takes the latest step back; NULL where dense output is always as good as the ends of steps. */
     void (*take_back)(struct LagRun *run);
-    int is_good_inside; /* it is, but where the motion lacks slopes */
+
+    /* What the latest step missed of forces between its stages, in units of error; NULL where its estimate tells. */
+    double (*miss)(void *self, LagMotion *motion);
+    int is_good_inside; /* dense output is, but where the motion lacks slopes */
 
     int holds_switches; /* of conditions on the state, through each step */
     int most_sliding;   /* so many forces that jump may hold the motion at their jumps in a step */

@@ -22,6 +22,7 @@ static const double AHEAD = 1e-6; /* share of a step: by which paces are told */
 static const double FINE = 0.1, NARROWER = 0.7;  /* change of g; share of a width that is tried next */
 static const double APART = 1.5, OUTSIDE = 6, SHORTER = 0.9; /* widths, but for the last one: a share */
 static const double FADED = 4;    /* change of g */
+static const double BESIDE = 0.1, ROUND = 2; /* share of a width; change of g within one, at the sides of a square */
 static const double UNIT = 1; /* of error that may be passed over */
 enum { MOST_TRIES = 60, MOST_HALVINGS = 40, AROUND = 4 };
 
@@ -80,6 +81,7 @@ static void look(LagRun *run, double x, double *g, double *pace)
 
 typedef struct {
     double x, width; /* shares of the step; no width: there is none */
+    double flank;    /* the width of its sides, where these are steeper */
 } Narrow;
 
 /* How far from x on both sides g of place i is another by 1, at most what all stages see: flat tops have no curvature. */
@@ -98,6 +100,21 @@ static double width_about(LagRun *run, int i, double x)
         width *= NARROWER;
     }
     return width;
+}
+
+/* The least way at x + width or x - width over which g of place i changes by as much as that of a square does: flat tops have steep
+ * sides. */
+static double flank_about(LagRun *run, int i, double x, double width)
+{
+    LagLooks *s = &run->looks;
+    double rise = 0;
+    for (int side = -1; side <= 1; side += 2) {
+        ask(run, x + side * width, s->ahead);
+        const double here = s->ahead[i];
+        ask(run, x + side * (1 + BESIDE) * width, s->ahead);
+        rise = lag_max(fabs(s->ahead[i] - here) / (BESIDE * width), rise);
+    }
+    return lag_min(ROUND / rise, width);
 }
 
 /* Where g of place i is 0 (or turns, if `turns`) between two looks. */
@@ -124,9 +141,8 @@ static Narrow close_in(LagRun *run, int i, double low, double high, int turns)
     }
     const double x = low + (high - low) / 2;
     ask(run, x, g);
-    if (!turns)
-        return (Narrow){x, (high - low) / fabs(b - a)};
-    return (Narrow){x, g[i] < FAINT ? 0 : width_about(run, i, x)};
+    const double width = !turns ? (high - low) / fabs(b - a) : g[i] < FAINT ? 0 : width_about(run, i, x);
+    return (Narrow){x, width, turns && width > 0 ? flank_about(run, i, x, width) : width};
 }
 
 /* Accelerations at a place of the step, into a row of `seen`. */
@@ -197,7 +213,7 @@ static double edge(LagRun *run, Narrow at)
 
 static int is_passed_over(LagRun *run, Narrow at)
 {
-    if (!(at.width > 0 && SEEN * at.width < 1))
+    if (!(at.width > 0 && SEEN * at.flank < 1))
         return 0;
     return (at.x > 0 && at.x < 1 ? bump(run, at) : edge(run, at)) > UNIT;
 }
@@ -208,7 +224,8 @@ static Narrow at_end(const LagRun *run, int i, int is_end)
     const LagLooks *s = &run->looks;
     const int count = run->model->n_looks, k = (is_end ? LAG_LOOKS * count : 0) + i;
     const double g = fabs(s->g[k]), beside = fabs(s->g[is_end ? k - count : k + count]);
-    return (Narrow){is_end, g < -FAINT && beside > g + FADED ? 1 / fabs(s->pace[k]) : 0};
+    const double width = g < -FAINT && beside > g + FADED ? 1 / fabs(s->pace[k]) : 0;
+    return (Narrow){is_end, width, width};
 }
 
 /* The first place that the latest step passed over, of those of function i; no width: it did not. */
@@ -229,7 +246,7 @@ static Narrow find(LagRun *run, int i)
             if (is_passed_over(run, at))
                 return at;
         }
-    return is_passed_over(run, end) ? end : (Narrow){0, 0};
+    return is_passed_over(run, end) ? end : (Narrow){0, 0, 0};
 }
 
 /* Whether g of some place changes so much that something may lie between. */
@@ -249,7 +266,7 @@ static Narrow passed_over(LagRun *run)
 {
     LagLooks *s = &run->looks;
     const int count = run->model->n_looks;
-    Narrow first = {0, 0};
+    Narrow first = {0, 0, 0};
     if (!is_suspect(run))
         return first;
     for (int i = 0; i < count; ++i) {
@@ -266,7 +283,7 @@ static Narrow passed_over(LagRun *run)
 static double shorter_step(const LagRun *run, Narrow at)
 {
     const double h = run->motion.t - run->motion.t_old;
-    const double share = at.x > 2 * OUTSIDE * at.width ? at.x - OUTSIDE * at.width : SHORTER * SEEN * at.width;
+    const double share = at.x > 2 * OUTSIDE * at.width ? at.x - OUTSIDE * at.width : SHORTER * SEEN * at.flank;
     return lag_min(share, SHORTER) * h;
 }
 
@@ -288,8 +305,25 @@ static LagStatus again(LagRun *run, double step)
     return is_ready ? run->methods.table->step(run) : lag_step_give_up(run, 0);
 }
 
+/* Steps of sweeps past another point, which their stages may not see: what they miss tells. */
+static LagStatus watch_passes(LagRun *run)
+{
+    for (int k = 0; k < MOST_TRIES && run->methods.table->miss && lag_roots_pass(run); ++k) {
+        const double step = SHORTER * (run->motion.t - run->motion.t_old) / 2;
+        if (!(step > 2 * lag_step_smallest(run->motion.t_old)) || !(run->methods.table->miss(run->methods.self, &run->motion) > UNIT))
+            return LAG_OK;
+        const LagStatus status = again(run, step);
+        if (status != LAG_OK)
+            return status;
+    }
+    return LAG_OK;
+}
+
 LagStatus lag_looks_watch(LagRun *run)
 {
+    const LagStatus passed = watch_passes(run);
+    if (passed != LAG_OK)
+        return passed;
     if (run->model->n_looks == 0 || run->methods.table->is_exact)
         return LAG_OK;
     for (int k = 0; k < MOST_TRIES; ++k) {

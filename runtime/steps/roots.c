@@ -115,6 +115,17 @@ int lag_roots_suspect(LagRun *run)
     return 0;
 }
 
+int lag_roots_pass(LagRun *run)
+{
+    const LagRoots *s = &run->roots;
+    if (run->model->n_roots > 0 && !(s->known == run->statistics.steps && s->events == run->statistics.events))
+        look_at_ends(run);
+    for (int i = 0; i < run->model->n_roots; ++i)
+        if (fmin(s->g_old[i], s->g[i]) < SUSPECT * fmax(s->g_old[i], s->g[i]) || is_suspect(run, i))
+            return 1;
+    return 0;
+}
+
 int lag_roots_cross(LagRun *run)
 {
     const LagMotion *m = &run->motion;

@@ -38,4 +38,7 @@ LagStatus lag_roots_watch(LagRun *run);
 /* Whether the latest step may have come near to where something under a root is 0: not looked at closely. */
 int lag_roots_suspect(LagRun *run);
 
+/* Whether something under a root was much less at some place of the latest step than at an end. */
+int lag_roots_pass(LagRun *run);
+
 #endif

@@ -1,7 +1,9 @@
 """Smooth bumps and steps of forces that are much narrower than steps, against closed forms."""
 
 import math
+from collections.abc import Callable
 
+import numpy as np
 import pytest
 
 import lagrangia
@@ -66,3 +68,40 @@ def test_no_first_step_ends_where_a_stiff_spring_has_exploded() -> None:
     end Follow;""")
     found = scene.simulate(solver="taylor", tolerance=1e-6, max_steps=20_000, at=[0.01])
     assert found["b.s"][-1] == pytest.approx(0.1 * math.sin(0.03), abs=5e-6)  # and swings by 3e-6
+
+
+PENDULUM = """model Pendulum
+  Revolute h(a = world, phi(start = 1.3)); PointMass b(m = 1, center = shift(h.b, {0, -1}));
+  Real x = (h.phi - 0.4)/0.003;
+energy
+  potential -0.05[J]*(SHAPE);
+end Pendulum;"""
+SHAPES: dict[str, Callable[[np.ndarray], np.ndarray]] = {
+    "1/(1 + x^4)": lambda x: 1 / (1 + x**4),
+    "1/(1 + x^2)^1.5": lambda x: (1 + x * x) ** -1.5,
+    "1/sqrt(1 + x^2)": lambda x: 1 / np.sqrt(1 + x * x),
+    "-sqrt(1 + x^2)/20": lambda x: -np.sqrt(1 + x * x) / 20,
+}
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+def test_stages_that_miss_part_of_a_narrow_place_tell(shape: str) -> None:
+    """A few stages of sweeps see it, and their series seems to converge: off by up to 27, 10 088, 24 and 123 tolerances."""
+    scene = lagrangia.loads(PENDULUM.replace("SHAPE", shape))
+    scene.native = False
+    for tolerance in np.logspace(-4, -10, 25):
+        found = scene.simulate(solver="pirk", tolerance=float(tolerance), at=[0, 0.25, 0.5, 0.75, 1, 1.5])
+        phi, w = found["h.phi"], found["der(h.phi)"]
+        energy = w**2 / 2 - 9.81 * np.cos(phi) - 0.05 * SHAPES[shape]((phi - 0.4) / 0.003)
+        np.testing.assert_allclose(energy, energy[0], rtol=0, atol=2 * tolerance)
+
+
+def test_an_account_that_misses_by_many_tolerances_is_told() -> None:
+    """Rows are off by as many; of those that were right no account missed by more than a few."""
+    heavy = PENDULUM.replace("SHAPE", "1/(1 + x^6)").replace("1.3", "1").replace("PointMass b(m = 1", "Body b(m = 1, I = 0.1")
+    scene = lagrangia.loads(heavy)
+    scene.native = False
+    tolerances = np.logspace(-4, -4.5, 12)
+    found = [scene.simulate(solver="erk9", tolerance=float(x), at=np.linspace(0, 3, 13)).statistics for x in tolerances]
+    missed = [run.energy_residual / run.energy_scale / x for run, x in zip(found, tolerances, strict=True)]
+    assert [bool(run.energy_is_open) for run in found] == [bool(x > 20) for x in missed] and any(30 < x < 90 for x in missed)

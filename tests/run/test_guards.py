@@ -47,6 +47,16 @@ def test_a_run_ends_where_it_is_terminated(solver: str, scene: Write) -> None:
     assert len(run.time) == 5 and "low" in run.ended and run.warnings == []
 
 
+def test_what_is_within_a_tolerance_of_its_bound_at_places_of_a_step_ends_it_where_it_is_met(scene: Write) -> None:
+    """Beside what is a kilometre off, 5 mm are none: the run ended 5 ms late."""
+    model = scene("""model M World world(gravity = {0, 0}); Block far(m = 1, base = world, s(start = 1000));
+      Block slow(m = 1, base = world, v(start = 0.1)), swing(m = 1, base = world, s(start = 1));
+      Spring k(k = 400, stretch = swing.s);
+      equation when slow.s > 0.05 then terminate("there"); end when; annotation(experiment(StopTime = 3)); end M;""")
+    for solver in ("auto", "erk9", "adams"):
+        assert model.simulate(solver=solver, tolerance=1e-3, interval=0.01).time[-1] == pytest.approx(0.5, abs=1e-9)
+
+
 def test_the_motion_knows_nothing_of_them(scene: Write) -> None:
     alone = scene(FALLING.replace("STATED", "")).simulate().rows
     stated = 'assert(a.s > 0.5, "low", AssertionLevel.warning); when b.s < -100 then terminate("far"); end when;'

@@ -16,7 +16,6 @@ from lagrangia.dynamics.switches import Switches
 
 _FADING = frozenset({ca.OP_EXP, ca.OP_TANH, ca.OP_COSH, ca.OP_ATAN, ca.OP_ERF, ca.OP_ASINH})
 _UNDER = {ca.OP_DIV: 1, ca.OP_INV: 0, ca.OP_SQRT: 0, ca.OP_LOG: 0, ca.OP_POW: 0, ca.OP_CONSTPOW: 0}  # which operand it is
-_ROOTS = frozenset({ca.OP_SQRT, ca.OP_POW, ca.OP_CONSTPOW})  # of positions: find_roots has them
 _ASKED = frozenset({"exp", "tanh", "cosh", "sinh", "atan", "erf", "asinh", "sqrt", "log", "pow", "ratio"})
 
 
@@ -37,8 +36,8 @@ def find_narrow_places(motion: Motion, switches: Switches) -> ca.SX:
             inner, key = operands[_UNDER[op]], (True, numbers[_UNDER[op]])
         else:
             return
-        if op in _ROOTS and rates.isdisjoint(symbols_in(inner)):
-            return
+        if op == ca.OP_SQRT and rates.isdisjoint(symbols_in(inner)):
+            return  # of positions: find_roots has them
         if key in found or moving.isdisjoint(symbols := symbols_in(inner)) or not rest.isdisjoint(symbols):
             return
         if op in _FADING:
