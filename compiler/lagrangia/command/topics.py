@@ -96,8 +96,10 @@ Friction in joints    forces and dissipation functions may feel reactions: mu*ra
                       are solved for together, in loops as well, and stick exactly. RoughRevolute, RoughPrismatic, RoughWheel,
                       RoughGear, Capstan are such; RoughBelt slips; Friction(normal = abs(guide.reaction[2])) rubs anywhere.
                       Where friction presses by its own reaction more than it takes (a light slider that a long rod pushes
-                      down, with a large mu) there is no solution, or several (Painleve): the run ends with a word. Not
-                      supported yet beside events that reset rates, and in lag equilibrium, modes and equations.
+                      down, with a large mu) there is no solution, or several (Painleve): the run ends with a word. Events
+                      may set rates where rubbing impulses change none (all that moves is set, or the joint's own
+                      rate); not supported yet: other events, contacts that load such joints, and lag equilibrium, modes
+                      and equations.
 when gap < 0 and x < edge then ...    a contact with an edge. With `or` nothing is held that rests.
 
 Energy that impulses take is dissipated, what they add is work. FMUs have the events, in both kinds and versions; exports to

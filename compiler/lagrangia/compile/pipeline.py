@@ -183,6 +183,7 @@ def _with_impacts(kinematics: "Kinematics", energies: "Energies", motion: "Motio
     Raises LagError for forces of which nobody knows what they are at rest."""
     from lagrangia.dynamics.energies import build_energies
     from lagrangia.dynamics.impacts import find_impacts
+    from lagrangia.dynamics.joint_loads import feel_reactions
     from lagrangia.dynamics.motion import build_motion
     from lagrangia.dynamics.untold_rest import refuse_untold_rest
 
@@ -191,7 +192,7 @@ def _with_impacts(kinematics: "Kinematics", energies: "Energies", motion: "Motio
         kinematics = kinematics.knowing(impacts.contact_forces())
         energies = build_energies(kinematics)
     if impacts.places:
-        motion = build_motion(kinematics, energies, *made_of, impacts)
+        motion = feel_reactions(kinematics, made_of[0], build_motion(kinematics, energies, *made_of, impacts))
     refuse_untold_rest(energies, motion)
     return kinematics, motion
 

@@ -26,6 +26,7 @@ from lagrangia.constraints.rows import Constraints
 from lagrangia.dynamics.amounts import Amounts
 from lagrangia.dynamics.bodies import find_bodies
 from lagrangia.dynamics.energies import build_energies
+from lagrangia.dynamics.felt_events import refuse_rubbing_impulses
 from lagrangia.dynamics.impulses import rates_jump
 from lagrangia.dynamics.motion import Felt, Motion, Solution
 from lagrangia.dynamics.negative_inertia import nothing_unless
@@ -45,9 +46,6 @@ def feel_reactions(kinematics: Kinematics, constraints: Constraints, motion: Mot
     span = place_of_felt_reactions(kinematics.graph.model)
     if span is None:
         return motion
-    if kinematics.graph.model.whens:
-        fail("L0914", "not supported yet: forces that feel reactions in scenes with events that reset rates", span,
-             "impulses of joints would rub, too; leave out the `when`, or the friction")
     if rates_jump(kinematics, constraints):
         fail("L0914", "not supported yet: forces that feel reactions in scenes whose supports jump, or jump in their rates", span,
              "impulses of joints would rub, too; let supports move smoothly")
@@ -61,7 +59,9 @@ def feel_reactions(kinematics: Kinematics, constraints: Constraints, motion: Mot
     amounts = Amounts(symbols[chosen])
     *parts, values = amounts.affine([*_parts(motion), values[chosen]])
     found, laws = amounts.of([*parts, values])
-    unsolved = replace(_with_parts(motion, parts), felt=Felt(symbols[chosen], found, laws, values))
+    felt = Felt(symbols[chosen], found, laws, values)
+    unsolved = replace(_with_parts(motion, parts), felt=felt)
+    refuse_rubbing_impulses(kinematics, unsolved, felt, span)
     solution = solve(unsolved, lambda expressions: [*expressions])
     return replace(_with_parts(unsolved, solution.put(_parts(unsolved))), unsolved=unsolved, solution=solution)
 
@@ -90,6 +90,8 @@ def solve(motion: Motion, hold: _Hold) -> Solution:
     symbols, multipliers = (held.symbols, held.multipliers) if held else (ca.SX(0, 1), ca.SX(0, 1))
     a, multipliers, values, laws = hold([motion.acceleration, multipliers, felt.values, felt.laws])
     (values,) = ca.substitute([values], [motion.a, symbols], [a, multipliers])
+    impulses = motion.impacts.impulses  # which rub without changing anything: felt_events.py
+    (values,) = ca.substitute([values], [impulses], [ca.SX.zeros(impulses.numel())])
     nothing = ca.SX.zeros(felt.amounts.numel())
     B = ca.jacobian(values, felt.amounts)
     (A,) = ca.substitute([values], [felt.amounts], [nothing])
