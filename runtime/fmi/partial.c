@@ -3,6 +3,7 @@
  *
  * What a stop or friction holds is held by shares s that keep its rates R(x, s) at 0: ds = -(dR/ds)^-1 dR/dx dx. So the derivative
  * along a direction is that along (dx, ds); and the gradient of a combination w is that of w and m R, with m = -(dR/ds)^-T dw/ds. */
+#include <math.h>
 #include <string.h>
 
 #include "fmi/instance.h"
@@ -218,15 +219,22 @@ static void sow(LagInstance *s, const Directions *d, const Seeds *seeds, Place p
     }
 }
 
-/* And what has grown there is taken. */
-static void reap(LagInstance *s, LagVariables of, double *values, Place place)
+/* And what has grown there is taken; 0 where some of it is no number: parameters may have values by which nothing can be derived,
+ * as those of an axis that lies along another. */
+static int reap(LagInstance *s, LagVariables of, double *values, Place place)
 {
     const Directions d = places(s);
+    int is_finite = 1;
     for (size_t i = 0; i < of.count; ++i) {
         const size_t extent = lag_instance_extent(s, of.references[i]);
-        memcpy(values, place(s, &d, of.references[i]), extent * sizeof *values);
+        const double *from = place(s, &d, of.references[i]);
+        for (size_t k = 0; k < extent; ++k) {
+            values[k] = from[k];
+            is_finite = is_finite && isfinite(from[k]);
+        }
         values += extent;
     }
+    return is_finite;
 }
 
 static void fill_knowns(LagInstance *s, const Directions *d, const void *what) { sow(s, d, what, known); }
@@ -252,8 +260,7 @@ LagAnswer lag_instance_forward(LagInstance *s, LagVariables unknowns, LagVariabl
     const Seeds seeds = {knowns, seed};
     if (!find_forward(s, fill_knowns, &seeds))
         return no_derivative(s);
-    reap(s, unknowns, sensitivity, unknown);
-    return LAG_ANSWER_OK;
+    return reap(s, unknowns, sensitivity, unknown) ? LAG_ANSWER_OK : no_derivative(s);
 }
 
 LagAnswer lag_instance_adjoint(LagInstance *s, LagVariables unknowns, LagVariables knowns, const double *seed, double *sensitivity)
@@ -269,8 +276,7 @@ LagAnswer lag_instance_adjoint(LagInstance *s, LagVariables unknowns, LagVariabl
     const Directions d = places(s);
     for (int i = 0; i < lag_fmu_states(s->model); ++i)
         d.x[i] += s->scratch[i];
-    reap(s, knowns, sensitivity, known);
-    return LAG_ANSWER_OK;
+    return reap(s, knowns, sensitivity, known) ? LAG_ANSWER_OK : no_derivative(s);
 }
 
 /* The way of the motion itself. */

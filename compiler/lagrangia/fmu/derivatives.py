@@ -4,11 +4,15 @@ With F(t, q, v, u, p) = (dq/dt, dv/dt, y), p those parameters that can be set: f
 F'^T w by its reverse mode; both exact, each of a few times the cost of F. Those of closed loops are those of Model
 Exchange (runtime/fmi/exchange.c) with one Newton correction for the projection, which has the same derivatives there.
 
+Axes of hinges that may be set lead to angles that no derivative has where an axis lies along another (dynamics/spatial_axes.py):
+what follows from such parameters alone is left out of F' s where s does not go along one of them.
+
 Where the scene has switches, d holds them (switches.py), and with them the shares of what a stop or friction holds: its rates
 R(t, q, v, u, d, p), which are 0, give them. With R as a third result and directions of d the run time eliminates the shares
 (runtime/fmi/partial.c).
 """
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import accumulate, pairwise
@@ -43,16 +47,18 @@ class Derivatives:
 
 
 def build_derivatives(
-    compilation: Compilation, outputs: tuple[str, ...], settable: Sequence[bool], stabilisation: float
+    compilation: Compilation, outputs: tuple[str, ...], settable: Sequence[bool], stabilisation: float, start: Sequence[float]
 ) -> Derivatives:
-    """The derivatives of slopes, outputs and held rates by all that an importer can set; `stabilisation` in 1/s."""
+    """The derivatives of slopes, outputs and held rates by all that an importer can set; `stabilisation` in 1/s, `start`: the
+    values of the parameters."""
     kinematics, (t, q, v, u, d, p), (slope, y, rates, shares, rests) = _equations(compilation, outputs, stabilisation)
     given, mask, values = all_parameters(kinematics, p.numel())
     values = ca.densify(ca.substitute(values, mask, ca.DM([float(x) for x in settable]))) if p.numel() else ca.SX(0, 1)
     slope, y, rates = ca.substitute([slope, y, rates], [p], [values]) if p.numel() else (slope, y, rates)
     d = ca.vertcat(d, shares)
     along_d = d if shares.numel() else ca.SX(0, 1)
-    forward, adjoint = _both([t, q, v, u, along_d, given], [slope, y, rates], [t, q, v, u, ca.vertcat(d, rests), given])
+    kinked = _kinked(ca.vertcat(slope, y), given, start)
+    forward, adjoint = _both([t, q, v, u, along_d, given], [slope, y, rates], [t, q, v, u, ca.vertcat(d, rests), given], kinked)
     free = [k for k, is_free in enumerate(settable) if is_free]
     chosen = given[free] if free else ca.SX(0, 1)
     n_inputs = u.numel() - len(compilation.flat.delays)  # delayed values come behind them, and nobody sets these
@@ -91,10 +97,35 @@ def _equations(compilation: Compilation, outputs: tuple[str, ...],
     return kinematics, [t, told.q, v, *given], [slope, y, rates, shares, switches.rest_symbols]
 
 
-def _both(knowns: list[ca.SX], unknowns: list[ca.SX], state: list[ca.SX]) -> tuple[ca.Function, ca.Function]:
+def _kinked(whole: ca.SX, p: ca.SX, start: Sequence[float]) -> list[int]:
+    """The parameters by which something that follows from parameters alone has no derivative at these values."""
+    _, _, parts = ca.extract_parametric(whole, p)
+    if not parts:
+        return []
+    slopes = ca.jacobian(ca.vertcat(*parts), p)
+    _, columns = slopes.sparsity().get_triplet()
+    values = ca.Function("slopes", [p], [slopes])(start).nonzeros()
+    return sorted({column for column, value in zip(columns, values, strict=True) if not math.isfinite(value)})
+
+
+def _along_kinked(whole: ca.SX, p: ca.SX, x: ca.SX, seed: ca.SX, kinked: list[int]) -> ca.SX:
+    """Along `seed` of x, whose last entries are p."""
+    rest, symbols, parts = ca.extract_parametric(whole, p)
+    unknown, known, s = ca.vertcat(*symbols), ca.vertcat(*parts), seed[x.numel() - p.numel() :]
+    even = [k for k in range(p.numel()) if k not in kinked]
+    goes_along = ca.sumsqr(s[kinked])
+    ways = _product(known, p[even], s[even], False) + ca.vertcat(*[
+        ca.SX.binary(ca.OP_IF_ELSE_ZERO, goes_along, way) for way in _product(known, p[kinked], s[kinked], False).elements()])
+    return ca.substitute(_product(rest, ca.vertcat(x, unknown), ca.vertcat(seed, ways), False), unknown, known)
+
+
+def _both(knowns: list[ca.SX], unknowns: list[ca.SX], state: list[ca.SX],
+          kinked: list[int]) -> tuple[ca.Function, ca.Function]:
+    """The last of the knowns are parameters."""
     x, whole = ca.vertcat(*knowns), ca.vertcat(*unknowns)
     seeds = [ca.SX.sym(f"s{k}", known.numel()) for k, known in enumerate(knowns)]
-    along = _product(whole, x, ca.vertcat(*seeds), False)
+    along = (_along_kinked(whole, knowns[-1], x, ca.vertcat(*seeds), kinked) if kinked else
+             _product(whole, x, ca.vertcat(*seeds), False))
     weights = [ca.SX.sym(f"w{k}", unknown.numel()) for k, unknown in enumerate(unknowns)]
     back = _product(whole, x, ca.vertcat(*weights), True)
     return (ca.Function("forward", [*state, *seeds], _parted(along, unknowns)),
