@@ -16,7 +16,7 @@ from lagrangia.run.formulas import AS_DECLARED, Compute, Formulas, Sets, by_mass
 from lagrangia.run.interpret import evaluate, evaluate_each
 from lagrangia.run.library import Runtime, find_runtime, has_compiler, has_runtime
 from lagrangia.run.prepared import PreparedRun
-from lagrangia.run.remarks import warn_of_given
+from lagrangia.run.remarks import warn_of_given, warn_of_vain
 from lagrangia.run.request import Request, Values, check_values, plan
 from lagrangia.run.scene import Column, Scene
 from lagrangia.run.simulate import simulate
@@ -414,6 +414,7 @@ class Model(Analysed, Swept):
         from lagrangia.fmu.export import export_fmus
 
         values = check_values(self.scene, parameters)
+        warn_of_vain(self, parameters)
         suited = self.general._suited(lambda: [(values.parameters, values.mask)], evaluate, is_open=True)
         told = suited.scene.notes["balanced"]
         if unknown := [name for name in self.suited(values).scene.notes["balanced"] if name not in told]:

@@ -42,3 +42,16 @@ def test_a_force_elsewhere_is_refused(case: str, scene: Write) -> None:
 def test_a_share_of_bearings_is_not(case: str, scene: Write) -> None:
     run = scene(f"model M {HELD[case]} end M;").simulate(stop=0.1)
     assert run.time[-1] == 0.1
+
+
+@pytest.mark.parametrize(("equation", "is_told"), [
+    ("A.s = 1[m/s]*time + (virtual(B.s) - virtual(B.s));", True),
+    ("A.s = 1[m/s]*time + 0*virtual(B.s);", True),
+    ("A.s + 2*virtual(A.s) - virtual(B.s) = 0.1*sin(3[rad/s]*time) - virtual(B.s);", True),
+    ("A.s = 1[m/s]*time + virtual(2[m]);", True),
+    ("A.s + 2*virtual(A.s) = 0.1*sin(3[rad/s]*time);", False),
+    ("A.center.r[1] + virtual(A.center.x) = 1[m/s]*time;", False),
+])
+def test_a_displacement_that_is_none_is_told(equation: str, is_told: bool, scene: Write) -> None:
+    warnings = scene(f"model M {TWO} equation {equation} end M;").warnings
+    assert any("L0224" in warning and "virtual(x) is 0 here" in warning for warning in warnings) == is_told

@@ -204,3 +204,15 @@ def test_an_array_has_the_size_of_the_one_beside_it(scene: Callable[[str], lag.M
       model Table parameter Real points[:, 2] = [0, 1; 2, 5]; extends Rows(rows = points); end Table;
       model M Block b(m = 1, base = world); Table s, t(points = [0, 1; 1, 2; 3, 4]); output Real y = s.y + t.y; end M;""")
     assert model.simulate(at=[0.0])["y"] == pytest.approx([6 + 7])
+
+
+def test_products_of_matrices_are_bounded(scene: Write) -> None:
+    """A*(A*(A*x)) is written out to n^3 sums; by names of its own it is none, and n = 60 takes a second. Numbers are multiplied."""
+    body = "model M parameter Real A[{0}, {0}] = {{{{cos(i*j) for j in 1:{0}}} for i in 1:{0}}}; parameter Real x[{0}] = fill(1, {0}); "
+    ends = "PointMass m(m = 1 + k[1]^2); end M;"
+    with pytest.raises(lag.LagError, match="L0209.*products .* more than 300000 operations"):
+        scene(body.format(60) + "parameter Real k[60] = A*(A*(A*x)); " + ends)
+    named = "parameter Real y[{0}] = A*x; parameter Real z[{0}] = A*y; parameter Real k[{0}] = A*z; "
+    scene((body + named).format(60) + ends)
+    for product in ("A*(A*(A*x))", "A^3*x", "[1, 0.5; 0.25, 1]^100*(x - x)"):
+        scene(body.format(2) + f"parameter Real k[2] = {product}; " + ends)

@@ -2,10 +2,12 @@
 
 import warnings
 from collections.abc import Callable
+from pathlib import Path
 
 import pytest
 
 import lagrangia as lag
+from lagrangia.command.cli import main
 
 SCENE = "model M input Force u; Block b(m = 1, base = world, s(start = 0.1)); Spring s(k = 100, stretch = b.s); " \
         "AppliedForce f(at = b.center, force = {u, 0}); annotation(experiment(StopTime = 2)%s); end M;"
@@ -71,6 +73,24 @@ def test_what_is_given_in_vain_is_told(scene: Callable[[str], lag.Model]) -> Non
         assert len(texts) == (told != "") and all(told in text and text.endswith("(L0747)") for text in texts), asked
     with pytest.warns(lag.InputWarning, match="'L' changes nothing.*L0747"):
         model.simulate_many(runs={"L": [1, 2], "p.L": [3, 4]})
+    with pytest.warns(lag.InputWarning, match="'L' changes nothing.*L0747"):
+        model.rollout(p={"L": [1, 2], "p.L": [3, 4]}, times=[0, 0.01])
+    with pytest.warns(lag.InputWarning, match="'phi0' changes nothing.*L0747"):
+        model.rollout(q0=[1, 0], p={"phi0": 0.3}, times=[0, 0.01])
+
+
+@pytest.mark.parametrize("command", ["simulate", "sweep", "explain", "bench --rhs", "export --to fmu -o {out}", "modes"])
+def test_all_commands_tell_what_is_in_vain(command: str, scene: Callable[[str], lag.Model], tmp_path: Path,
+                                           capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    """--strict takes it for an error, and --allow leaves it out."""
+    monkeypatch.chdir(tmp_path)
+    path = scene(GIVEN % "").path
+    words = [part.format(out=tmp_path / "x.fmu") for part in command.split()]
+    given = [*words, str(path), "-p", "L=2", "-p", "p.L=3"]
+    assert main([*given, "--strict"]) == 2
+    assert "warning[L0747]: the value given for 'L' changes nothing" in capsys.readouterr().err
+    main([*given, "--allow", "L0747"])
+    assert "L0747" not in capsys.readouterr().err
 
 
 def test_an_interval_beyond_the_run_leaves_both_ends(scene: Callable[[str], lag.Model]) -> None:

@@ -186,6 +186,17 @@ def asked(options: Namespace, parameters: Mapping[str, Any], initial: Mapping[st
                    given("max_steps"), parameters, initial, inputs, outputs)
 
 
+def load_given(options: Namespace, outputs: tuple[str, ...] = ()) -> tuple[Model, dict[str, float]]:
+    """The model, whose warnings are told, and the parameters that stay open, of commands that take no start values; what is given
+    in vain is told. Raises LagError."""
+    given = assignments(options.parameter, "-p")
+    model = load_model(options, given, outputs)
+    tell_warnings(options, model)
+    parameters = open_parameters(model.scene, given)
+    tell_given(options, model, Request(parameters=parameters))
+    return model, parameters
+
+
 def load_asked(options: Namespace) -> tuple[Model, Request]:
     """The model, whose warnings are told, and what the options ask of a run of it. Raises LagError."""
     given = assignments(options.parameter, "-p")

@@ -8,7 +8,7 @@ from typing import Any
 
 from lagrangia.base.diagnostics import RunError, fail, suggest
 from lagrangia.base.result_files import write_text
-from lagrangia.command.arguments import assignments, keep_inputs, load_model, number, open_parameters
+from lagrangia.command.arguments import keep_inputs, load_given, number
 from lagrangia.native.build import find_compiler
 from lagrangia.run.request import Request
 
@@ -33,12 +33,10 @@ def _work_and_precision(options: Namespace) -> int:
     _check(options)
     if options.plot is not None:
         require_format(options.plot)
-    given = assignments(options.parameter, "-p")
     if find_compiler() is None:
         fail("L0901", "not supported yet: a benchmark without a C compiler, which compiles all that is measured", None,
              "pip install ziglang brings one")
-    model = load_model(options, given, ())
-    parameters = open_parameters(model.scene, given)
+    model, parameters = load_given(options)
     problem = build_problem(model, Request(stop=options.stop, parameters=parameters), options.points)
     try:
         reference = find_reference(problem)
@@ -69,7 +67,7 @@ def _right_hand_sides(options: Namespace) -> int:
     if find_compiler() is None:
         fail("L0901", "not supported yet: a benchmark without a C compiler, which compiles all that is measured", None,
              "pip install ziglang brings one")
-    model = load_model(options, assignments(options.parameter, "-p"), ())
+    model, _ = load_given(options)
     n = model.scene.n
     try:
         print(f"{model.name}: {n} coordinates; accelerations at one state, the shortest of many calls")

@@ -2,7 +2,7 @@
 
 from argparse import Namespace
 
-from lagrangia.command.arguments import assignments, load_model, open_parameters
+from lagrangia.command.arguments import load_given
 from lagrangia.run.request import check_parameters, check_values
 
 
@@ -12,9 +12,8 @@ def explain_command(options: Namespace) -> int:
     from lagrangia.study.casadi_solvers import casadi_refusal
     from lagrangia.study.explain import as_json, as_text, chosen_for, without_compiler
 
-    given = assignments(options.parameter, "-p")
-    model = load_model(options, given, ())
-    values = check_values(model.scene, open_parameters(model.scene, given))
+    model, parameters = load_given(options)
+    values = check_values(model.scene, parameters)
     c = model.compilation
     scene = model.scene
     if model.engine is None:

@@ -1,19 +1,14 @@
 """`lag export --to fmu`: options -> archives."""
 
 import sys
+import warnings
 from argparse import Namespace
 from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from lagrangia.base.diagnostics import RunError, fail
-from lagrangia.command.arguments import (
-    assignments,
-    load_model,
-    names_once,
-    tell_warnings,
-    values_with_units,
-)
+from lagrangia.base.diagnostics import InputWarning, RunError, fail
+from lagrangia.command.arguments import assignments, load_given, load_model, names_once
 from lagrangia.native.build import CompilerError
 from lagrangia.run.scene import ALL_REACTIONS
 from lagrangia.view.statics import tells_reactions
@@ -28,13 +23,10 @@ def export_fmu_command(options: Namespace) -> int:
     """`lag export --to fmu`: writes the FMU of a scene. Raises LagError."""
     if options.output == "-":
         fail("L0704", "an FMU is no text: it cannot go to standard output", None, "give a file with -o")
-    given = assignments(options.parameter, "-p")
-    model = load_model(options, given, names_once(options.outputs, "--outputs"))
+    outputs = names_once(options.outputs, "--outputs")
+    model, parameters = load_given(options, outputs)
     if tells_reactions(model.scene):
-        model = load_model(options, given, (*names_once(options.outputs, "--outputs"), ALL_REACTIONS))
-    tell_warnings(options, model)
-    units = {p.name: p.unit for p in model.scene.parameters}
-    others = [(name, text) for name, text in given if name.partition("[")[0] not in model.scene.structural]
+        model = load_model(options, assignments(options.parameter, "-p"), (*outputs, ALL_REACTIONS))
     info = dict(assignments(options.info, "--info"))
     if options.output is None:
         _keep_others(model.scene.name, ("_fmi2", "_fmi3") if options.fmi == "both" else ("",))
@@ -42,7 +34,9 @@ def export_fmu_command(options: Namespace) -> int:
         fail("L0704", "FMI 2 has no arrays: --arrays and --no-arrays change nothing", None, "they are for --fmi 3 and --fmi both")
     try:
         chosen = {name: value for name in OPTIONS if (value := getattr(options, name)) is not None}
-        written = model.export_fmu(options.output, **chosen, parameters=values_with_units(others, units), info=info, tell=_tell)
+        with warnings.catch_warnings():  # told above, as the command line has it
+            warnings.simplefilter("ignore", InputWarning)
+            written = model.export_fmu(options.output, **chosen, parameters=parameters, info=info, tell=_tell)
     except CompilerError as error:
         raise RunError(f"the C compiler refused\n{error}") from None
     for path in written:

@@ -17,6 +17,7 @@ from lagrangia.constraints.initial import InitialConditions, find_idle_starts
 from lagrangia.constraints.parameters import find_odd_inertias, scalars
 from lagrangia.constraints.rows import Constraints
 from lagrangia.constraints.several_starts import find_several_starts
+from lagrangia.constraints.virtual_forces import find_idle_displacements
 from lagrangia.dynamics.double_roots import touching_notes
 from lagrangia.dynamics.guarding import OF_PARAMETERS, tell_guards
 from lagrangia.dynamics.hamilton import is_separable
@@ -283,7 +284,7 @@ def _told(kinematics: Kinematics, constraints: Constraints, initial: InitialCond
     idle, jumping = find_idle_statements(kinematics.graph, lines), find_jumping_energies(kinematics)
     found = (*model.warnings, *lines, *idle.diagnostics, *find_idle_equations(constraints).diagnostics, *jumping.diagnostics,
              *tell_unlooked(kinematics).diagnostics, *odd.diagnostics, *find_idle_starts(kinematics).diagnostics,
-             *find_several_starts(kinematics, initial).diagnostics)
+             *find_several_starts(kinematics, initial).diagnostics, *find_idle_displacements(kinematics, constraints).diagnostics)
     told = [warning.render() for warning in found if warning.code not in model.allowed]
     files = sorted({lookup.path for lookup in model.lookups})
     inertias = [v.name for v in model.variables.values() if v.is_inertia and v.kind == "parameter"]

@@ -11,7 +11,7 @@ import casadi as ca
 import numpy as np
 
 from lagrangia.algebra.orthogonal import Vector
-from lagrangia.base.diagnostics import Report
+from lagrangia.base.diagnostics import LIBRARY, Report
 from lagrangia.constraints.assembly import begin
 from lagrangia.constraints.initial import InitialConditions, initial_function, start_function
 from lagrangia.constraints.parameters import at_declared_values
@@ -50,6 +50,38 @@ def refuse_forces_elsewhere(kinematics: Kinematics, constraints: Constraints, in
                          "virtual(x) takes away as much as the equation says of x", "leave it out, so that the force acts on "
                          "what the equation holds")
     report.raise_errors()
+
+
+def find_idle_displacements(kinematics: Kinematics, constraints: Constraints) -> Report:
+    """L0224 for equations of people's own with virtual(x) of what nothing displaces, or that cancel."""
+    report, told = Report(), set[int]()
+    for row in constraints.all_rows:
+        is_own = row.equation is not None and not row.span.source.name.startswith(LIBRARY)
+        if is_own and row.is_holonomic and id(row.equation) not in told and _says_virtual(kinematics, row):
+            parts = [part for part in constraints.all_rows if part.equation is row.equation]
+            told.add(id(row.equation))
+            if _has_idle_displacement(kinematics, parts):
+                report.warning("L0224", "virtual(x) is 0 here, and changes nothing", row.span, "what it says cancels, or is of what "
+                               "nothing displaces: leave it out")
+    return report
+
+
+def _has_idle_displacement(kinematics: Kinematics, rows: list[Row]) -> bool:
+    """Whether the rows, of one equation, take away again what they say of some x in virtual(x), or of all of them say nothing."""
+    shift = ca.SX.sym("shift", len(kinematics.dependents))
+    varied = kinematics.displaced({name: (shift[k], 0.0) for k, name in enumerate(kinematics.dependents)})
+    q = ca.vertcat(ca.SX(0, 1), *kinematics.symbols.positions.values())
+    said = dict[int, tuple[ca.SX, ca.SX]]()  # by hashes of x: the displacement, and x
+    varied.evaluator.virtual = lambda x: said.setdefault(ca.SX(x).__hash__(), (ca.SX.sym("displacement"), ca.SX(x)))[0]
+    values = ca.vertcat(*[row.value(varied, 0) for row in rows])
+    unknowns = ca.vertcat(q, shift)
+    slopes = [ca.jacobian(x, unknowns) for _, x in said.values()]
+    shares = [ca.jacobian(ca.SX(values), given) @ slope for (given, _), slope in zip(said.values(), slopes, strict=True)]
+    symbols = [*(given for given, _ in said.values()), shift]
+    shares = ca.substitute(shares, symbols, [*[ca.SX(0)] * len(said), ca.SX.zeros(shift.numel())])
+    at = np.random.default_rng(1).uniform(0.3, 1.7, q.numel())
+    idle = [np.abs(share).max(initial=0.0) <= _NOTHING for share in _numbers(kinematics, shares, q, at)]
+    return all(idle) or any(none and slope.nnz() for none, slope in zip(idle, slopes, strict=True))
 
 
 def _rows_with_virtual_terms(kinematics: Kinematics, constraints: Constraints) -> list[Row]:

@@ -150,7 +150,7 @@ class Calls(Loops, Requirements, OwnCalls, Protocol):
             _refuse_named(node)
         _check_count(node, FUNCTIONS[node.function])
         if node.function in FRAME_WORDS:
-            return frame_call(node, self.space, self.size)
+            return frame_call(node, self.space, self.size, self.work)
         if node.function == "cross" and any(length(a, self.size) == 3 for a in node.arguments):
             return cross_of_three(node, self.size)
         if node.function in SCALAR_FUNCTIONS and any(length(a, self.size) is not None for a in node.arguments):

@@ -5,6 +5,7 @@ declared is 0, whatever it is bound to. `annotation(Evaluate = true)` asks for 0
 """
 
 from collections.abc import Mapping
+from math import prod
 
 from lagrangia.base.diagnostics import LagError
 from lagrangia.language.flat import FlatModel, Variable
@@ -23,7 +24,7 @@ def compiled_numbers(model: FlatModel, is_general: bool = False, massless: tuple
         is_open = not variable.locked and is_general
         if massless is None and (is_open or not (variable.is_evaluated or variable.unit in MASSES)):
             continue
-        numbers: list[float | None] = [None] * len(variable.elements())
+        numbers: list[float | None] = [None] * prod(variable.shape)
         if variable.is_evaluated and (variable.locked or not is_general):
             numbers = [x if x in _PLAIN else None for x in declared.literal(variable)]
         if variable.unit in MASSES and massless is not None:
@@ -55,7 +56,7 @@ class _Declared:
     def values(self, variable: Variable) -> list[float | None]:
         """None for those that cannot be told."""
         if variable.name not in self.known:
-            self.known[variable.name] = [None] * len(variable.elements())  # while it is looked for: of itself nothing follows
+            self.known[variable.name] = [None] * prod(variable.shape)  # while it is looked for: of itself nothing follows
             if variable.binding is not None:
                 self.known[variable.name] = self._follow(variable)
         return self.known[variable.name]
@@ -68,18 +69,24 @@ class _Declared:
                 return _fitting(variable, self._of(other))
             return _fitting(variable, numbers_of(variable.binding, variable.shape, self._at))
         except LagError:  # it is told where parameters are evaluated
-            return [None] * len(variable.elements())
+            return [None] * prod(variable.shape)
 
     def _at(self, ref: Ref) -> float | None:
         variable = self.variables[ref.name]
-        places = {index: k for k, (_, index) in enumerate(variable.elements())}
-        return self._of(variable)[places[ref.index]] if ref.index in places else None
+        shape = variable.shape
+        if len(ref.index) != len(shape) or any(not 1 <= i <= n for i, n in zip(ref.index, shape, strict=True)):
+            return None
+        values = self._of(variable)
+        for i, n in zip(ref.index, shape, strict=True):
+            row = len(values) // n
+            values = values[(i - 1) * row : i * row]
+        return values[0]
 
     def _of(self, variable: Variable) -> list[float | None]:
         is_open = variable.kind != "parameter" or (self.is_locked and not variable.locked)
-        return [None] * len(variable.elements()) if is_open else self.values(variable)
+        return [None] * prod(variable.shape) if is_open else self.values(variable)
 
 
 def _fitting(variable: Variable, values: list[float | None]) -> list[float | None]:
-    count = len(variable.elements())
+    count = prod(variable.shape)
     return values if len(values) == count else [None] * count

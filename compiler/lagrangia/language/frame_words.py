@@ -3,6 +3,7 @@
 from lagrangia.base.diagnostics import Span, fail
 from lagrangia.language.elements import Size, element, length
 from lagrangia.language.frame_attributes import SPACE, Space
+from lagrangia.language.loops import Work
 from lagrangia.language.matrices import ARRAY_FUNCTIONS, cross_of_three, product, shape_of
 from lagrangia.language.spaces import FUNCTIONS, leave_plane, name_of_space, turn_of_plane, vector_of_plane
 from lagrangia.language.tree import Array, Binary, Call, Flat, FrameRef, Number, Part
@@ -22,8 +23,8 @@ def attribute_of(space: Space, frame: str, part: Part, index: tuple[int, ...], s
     return FrameRef(frame, part.name, index, span, space.is_spatial)
 
 
-def frame_call(call: Call[Flat], space: Space, size: Size) -> Flat:
-    """shift and turn as the space has them; to_world, to_frame and velocity_at written out. Raises LagError L0221, L0303."""
+def frame_call(call: Call[Flat], space: Space, size: Size, work: Work) -> Flat:
+    """shift and turn as the space has them; to_world, to_frame and velocity_at written out. Raises LagError L0209, L0221, L0303."""
     if call.function == "shift":
         return _shift(call, space, size)
     if call.function == "turn":
@@ -40,7 +41,7 @@ def frame_call(call: Call[Flat], space: Space, size: Size) -> Flat:
     axes: Flat = _of(frame, "R")
     if call.function == "to_frame":
         axes = ARRAY_FUNCTIONS["transpose"][1](Call("transpose", (axes,), (), call.span), size)
-    return product(axes, vector, size, call.span)
+    return product(axes, vector, size, call.span, work)
 
 
 def _of(frame: FrameRef, attribute: str) -> FrameRef:

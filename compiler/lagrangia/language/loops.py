@@ -20,12 +20,12 @@ class Work:
 
     operations: int = 0
 
-    def spend(self, count: int, span: Span, how: str = _UNROLLED) -> None:
+    def spend(self, count: int, span: Span, how: str = _UNROLLED, hint: str = "those inside each other multiply") -> None:
         """Raises TooMuchError L0209 before more is unrolled than can be looked at in good time."""
         self.operations += count
         if self.operations > _MOST_OPERATIONS:
             what = f"{how} more than {_MOST_OPERATIONS} operations"
-            raise TooMuchError([Diagnostic("error", "L0209", what, span, "", ("those inside each other multiply",))])
+            raise TooMuchError([Diagnostic("error", "L0209", what, span, "", (hint,))])
 
 
 class Loops(StructuralValues, Protocol):

@@ -2,13 +2,18 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from functools import reduce
+from itertools import chain
 
 from lagrangia.base.diagnostics import Span, fail
 from lagrangia.language.elements import Size, element, length
-from lagrangia.language.folding import fold
+from lagrangia.language.folding import fold, folded
+from lagrangia.language.loops import Work
+from lagrangia.language.mentions import children, nodes
 from lagrangia.language.tree import Array, Binary, Call, Flat, Number, Unary
 
 _MOST_ELEMENTS = 100_000
+_WRITTEN_OUT = "products of matrices, one within the other, are written out to"
+_NAME_IT = "give what stands inside a name of its own: parameter Real y[n] = A*x, or Real y[n] = A*x; and write A*y"
 _PLAIN = {".+": "+", ".-": "-", ".*": "*", "./": "/", ".^": "^"}
 EACH = frozenset(_PLAIN)  # operators that act on element after element
 
@@ -41,37 +46,48 @@ def _matrix(rows: Sequence[Sequence[Flat]], span: Span) -> Array[Flat]:
 # ------------------------------------------------------------ operators
 
 
-def product(left: Flat, right: Flat, size: Size, span: Span) -> Flat:
-    """left*right where one of them is a matrix. Raises LagError L0303."""
+def product(left: Flat, right: Flat, size: Size, span: Span, work: Work) -> Flat:
+    """left*right where one of them is a matrix. Raises LagError L0303, L0209."""
     a, b = shape_of(left, size), shape_of(right, size)
     if not a or not b:
         return each(".*", left, right, size, span)
     if len(a) > 2 or len(b) > 2 or a[-1] != b[0]:
         fail("L0303", f"{spoken(a)} cannot be multiplied by {spoken(b)}", span,
              "the columns of the first are as many as the rows of the second; of element after element the product is .*")
-    rows = [written_out(left, size)] if len(a) == 1 else list(_items(left, size))
-    right = written_out(right, size)
-    columns = [right] if len(b) == 1 else [Array(c, span) for c in zip(*rows_of(right, size), strict=True)]
-    found = [[_inner(row, column, size, span) for column in columns] for row in rows]
+    rows = [_items(left, size)] if len(a) == 1 else rows_of(left, size)
+    columns = [_items(right, size)] if len(b) == 1 else list(zip(*rows_of(right, size), strict=True))
+    work.spend(_repeated(rows, columns), span, _WRITTEN_OUT, _NAME_IT)
+    found = [[_inner(row, column, span) for column in columns] for row in rows]
     if len(a) == 1:
         return Array(tuple(found[0]), span)
     return Array(tuple(row[0] for row in found), span) if len(b) == 1 else _matrix(found, span)
 
 
-def _inner(row: Flat, column: Flat, size: Size, span: Span) -> Flat:
-    terms: list[Flat] = [Binary("*", x, y, span) for x, y in zip(_items(row, size), _items(column, size), strict=True)]
-    return reduce(lambda x, y: Binary("+", x, y, span), terms) if terms else Number(0.0, None, span)
+def _repeated(rows: Sequence[Sequence[Flat]], columns: Sequence[Sequence[Flat]]) -> int:
+    """How many operations within the elements of two matrices their product repeats, as each row meets all columns."""
+    return len(columns) * _operations(*chain(*rows)) + len(rows) * _operations(*chain(*columns))
 
 
-def matrix_power(base: Flat, exponent: Flat, size: Size, span: Span) -> Flat:
-    """A^n of a square matrix, n a whole number from 0 on. Raises LagError L0303."""
+def _operations(*values: Flat) -> int:
+    return sum(1 for node in nodes(*values) if children(node))
+
+
+def _inner(row: Sequence[Flat], column: Sequence[Flat], span: Span) -> Flat:
+    terms: list[Flat] = [Binary("*", x, y, span) for x, y in zip(row, column, strict=True)]
+    found = reduce(lambda x, y: Binary("+", x, y, span), terms) if terms else Number(0.0, None, span)
+    is_plain = all(isinstance(x, Number) and x.unit is None for x in (*row, *column))
+    return (folded(found) if is_plain else None) or found
+
+
+def matrix_power(base: Flat, exponent: Flat, size: Size, span: Span, work: Work) -> Flat:
+    """A^n of a square matrix, n a whole number from 0 on. Raises LagError L0303, L0209."""
     shape, n = shape_of(base, size), fold(exponent)
     if len(shape) != 2 or shape[0] != shape[1] or not isinstance(n, float | int) or not 0 <= n <= 100 or n != int(n):
         fail("L0303", f"{spoken(shape)} has no such power", span, "a square matrix has, of whole numbers; of element after "
              "element the power is .^")
     found: Flat = _identity(shape[0], span)
     for _ in range(int(n)):
-        found = product(found, base, size, span)
+        found = product(found, base, size, span, work)
     return found
 
 

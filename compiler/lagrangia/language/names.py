@@ -238,9 +238,9 @@ class Names(Calls):
         if operator in EACH:
             return each(operator, left, right, self.size, span)
         if operator == "*" and (self._is_matrix(left) or self._is_matrix(right)):
-            return product(left, right, self.size, span)
+            return product(left, right, self.size, span, self.work)
         if operator == "^" and self._is_matrix(left):
-            return matrix_power(left, right, self.size, span)
+            return matrix_power(left, right, self.size, span, self.work)
         return Binary(operator, left, right, span)
 
     def _is_matrix(self, node: Flat) -> bool:

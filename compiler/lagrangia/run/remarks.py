@@ -55,8 +55,16 @@ def warn_of_given(model: Told, request: Request, more: Iterable[str] = (), later
         for given in request.inputs if isinstance(request.inputs, list) else [request.inputs]:
             check_values(scene, inputs=given)
             found |= dict.fromkeys(input_remarks(scene, experiment, given, later))
-    found |= dict.fromkeys(given_remarks(model, request, more))
-    for text in found:
+    _warn(scene, [*found, *given_remarks(model, request, more)])
+
+
+def warn_of_vain(model: Told, parameters: Any) -> None:
+    """The same of parameters alone."""
+    _warn(model.scene, given_remarks(model, Request(parameters=parameters)))
+
+
+def _warn(scene: Scene, texts: Iterable[str]) -> None:
+    for text in texts:
         head, _, message = text.partition("\n")[0].partition(": ")
         if head.removeprefix("warning[").removesuffix("]") not in scene.notes["allowed"]:
-            warnings.warn(f"{message} ({head[8:13]})", InputWarning, stacklevel=3)
+            warnings.warn(f"{message} ({head[8:13]})", InputWarning, stacklevel=4)

@@ -102,4 +102,7 @@ class Swept(ABC):
         """
         from lagrangia.study.rollout import roll_out
 
+        starts = [c.name for x, known in ((q0, self.scene.coordinates), (v0, self.scene.rates)) if x is not None for c in known]
+        later = () if u is None else [known.name for known in self.scene.inputs]
+        warn_of_given(self, Request(), [*p, *starts] if p else (), later)
         return roll_out(self, q0, v0, p, u, times, tolerance=tolerance, solver=solver, jobs=jobs)
