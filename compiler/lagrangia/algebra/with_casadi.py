@@ -119,6 +119,7 @@ class CasadiAlgebra:
     index: ModeIndex = field(default_factory=ModeIndex)  # of these modes
     tiny: float = TINY
     most_points: float = math.inf
+    _known_changing: tuple[tuple[int, int], frozenset[int]] = field(default=((-1, -1), frozenset()), init=False)
 
     @property
     def mode_symbols(self) -> ca.SX:
@@ -177,7 +178,8 @@ class CasadiAlgebra:
 
     def _is_steady(self, x: ca.SX) -> bool:
         """Whether it follows from parameters alone, as the length of an axis does."""
-        return (self.changing | symbols_in(self.time)).isdisjoint(symbols_in(x))
+        symbols = symbols_in(x)
+        return self.changing.isdisjoint(symbols) and symbols_in(self.time).isdisjoint(symbols)
 
     def compare(self, operator: str, a: Scalar, b: Scalar) -> Scalar:
         """Of numbers 0 or 1; a mode where time decides, else CasADi's condition."""
@@ -295,7 +297,10 @@ class CasadiAlgebra:
     @property
     def changing(self) -> frozenset[int]:
         """The hashes of all symbols but parameters."""
-        return self._moving | self.index.hashes | self.index.references | {self.time.__hash__()}
+        sizes = len(self.index.hashes), len(self.index.references)  # which grow, or hand over to each other
+        if self._known_changing[0] != sizes:
+            self._known_changing = sizes, self._moving | self.index.hashes | self.index.references | {self.time.__hash__()}
+        return self._known_changing[1]
 
     def _key(self, value: Scalar) -> Hashable:
         """The same for what says the same, of numbers and of expressions of parameters."""
