@@ -207,10 +207,11 @@ def test_an_array_has_the_size_of_the_one_beside_it(scene: Callable[[str], lag.M
 
 
 def test_products_of_matrices_are_bounded(scene: Write) -> None:
-    """A*(A*(A*x)) is written out to n^3 sums; by names of its own it is none, and n = 60 takes a second. Numbers are multiplied."""
-    body = "model M parameter Real A[{0}, {0}] = {{{{cos(i*j) for j in 1:{0}}} for i in 1:{0}}}; parameter Real x[{0}] = fill(1, {0}); "
+    """A*(A*(A*x)) is written out to n^3 sums; by names of its own it is none, and n = 60 takes a second."""
+    body = "model M parameter Real A[{0}, {0}] = {{{{cos(i*j) for j in 1:{0}}} for i in 1:{0}}}; " \
+           "parameter Real x[{0}] = fill(1, {0}); "
     ends = "PointMass m(m = 1 + k[1]^2); end M;"
-    with pytest.raises(lag.LagError, match="L0209.*products .* more than 300000 operations"):
+    with pytest.raises(lag.LagError, match=r"L0209.*products .* more than 300000 operations"):
         scene(body.format(60) + "parameter Real k[60] = A*(A*(A*x)); " + ends)
     named = "parameter Real y[{0}] = A*x; parameter Real z[{0}] = A*y; parameter Real k[{0}] = A*z; "
     scene((body + named).format(60) + ends)

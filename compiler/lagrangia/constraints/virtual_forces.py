@@ -67,7 +67,7 @@ def find_idle_displacements(kinematics: Kinematics, constraints: Constraints) ->
 
 
 def _has_idle_displacement(kinematics: Kinematics, rows: list[Row]) -> bool:
-    """Whether the rows, of one equation, take away again what they say of some x in virtual(x), or of all of them say nothing."""
+    """Whether the rows, of one equation, take away again what they say of some virtual(x), or say nothing of all."""
     shift = ca.SX.sym("shift", len(kinematics.dependents))
     varied = kinematics.displaced({name: (shift[k], 0.0) for k, name in enumerate(kinematics.dependents)})
     q = ca.vertcat(ca.SX(0, 1), *kinematics.symbols.positions.values())

@@ -24,7 +24,8 @@ def attribute_of(space: Space, frame: str, part: Part, index: tuple[int, ...], s
 
 
 def frame_call(call: Call[Flat], space: Space, size: Size, work: Work) -> Flat:
-    """shift and turn as the space has them; to_world, to_frame and velocity_at written out. Raises LagError L0209, L0221, L0303."""
+    """shift and turn as the space has them; to_world, to_frame and velocity_at written out. Raises LagError L0209, L0221,
+    L0303."""
     if call.function == "shift":
         return _shift(call, space, size)
     if call.function == "turn":

@@ -262,8 +262,8 @@ def _beside(scene: Scene, failure: Failure) -> str:
     name = scene.coordinates[failure.index].name if 0 <= failure.index < scene.n else ""
     if failure.time != scene.start or name not in lengths:
         return ""
-    return f"; where {name} = 0 a slider has no direction if a mere point turns it: begin beside, --initial {name}=1e-3, or leave " \
-           "the slider out"
+    return (f"; where {name} = 0 a slider has no direction if a mere point turns it: begin beside, --initial {name}=1e-3, or "
+            "leave the slider out")
 
 
 def _of_events(scene: Scene, failure: Failure) -> str:
