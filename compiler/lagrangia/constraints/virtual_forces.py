@@ -61,8 +61,8 @@ def find_idle_displacements(kinematics: Kinematics, constraints: Constraints) ->
             parts = [part for part in constraints.all_rows if part.equation is row.equation]
             told.add(id(row.equation))
             if _has_idle_displacement(kinematics, parts):
-                report.warning("L0224", "virtual(x) is 0 here, and changes nothing", row.span, "what it says cancels, or is of what "
-                               "nothing displaces: leave it out")
+                report.warning("L0224", "virtual(x) is 0 here, and changes nothing", row.span,
+                               "what it says cancels, or is of what nothing displaces: leave it out")
     return report
 
 
