@@ -188,3 +188,8 @@ def test_what_makes_steps_short_is_told(capsys: pytest.CaptureFixture[str]) -> N
                      capsys.readouterr().out)
     assert main(["simulate", file, "--stop", "0.02", "--interval", "0.01"]) == 0
     assert "its steps are short" not in capsys.readouterr().out
+    runs = [lag.load(file).simulate(stop=stop, interval=0.01) for stop in (0.8, 0.02)]
+    assert [any("limits them" in note for note in run.notes) for run in runs] == [True, False]
+    cut = lag.load(write("model Cut Block b(m = 1, base = world); AppliedForce f(at = b.center, "
+                         "force = {if mod(1e5[1/s]*time, 2) < 1 then 1 else 2, 0}); end Cut;")).simulate(at=[0.3])
+    assert re.search(r"s at least: 29999 events cut them", cut.notes[0])

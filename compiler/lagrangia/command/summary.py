@@ -11,13 +11,12 @@ from lagrangia.run.engines import Engine, describe
 from lagrangia.run.interpret import evaluate
 from lagrangia.run.request import Experiment, Values
 from lagrangia.run.runtime import Solver, Statistics
-from lagrangia.run.simulate import Progress, shortcomings
+from lagrangia.run.simulate import Progress, short_steps, shortcomings
 from lagrangia.run.solvers import AUTO, name_of, reason_of
 from lagrangia.view.statics import is_static, reaction_table
 
 _GUESS, _FIXED, _FREE = range(3)  # LAG_START_... of runtime/model/model.h
 _MOST_ROWS = 40  # MOST_ROWS of runtime/run/unsure.c
-_MANY_STEPS, _MANY_A_ROW = 20_000, 50  # from which on a run is told why its steps are short
 _MOVED = 1e-3  # less is taken for the rounding of a start value
 _ROUNDING = 1e-14  # m or rad
 
@@ -53,7 +52,7 @@ def summarise(options: Namespace, model: Model, progress: Progress, target: str,
         scale = statistics.energy_size
         relative = f" ({statistics.energy_residual / scale:.1e} of {scale:.3g} J)" if 0 < scale < math.inf else ""
         say(f"  energy account closes to {statistics.energy_residual:.1e} J{relative}")
-        for text in (*shortcomings(progress), *filter(None, [_tell_tiny_steps(scene, progress)])):
+        for text in (*shortcomings(progress), *filter(None, [short_steps(scene, progress)])):
             say(f"  {text}")
     if progress.ended:
         say(f"  {progress.ended}")
@@ -62,22 +61,6 @@ def summarise(options: Namespace, model: Model, progress: Progress, target: str,
     say(f"  {progress.rows} rows in {target}{apart}" + (f", picture in {options.plot}" if options.plot else ""))
     if options.stats:
         _tell(model, engine, progress, compiled, loaded, say)
-
-
-def _tell_tiny_steps(scene: Any, progress: Progress) -> str:
-    """What limits the steps of a run that takes very many, by what was seen now and then; empty for other runs."""
-    s = progress.statistics
-    if s is None or s.steps < _MANY_STEPS or s.steps < _MANY_A_ROW * progress.rows or not progress.limits:
-        return ""
-    span = progress.time - progress.experiment.start
-    most, times = progress.limits.most_common(1)[0]
-    names = (*scene.coordinates, *scene.rates)
-    if not 0 <= most < len(names):
-        return ""
-    share = times / progress.limits.total()
-    often = "" if share == 1 else f", in {100 * share:.0f} % of the looks at it"
-    return (f"its steps are short, {span / s.steps:.2g} s on average and {s.smallest_step:.2g} s at least: {names[most].name} "
-            f"limits them{often}, as the forces on it change that quickly")
 
 
 def _tell_unlooked(scene: Any, say: Callable[[str], None]) -> None:

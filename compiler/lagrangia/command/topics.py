@@ -315,7 +315,7 @@ import lagrangia as lag
 model = lag.load("chain.lag", n=20)                    # structural parameters at load
 run = model.simulate(stop=5, tolerance=1e-10, parameters={"link[1].m": 2.0}, initial={"hinge[1].phi": 1.2})
 run.time, run["hinge[1].phi"], run["link[3].b.y"]      # NumPy arrays: coordinates, rates, or any quantity of the scene
-run.energy.total, run.energy.residual, run.statistics, run.warnings
+run.energy.total, run.energy.residual, run.statistics, run.warnings, run.notes   # notes: what makes steps short
 many = model.simulate_many(parameters={"link[1].m": [1, 2, 5]}, outputs=["max(hinge[1].phi)"])   # lag help sweep
 again = model.prepare({"hinge[1].phi": 0.1}, {"link[1].m": 1.0}, stop=5)   # for many calls: again([0.2], [2.0]) gives rows,
 again.columns, again.warnings                                              # in microseconds beside the steps

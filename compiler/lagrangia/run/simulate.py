@@ -23,6 +23,7 @@ from lagrangia.run.solvers import number_of
 
 _PAUSE, _FIRST = 0.1, 0.02  # seconds between two looks at the clock and the keyboard; before the first one on a tape
 _MANY_STEPS, _MUCH = 100, 100.0
+_MOST_STEPS, _MOST_A_ROW = 20_000, 50  # beyond which a run is told why its steps are short
 DOUBTFUL = 0.1  # of all energy: an account that misses by more
 HOPELESS = 0.5  # the same: no errors of integrals alone
 _LITTLE = 1e-9  # J: less may be rounding of energies that cancel
@@ -274,6 +275,24 @@ def _of_events(scene: Scene, failure: Failure) -> str:
                 "other there")
     return (f"contacts and their friction have neither forces nor impulses that go together{first} (Painleve's paradox: rigid "
             "bodies jam); try less friction, or springs in between")
+
+
+def short_steps(scene: Scene, progress: Progress) -> str:
+    """What limits the steps of a run that takes very many, by what was seen now and then; empty for other runs."""
+    s = progress.statistics
+    if s is None or s.steps < _MOST_STEPS or s.steps < _MOST_A_ROW * progress.rows or not progress.limits:
+        return ""
+    span = progress.time - progress.experiment.start
+    most, times = progress.limits.most_common(1)[0]
+    names = (*scene.coordinates, *scene.rates)
+    if not 0 <= most < len(names):
+        return ""
+    share = times / progress.limits.total()
+    often = "" if share == 1 else f", in {100 * share:.0f} % of the looks at it"
+    lengths = f"its steps are short, {span / s.steps:.2g} s on average and {s.smallest_step:.2g} s at least"
+    if 2 * s.events > s.steps:
+        return f"{lengths}: {s.events} events cut them, as of corners of tables and conditions in time"
+    return f"{lengths}: {names[most].name} limits them{often}, as the forces on it change that quickly"
 
 
 def shortcomings(progress: Progress) -> list[str]:

@@ -11,7 +11,7 @@ from lagrangia.base.diagnostics import fail, suggest
 from lagrangia.base.records import dataclass
 from lagrangia.base.result_files import require_kind
 from lagrangia.run.scene import ENERGY_NAMES, Column, Scene
-from lagrangia.run.simulate import Progress, loss, shortcomings
+from lagrangia.run.simulate import Progress, loss, short_steps, shortcomings
 from lagrangia.view.curves import draw_panels
 from lagrangia.view.result_writers import RESULTS, TextRows, Writer, open_writer
 from lagrangia.view.rows import ENERGIES, columns, shown
@@ -145,6 +145,11 @@ class Trajectory:
     def warnings(self) -> list[str]:
         """What assertions warn of, what kept the run from its tolerance, and why it cannot be right; empty when nothing did."""
         return [*shortcomings(self.progress), *filter(None, [loss(self.progress)])]
+
+    @property
+    def notes(self) -> list[str]:
+        """What is worth knowing of a run that went well: what limits its steps, where it took very many."""
+        return [*filter(None, [short_steps(self.scene, self.progress)])]
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
         """Comma-separated columns with a line of names; all 17 digits that matter. Where a quantity has no finite value, its
