@@ -143,3 +143,13 @@ def test_the_command_draws_most_of_the_library_and_packages(tmp_path: Path, caps
     assert "its first line is `within Own;`" in capsys.readouterr().err
     assert main(["doc", "-o", str(tmp_path)]) == 2, "which holds something else"
     assert "holds something else" in capsys.readouterr().err
+
+
+def test_names_in_quotes_lead_nowhere_else() -> None:
+    """A class may be called anything: its page stays in the folder, and those of two names are two."""
+    names = ("'../../up'", "'.. .. up'", "'a/b'", "'" + "x" * 300 + "'", "Plain")
+    syntax = parse(Source("own.lag", "\n".join(f"model {name} Block b(m = 1, base = world); end {name};" for name in names)))
+    package = Package("own", (syntax,), build_class_table(drawn_library(), [syntax]), Path("own.lag"))
+    files = [package.page(definition) for definition in package.classes]
+    assert len(set(files)) == len(names) and files[-1] == "own.Plain.html"
+    assert all(re.fullmatch(r"own\.[\w.]{1,170}\.html", file) for file in files)

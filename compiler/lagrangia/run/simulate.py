@@ -211,8 +211,7 @@ def explain(scene: Scene, failure: Failure, parameters: Sequence[float] = ()) ->
         zero = ", ".join(map("'{}'".format, zero_masses(scene, parameters)[:4])) if parameters else ""
         told = f" ({zero} {'are' if ',' in zero else 'is'} 0)" if zero else ""
         return (f"at t = {failure.time:.6g} the accelerations are not finite{where}: a coordinate that moves no mass{told}, "
-                f"{kinetic}points that coincide, or a function outside its domain; look at the parameters and start values"
-                f"{_beside(scene, failure)}")
+                f"{kinetic}points that coincide, or a function outside its domain; {_look_at(scene, failure)}")
     if failure.status is Status.STEP_TOO_SMALL:
         return (f"the motion cannot be continued beyond t = {failure.time:.9g}: no step is small enough{where}; {kinetic}a "
                 "singularity (a collision, a spring of zero length, a division by zero) or values beyond the range of numbers")
@@ -257,14 +256,15 @@ def _of_given(scene: Scene, failure: Failure) -> str:
             f"{failure.value:g} s")
 
 
-def _beside(scene: Scene, failure: Failure) -> str:
-    """What to try where a run begins so."""
+def _look_at(scene: Scene, failure: Failure) -> str:
+    """What to look at, and where a run begins so, what to try."""
+    told = "look at the parameters and start values"
     lengths = [c.name for c in scene.coordinates if c.unit == "m"]
     name = scene.coordinates[failure.index].name if 0 <= failure.index < scene.n else ""
     if failure.time != scene.start or name not in lengths:
-        return ""
-    return (f"; where {name} = 0 a slider has no direction if a mere point turns it: begin beside, --initial {name}=1e-3, or "
-            "leave the slider out")
+        return told
+    return (f"{told}; where {name} = 0 a slider has no direction if a mere point turns it: begin beside, --initial {name}=1e-3, "
+            "or leave the slider out")
 
 
 def _of_events(scene: Scene, failure: Failure) -> str:

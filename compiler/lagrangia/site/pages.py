@@ -1,8 +1,10 @@
 """Classes of files -> pages: text, schematic, parameters with units and defaults, ports, energies and equations, uses, source."""
 
 import json
+import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import cached_property
+from hashlib import sha256
 from html import escape
 from pathlib import Path
 from textwrap import dedent
@@ -20,6 +22,7 @@ from lagrangia.site.showing import FLANGES, scenes_of
 
 Draw = Callable[[ClassDefinition, Sequence[str], bool], str]  # of the first of these scenes that can be drawn, or itself
 _HERE = Path(__file__).parent
+_NO_NAME, _LONGEST = re.compile(r"[^\w.]+"), 150
 _LIBRARY_TITLE = "library"
 _ROLES = ("parameter", "constant", "input", "output", "coordinate")
 
@@ -35,8 +38,10 @@ class Package:
     imported: Path | None
 
     def page(self, definition: ClassDefinition) -> str:
-        """The name of the page of one of its classes."""
-        return f"{self.title.replace('/', '.')}.{definition.name}.html"
+        """The file of one of its classes; names in quotes, which may say anything, lead nowhere else."""
+        name = _NO_NAME.sub("_", definition.name)[:_LONGEST]
+        unlike = "" if name == definition.name else f"_{sha256(definition.name.encode()).hexdigest()[:8]}"
+        return f"{self.title.replace('/', '.')}.{name}{unlike}.html"
 
     @cached_property
     def classes(self) -> tuple[ClassDefinition, ...]:
