@@ -69,10 +69,12 @@ def test_runs_that_fail_are_told_and_the_others_go_on(scene: Scene) -> None:
     ({"u": np.full((2, 25, 1), np.nan)}, "finite"), ({"q0": np.zeros((2, 2)), "u": np.zeros((3, 25, 1))}, "others are of 3"),
     ({"p": {"mass": [1.0, 2.0]}}, "mass"), ({"p": {"m": [-1.0]}}, "m"), ({"q0": [[0.0, np.inf]]}, "finite"),
     ({"times": [0.0]}, "two numbers or more"), ({"times": [1.0, 0.0]}, "finite and rising"),
-    ({"solver": "casadi:cvodes"}, "own solvers")])
+    ({"solver": "casadi:cvodes"}, "own solvers"), ({"u": np.zeros((2, 25, 1)) + 1j}, "u must be an array of real numbers, not o"),
+    ({"q0": [[0.0, 1.0], [2.0]]}, "q0 must be an array of real"), ({"times": "1 s"}, "times must be"), ({"p": [0.1]}, "mapping"),
+    ({"p": {"m": "0.1[kg]"}}, "'m' must be an array"), ({"p": {"m": np.ones((2, 2))}}, r"one for each run, not .* \(2, 2\)")])
 def test_what_does_not_fit_is_told(given: dict[str, object], told: str, scene: Scene) -> None:
     model = scene(PUSHED.replace("parameter Mass m = 0.1", "parameter Mass m(min = 0) = 0.1"))
-    if given == {"p": {"m": [-1.0]}}:
+    if str(given) == str({"p": {"m": [-1.0]}}):
         assert "minimum" in model.rollout(**given, times=TIMES).failures[0]
         return
     with pytest.raises(lag.LagError, match=told):

@@ -3,9 +3,13 @@
 import math
 import operator
 from collections.abc import Iterable, Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from lagrangia.base.diagnostics import fail
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
 
 MOST_STARTS, MOST_POINTS = 10_000, 200_000
 _HIGHEST = 1e100  # Hz: its square is still a number
@@ -55,6 +59,20 @@ def numbers(what: str, given: Any) -> list[float]:
     if isinstance(given, str | bytes | Mapping) or not isinstance(given, Iterable):
         fail("L0702", f"the {what} must be a sequence of numbers, not {given!r}"[:200])
     return [a_number(what, value) for value in given]
+
+
+def an_array(what: str, given: Any) -> "NDArray[np.float64]":
+    """Of real numbers, in any dimensions. Raises LagError L0702."""
+    import numpy as np
+
+    try:
+        found = np.asarray(given)
+    except ValueError:  # rows of several lengths
+        found = np.asarray(None)
+    if found.dtype.kind not in "biuf":
+        shown = f"one of {given.dtype}" if isinstance(given, np.ndarray) else repr(given)
+        fail("L0702", f"{what} must be an array of real numbers, not {shown}"[:200])
+    return found.astype(np.float64, copy=False)
 
 
 def names(what: str, given: Any) -> tuple[str, ...]:

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from lagrangia.base.checked_values import an_array, by_name
 from lagrangia.base.diagnostics import Interrupted, fail
 from lagrangia.base.records import dataclass
 from lagrangia.run.request import Request
@@ -63,15 +64,16 @@ class Rollout:
 def roll_out(model: Asked, q0: "ArrayLike | None", v0: "ArrayLike | None", p: "Mapping[str, ArrayLike] | None",
              u: "ArrayLike | None", times: "ArrayLike", *, tolerance: float | None, solver: str, jobs: int | None) -> Rollout:
     """What Model.rollout does. Raises LagError, Interrupted."""
-    at = np.asarray(times, dtype=float)
+    at = an_array("times", times)
     if at.ndim != 1 or len(at) < 2:
         fail("L0702", f"the times of a rollout are two numbers or more, not an array of the shape {at.shape}")
     scene = model.scene
-    given = {**_states(scene, q0, v0), **(p or {})}
-    table = _table(given, _runs_of(u, len(at), len(scene.inputs)))
+    held = None if u is None else an_array("u", u)
+    given = {**_states(scene, q0, v0), **by_name("parameters", p)}
+    table = _table(given, _runs_of(held, len(at), len(scene.inputs)))
     request = Request(float(at[0]), float(at[-1]), tolerance, at=at.tolist(), solver=solver)
     first = scene.rates[0].name if scene.n else "time"
-    suited, job = model.prepared_for(read_measures([f"final({first})"]), request, Design(table or None, keeps=True, held=u))
+    suited, job = model.prepared_for(read_measures([f"final({first})"]), request, Design(table or None, keeps=True, held=held))
     keeper, ledger = InMemory(job.scene, job.runs, len(at), are_all_new=True), Ledger(job)
     sweep = run_job(job, suited, ledger, jobs=jobs, keeper=keeper)
     if sweep.interrupted:
@@ -84,7 +86,7 @@ def _states(scene: Scene, q0: "ArrayLike | None", v0: "ArrayLike | None") -> "di
     for what, given, known in (("q0", q0, scene.coordinates), ("v0", v0, scene.rates)):
         if given is None:
             continue
-        x = np.asarray(given, dtype=float)
+        x = an_array(what, given)
         if x.ndim not in (1, 2) or x.shape[-1] != len(known):
             fail("L0702", f"{what} has the shape (runs, {len(known)}), or ({len(known)},), not {x.shape}", None,
                  f"in the order {', '.join(c.name for c in known[:8])}")
@@ -92,18 +94,22 @@ def _states(scene: Scene, q0: "ArrayLike | None", v0: "ArrayLike | None") -> "di
     return found
 
 
-def _runs_of(u: "ArrayLike | None", times: int, inputs: int) -> int:
+def _runs_of(u: "NDArray[np.float64] | None", times: int, inputs: int) -> int:
     if u is None:
         return 1
-    shape = np.shape(u)
-    if len(shape) != 3 or shape[1:] != (times - 1, inputs):
-        fail("L0702", f"u has the shape (runs, {times - 1}, {inputs}): inputs from each time to the next, not {shape}")
-    return int(shape[0])
+    if u.ndim != 3 or u.shape[1:] != (times - 1, inputs):
+        fail("L0702", f"u has the shape (runs, {times - 1}, {inputs}): inputs from each time to the next, not {u.shape}", None,
+             *([] if inputs else ["the scene has no inputs"]))
+    return u.shape[0]
 
 
 def _table(given: "Mapping[str, ArrayLike]", runs: int) -> "dict[str, NDArray[np.float64]]":
     """Columns as long as there are runs."""
-    found = {name: np.asarray(x, dtype=float) for name, x in given.items()}
+    found = {name: an_array(f"'{name}'", x) for name, x in given.items()}
+    for name, x in found.items():
+        if x.ndim > 1:
+            fail("L0702", f"'{name}' is a number, or one for each run, not an array of the shape {x.shape}", None,
+                 "a part of a vector has a name of its own: p={'world.gravity[2]': [-9.81, -1.62]}")
     lengths = {name: x.shape[0] for name, x in found.items() if x.ndim == 1}
     count = max([runs, *lengths.values()])
     for name, length in {**lengths, **({"u": runs} if runs > 1 else {})}.items():
