@@ -100,7 +100,7 @@ def _runs_of(u: "NDArray[np.float64] | None", times: int, inputs: int) -> int:
     if u.ndim != 3 or u.shape[1:] != (times - 1, inputs):
         fail("L0702", f"u has the shape (runs, {times - 1}, {inputs}): inputs from each time to the next, not {u.shape}", None,
              *([] if inputs else ["the scene has no inputs"]))
-    return u.shape[0]
+    return int(u.shape[0])
 
 
 def _table(given: "Mapping[str, ArrayLike]", runs: int) -> "dict[str, NDArray[np.float64]]":

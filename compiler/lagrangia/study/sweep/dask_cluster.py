@@ -120,9 +120,11 @@ def _there(client: Any, address: str, ledger: Ledger) -> "Iterator[None]":
 def _connected(address: str) -> "Iterator[Any]":
     try:
         from distributed import Client
+        from distributed.comm import get_address_host_port
     except ImportError:
         fail("L0716", "--dask needs Dask, which is not installed", None, "pip install dask distributed")
     try:
+        get_address_host_port(address)  # a client that refuses it leaves threads behind
         client = Client(address, timeout=_TIMEOUT, set_as_default=False)
     except (OSError, ValueError, TypeError) as error:
         fail("L0716", f"there is no Dask scheduler at '{address}': {str(error) or type(error).__name__}", None,

@@ -307,9 +307,12 @@ def columns_of_runs(given: Any) -> "dict[str, np.ndarray]":
     found = {}
     for name in names:
         try:
-            found[name] = np.asarray(given[name], dtype=np.float64)
+            is_complex = np.iscomplexobj(given[name])
+            found[name] = np.asarray(given[name], dtype=np.complex128 if is_complex else np.float64)
         except (TypeError, ValueError):
             fail("L0713", f"the table of runs: the column '{name}' holds something else than numbers")
+        if is_complex:
+            fail("L0713", f"the table of runs: the column '{name}' holds complex numbers")
         if found[name].ndim != 1 or len(found[name]) != len(found[names[0]]) or not len(found[name]):
             fail("L0713", f"the table of runs: the column '{name}' needs a number for each run")
     return found
