@@ -81,11 +81,30 @@ def test_names_and_limits_stay(folder: Path) -> None:
 
 def test_what_has_no_counterpart_is_told(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     text = ROBOT.replace('damping="0.5"', 'damping="0.5" friction="0.2"').replace("</robot>", "<gazebo/><gazebo/></robot>")
-    Path("robot.urdf").write_text(text.replace('type="continuous"', 'type="floating"'), encoding="utf-8")
+    Path("robot.urdf").write_text(text.replace('type="continuous"', 'type="rope"'), encoding="utf-8")
     assert main(["import", "robot.urdf"]) == 1
     told = capsys.readouterr().err
     assert "<gazebo> in a robot, 2 of them" in told and "friction of joint shoulder, 0.2" in told
-    assert "joint elbow of type 'floating': its child 'fore-arm' is joined to nothing now" in told
+    assert "joint elbow of type 'rope': its child 'fore-arm' is joined to nothing now" in told
+
+
+@pytest.mark.parametrize("kind", ["floating", "planar"])
+def test_joints_of_several_coordinates_begin_where_they_are(kind: str) -> None:
+    """A body in free fall, or in a plane whose normal lies aslant: where its link is, and how it falls."""
+    text = ROBOT.replace("fore-arm", "fore").replace('<parent link="upper"/>', '<parent link="base"/>')
+
+    def run(kind: str) -> tuple[np.ndarray, np.ndarray]:
+        found = imported_robot("r", text.replace('type="continuous"', f'type="{kind}"').encode())
+        assert not found.left_out
+        run = lag.loads(found.text).simulate(at=[0.0, 0.1])
+        return (np.array([run[f"fore.r[{i}]"] for i in (1, 2, 3)]),
+                np.array([[run[f"fore.R[{i},{j}]"][0] for j in (1, 2, 3)] for i in (1, 2, 3)]))
+
+    (r, R), (place, axes) = run(kind), run("fixed")
+    assert np.abs(r[:, 0] - place[:, 0]).max() < 1e-12 and np.abs(R - axes).max() < 1e-12
+    ahead = r[:, 1] - r[:, 0]
+    assert ahead[2] < -0.01
+    assert kind == "floating" or abs(ahead @ axes @ [0, 1, 1]) < 1e-12
 
 
 def test_a_joint_that_mimics_another_follows_it() -> None:
@@ -107,6 +126,8 @@ def test_what_rounding_left_of_moments_is_nothing() -> None:
     (('value="2.5"', 'value="heavy"'), "'value' of <mass> is a number"),
     (('<robot name="two-arm">', "<model>"), "this is no XML: mismatched tag"),
     (('<link name="tool">', "<link>"), "a link needs a name"),
+    (('<link name="tool">', '<link name="upper">'), "there are two links of the name 'upper'"),
+    (('<joint name="weld"', '<joint name="elbow"'), "there are two joints of the name 'elbow'"),
     (('<parent link="world"/>', '<parent link="finger"/>'), "carries itself"),
 ])
 def test_wrong_robots(change: tuple[str, str], told: str) -> None:

@@ -4,7 +4,9 @@ Names stay as they are. Limits are told beside the joints. What has no counterpa
 Source: http://wiki.ros.org/urdf/XML; angles r, p, y turn about the fixed axes x, y, z in this order.
 """
 
+import math
 from collections import Counter
+from collections.abc import Sequence
 
 from lagrangia.base.diagnostics import Report, fail
 from lagrangia.base.records import dataclass
@@ -12,7 +14,9 @@ from lagrangia.editor.modelica_import import Imported
 from lagrangia.editor.robot_text import Names, Place, counted, inertia_matrix, number, quoted, read_numbers, row
 from lagrangia.fmu.xmltree import Element, read_xml
 
-_JOINTS = {"revolute": "Revolute", "continuous": "Revolute", "prismatic": "Prismatic", "fixed": "Weld"}
+_JOINTS = {"revolute": "Revolute", "continuous": "Revolute", "prismatic": "Prismatic", "fixed": "Weld", "floating": "Free",
+           "planar": "PlanarJoint"}
+_OF_ONE = ("revolute", "continuous", "prismatic")  # with one coordinate
 _SHAPES = frozenset({"visual", "collision", "material"})
 _KNOWN = {"robot": {"link", "joint"} | _SHAPES, "link": {"inertial"} | _SHAPES,
           "joint": {"origin", "parent", "child", "axis", "limit", "dynamics", "mimic", "calibration", "safety_controller"}}
@@ -45,13 +49,18 @@ def _tags(element: Element) -> list[str]:
 class _Robot:
     def __init__(self, root: Element, file: str) -> None:
         self.root, self.file, self.report = root, file, Report()
-        self.links = {self._name(x): x for x in root.all("link")}
+        self.links: dict[str, Element] = {}
+        for link in root.all("link"):
+            self._once(link, self.links.setdefault(self._name(link), link))
         if not self.links:
             fail("L0730", "there is no link in this robot", root.span(),
                  'links are its bodies: <link name="arm"> with <inertial>')
         self.names = Names()
         self.left_out: list[str] = []
         joints = [(x, self._name(x)) for x in root.all("joint")]
+        first = {name: x for x, name in reversed(joints)}
+        for x, name in joints:
+            self._once(x, first[name])
         told = {name: self.names.fresh(name) for _, name in joints}
         self.frames = {name: "world" if name == "world" and self._is_root(name) else self.names.fresh(name, "_link")
                        for name in self.links}
@@ -72,7 +81,7 @@ class _Robot:
         lines += [line for joint in self.joints if (line := self._joint_line(joint))]
         lines += [line for name in self.links if name not in roots and (line := self._body(name))]
         equations = [f"{self.frames[name]} = world;" for name in roots if self.frames[name] != "world"]
-        equations += [line for joint in self.joints for line in self._mimic(joint)]
+        equations += [line for joint in self.joints for line in (*self._turned_back(joint), *self._mimic(joint))]
         losses = [line for joint in self.joints for line in self._dissipation(joint)]
         lines += ["equation", *equations] if equations else []
         lines += ["energy", *losses] if losses else []
@@ -86,6 +95,10 @@ class _Robot:
         if name is None:
             self.report.add([element.fault("L0730", f"a {element.tag} needs a name")])
         return name or ""
+
+    def _once(self, element: Element, first: Element) -> None:
+        if element is not first and (name := element.get("name")) is not None:
+            self.report.add([element.fault("L0730", f"there are two {element.tag}s of the name '{name}'", "name")])
 
     # ------------------------------------------------------------ the tree
 
@@ -127,16 +140,27 @@ class _Robot:
             return ""
         place = self._pose(self.frames[joint.parent], joint.element.first("origin"))
         arguments = [f"a = {place}", f"b = {self.frames[joint.child]}"]
-        if joint.kind != "fixed":
-            axis = joint.element.first("axis")
-            direction = read_numbers(axis, "xyz", 3) if axis is not None else [1.0, 0.0, 0.0]
-            arguments.append(f"{'along' if joint.kind == 'prismatic' else 'axis'} = {row(direction)}")
+        if joint.kind == "planar" and (upright := _upright(self._axis(joint))) is not None:
+            arguments = [f"a = {place.turned(*upright)}"]  # the equation of the child turns back
+        elif joint.kind in _OF_ONE:
+            arguments.append(f"{'along' if joint.kind == 'prismatic' else 'axis'} = {row(self._axis(joint))}")
         told = self._limits(joint)
         return f"{_JOINTS[joint.kind]} {joint.name}({', '.join(arguments)})" + (f" \"{told}\";" if told else ";")
 
+    def _axis(self, joint: _Joint) -> list[float]:
+        axis = joint.element.first("axis")
+        return read_numbers(axis, "xyz", 3) if axis is not None else [1.0, 0.0, 0.0]
+
+    def _turned_back(self, joint: _Joint) -> list[str]:
+        """Of a joint in a plane whose normal is not z: the child's axes are those of the parent's place, turned in the plane."""
+        if joint.kind != "planar" or (upright := _upright(self._axis(joint))) is None:
+            return []
+        angle, axis = upright
+        return [f"{self.frames[joint.child]} = {Place(f'{joint.name}.b').turned(-angle, axis)};"]
+
     def _limits(self, joint: _Joint) -> str:
         limit, (angle, force, speed) = joint.element.first("limit"), _UNITS[joint.kind == "prismatic"]
-        if limit is None or joint.kind == "fixed":
+        if limit is None or joint.kind not in _OF_ONE:
             return ""
         known = {name: read_numbers(limit, name, 1)[0] for name in ("lower", "upper", "effort", "velocity") if limit.get(name)}
         parts = []
@@ -170,10 +194,10 @@ class _Robot:
 
     def _mimic(self, joint: _Joint) -> list[str]:
         mimic = joint.element.first("mimic")
-        if mimic is None or joint.kind not in _JOINTS:
+        if mimic is None:
             return []
         other = next((x for x in self.joints if x.element.get("name") == mimic.get("joint")), None)
-        if other is None or "fixed" in (joint.kind, other.kind):
+        if other is None or other is joint or not {joint.kind, other.kind} <= {*_OF_ONE}:
             self.left_out.append(f"what joint {joint.name} mimics")
             return []
         factor, offset = (read_numbers(mimic, name, 1)[0] if mimic.get(name) else usual
@@ -184,12 +208,15 @@ class _Robot:
 
     def _dissipation(self, joint: _Joint) -> list[str]:
         dynamics = joint.element.first("dynamics")
-        if dynamics is None or joint.kind not in _JOINTS or joint.kind == "fixed":
+        if dynamics is None or joint.kind == "fixed":
             return []
         damping, friction = (read_numbers(dynamics, name, 1)[0] if dynamics.get(name) else 0.0
                              for name in ("damping", "friction"))
         if friction:
             self.left_out.append(f"the friction of joint {joint.name}, {number(friction)}")
+        if damping and joint.kind not in _OF_ONE:
+            self.left_out.append(f"the damping of joint {joint.name}, {number(damping)}")
+            return []
         rate = f"{joint.name}.{'v' if joint.kind == 'prismatic' else 'w'}"
         return [f"dissipation {number(damping)}*{rate}^2/2;"] if damping else []
 
@@ -199,6 +226,15 @@ class _Robot:
         for parent in (self.root, *self.root.all("link"), *self.root.all("joint")):
             found.update(f"<{x.tag}> in a {parent.tag}" for x in parent.children if x.tag not in _KNOWN[parent.tag])
         self.left_out += [f"{what}, {count} of them" if count > 1 else what for what, count in found.items()]
+
+
+def _upright(axis: Sequence[float]) -> tuple[float, tuple[float, float, float]] | None:
+    """The angle and the axis of the turn that takes z to an axis; None where that is none."""
+    x, y, z = axis
+    across = math.hypot(x, y)
+    if across == 0:
+        return None if z >= 0 else (math.pi, (1, 0, 0))
+    return math.atan2(across, z), (-y / across, x / across, 0)
 
 
 _MOMENTS = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
