@@ -8,7 +8,7 @@ import pytest
 import lagrangia as lag
 from lagrangia.algebra.scalars import as_expression
 from lagrangia.compile.pipeline import flatten_file
-from lagrangia.frames import alike
+from lagrangia.frames import alike, rigid_poses
 from lagrangia.frames.evaluation import scalars_of
 from lagrangia.frames.graph import build_graph
 from lagrangia.frames.kinematics import Kinematics, build_kinematics
@@ -44,7 +44,7 @@ def test_columns_are_what_comes_out_one_by_one(tmp_path: Path, monkeypatch: pyte
     one_by_one = [kinematics.evaluator.value(node) for node in expressions]
     taken = []
     together = alike._together
-    monkeypatch.setattr(alike, "_together", lambda group, evaluators: taken.append(found := together(group, evaluators)) or found)
+    monkeypatch.setattr(alike, "_together", lambda *given: taken.append(found := together(*given)) or found)
     found = alike.evaluate_all(expressions, [kinematics.evaluator] * len(expressions))
     assert [len(rows) for rows in taken if rows] == [12], "potentials of weights"
     assert len(taken) == 4, "those that read a variable with a binding are tried, and taken one by one"
@@ -91,3 +91,31 @@ energy
     found = alike.evaluate_all(expressions, [kinematics.evaluator] * len(expressions))
     for node, value in zip(expressions, found, strict=True):
         assert ca.is_equal(as_expression(kinematics.evaluator.value(node)), as_expression(value), 20)
+
+
+RIGID = """model Rigid
+  parameter Integer n = 30;
+  Planar place[n](each a = world); Bar bar[n](each m = 1, each L = 2), plain[3](each m = 2, each L = 1); Frame far[n];
+equation
+  for i in 1:n loop
+    connect(place[i].b, bar[i].a); far[i] = shift(turn(bar[i].b, if i > 20 then 0.2 else 0), {0, bar[i].L/i});
+  end for;
+  for i in 1:3 loop connect(bar[i].b, plain[i].b); end for;
+end Rigid;"""
+
+
+@pytest.mark.parametrize("fewest", [2, 24])
+def test_poses_within_bodies_are_what_comes_out_one_by_one(fewest: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    kinematics = kinematics_of(RIGID, tmp_path)
+    rigid = [edge for edge in kinematics.graph.edges if edge.is_rigid]
+    begins = {edge.parent for edge in rigid} - {edge.child for edge in rigid}
+    found, expected = ({frame: kinematics.seen_from_itself(frame) for frame in begins} for _ in range(2))
+    monkeypatch.setattr(rigid_poses, "_FEWEST", fewest)
+    rigid_poses.follow_rigid(kinematics, rigid, found)
+    for edge in rigid:
+        expected[edge.child] = kinematics.follow(edge, expected[edge.parent], 0)
+    assert len(found) == len(expected) > 120
+    for frame, pose in expected.items():
+        numbers = ((*p.place, p.cos, p.sin) for p in (pose, found[frame]))
+        for x, y in zip(*numbers, strict=True):
+            assert isinstance(x, float) == isinstance(y, float) and ca.is_equal(as_expression(x), as_expression(y), 20)

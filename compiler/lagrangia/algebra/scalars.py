@@ -134,35 +134,40 @@ def _stacked(wrapped: Sequence[Any]) -> ca.SX:
 
 def _gathered(values: Sequence[Any]) -> ca.SX:
     """A column of which elements of others are a part."""
-    if {*map(type, values)} == {Cell}:
-        sources = [*map(_SOURCE, values)]
-        keys = [*map(id, sources)]
-        known = dict(zip(keys, sources, strict=True))
-        if len(known) == 1:
-            return sources[0].column[[*map(_PLACE, values)]]
-        columns = [source.column for source in known.values()]
-        ends = [*accumulate(x.numel() for x in columns)]
-        if ends[-1] <= _MUCH * len(values):
-            begins = dict(zip(known, (0, *ends), strict=False))
-            return ca.vertcat(*columns)[[*map(add, map(begins.__getitem__, keys), map(_PLACE, values))]]
-    loose: tuple[list[int], list[Any]] = [], []
-    taken: dict[int, tuple[_Source, list[int], list[int]]] = {}
-    for k, x in enumerate(values):
-        if x.__class__ is Cell:
-            if (own := taken.get(id(x.source))) is None:
-                own = taken[id(x.source)] = x.source, [], []
-            own[1].append(k)
-            own[2].append(x.place)
-        else:
-            loose[0].append(k)
-            loose[1].append(x.this if isinstance(x, ca.SX) else as_expression(x).this)
-    parts = [source.column[places] for source, _, places in taken.values()]
-    whole = ca.vertcat(*parts, *([_stacked(loose[1])] if loose[1] else []))
-    order = [k for _, own, _ in taken.values() for k in own] + loose[0]
-    places = [0] * len(order)
+    own = [x for x in values if x.__class__ is Cell]
+    found = _elements(own)
+    if len(own) == len(values):
+        return found
+    others = _stacked([x.this if isinstance(x, ca.SX) else as_expression(x).this for x in values if x.__class__ is not Cell])
+    is_own = [x.__class__ is Cell for x in values]
+    if all(is_own[len(values) - len(own) :]):
+        return ca.vertcat(others, found)
+    places, rest = iter(range(len(own))), iter(range(len(own), len(values)))
+    return ca.vertcat(found, others)[[next(places if is_cell else rest) for is_cell in is_own]]
+
+
+def _elements(own: Sequence[Cell]) -> ca.SX:
+    """The column of what these stand for."""
+    sources, places = [*map(_SOURCE, own)], [*map(_PLACE, own)]
+    keys = [*map(id, sources)]
+    known = dict(zip(keys, sources, strict=True))
+    if len(known) == 1:
+        return sources[0].column[places]
+    columns = [source.column for source in known.values()]
+    ends = [*accumulate(x.numel() for x in columns)]
+    if ends[-1] <= _MUCH * len(own):
+        begins = dict(zip(known, (0, *ends), strict=False))
+        return ca.vertcat(*columns)[[*map(add, map(begins.__getitem__, keys), places)]]
+    taken: dict[int, tuple[list[int], list[int]]] = {key: ([], []) for key in known}
+    for k, (key, place) in enumerate(zip(keys, places, strict=True)):
+        taken[key][0].append(k)
+        taken[key][1].append(place)
+    parts = ca.vertcat(*[known[key].column[chosen] for key, (_, chosen) in taken.items()])
+    order = [k for own_places, _ in taken.values() for k in own_places]
+    back = [0] * len(order)
     for k, place in enumerate(order):
-        places[place] = k
-    return whole[places]
+        back[place] = k
+    return parts[back]
 
 
 def cells(matrix: ca.SX) -> list[Expression]:

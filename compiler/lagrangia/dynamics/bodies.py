@@ -17,6 +17,7 @@ from lagrangia.frames.evaluation import Evaluator, Value
 from lagrangia.frames.geometry import Inertia, Pose
 from lagrangia.frames.graph import ComponentGraph
 from lagrangia.frames.kinematics import Kinematics
+from lagrangia.frames.rigid_poses import follow_rigid
 from lagrangia.language.flat import FlatModel
 from lagrangia.language.frame_attributes import is_velocity
 from lagrangia.language.mentions import nodes
@@ -64,9 +65,10 @@ def _rigid_clusters(kinematics: Kinematics) -> tuple[dict[str, str], dict[str, P
     home, local = {}, {}
     for frame in (*(root.frame for root in graph.roots), *(edge.child for edge in graph.edges if not edge.is_rigid)):
         home[frame], local[frame] = frame, kinematics.seen_from_itself(frame)
-    for edge in graph.edges:
-        if edge.is_rigid:
-            home[edge.child], local[edge.child] = home[edge.parent], kinematics.follow(edge, local[edge.parent], 0)
+    rigid = [edge for edge in graph.edges if edge.is_rigid]
+    for edge in rigid:
+        home[edge.child] = home[edge.parent]
+    follow_rigid(kinematics, rigid, local)
     return home, local
 
 

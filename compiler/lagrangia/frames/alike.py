@@ -36,65 +36,76 @@ def evaluate_alike(expressions: Sequence[Flat], evaluators: Sequence[Evaluator])
     found: dict[int, Value] = {}
     has_columns = bool(evaluators) and isinstance(evaluators[0].algebras[0], CasadiAlgebra)  # SymPy has none
     for group in _groups(expressions) if has_columns else ():
-        found |= _together(group, [evaluators[k] for k in group]) or {}
+        first = expressions[next(iter(group))]
+        found |= _together(first, group, [evaluators[k] for k in group]) or {}
     return found
 
 
-def _groups(expressions: Sequence[Flat]) -> Iterator[dict[int, tuple[Flat, list[str]]]]:
-    """Those that stand in one place of the source and are alike: each with its names, in the same order."""
-    by_place: dict[int, dict[int, tuple[Flat, list[str]]]] = {}
+def _groups(expressions: Sequence[Flat]) -> Iterator[dict[int, tuple[str, ...]]]:
+    """Those that stand in one place of the source and are alike: by their places, the names of each in the same order."""
+    by_place: dict[int, list[int]] = {}
     for k, node in enumerate(expressions):
-        group = by_place.setdefault(id(node.span), {})
-        first = next(iter(group.values()))[0] if group else node
-        names: list[str] = []
-        if _is_alike(first, node, names):
-            group[k] = node, names
-    return (group for group in by_place.values() if len(group) >= _FEWEST)
+        by_place.setdefault(id(node.span), []).append(k)
+    for places in by_place.values():
+        if len(places) < _FEWEST:
+            continue
+        names_of = next(filter(None, (_reader(expressions[k]) for k in places)), None)
+        group = {k: names for k in places if names_of is not None and (names := names_of(expressions[k])) is not None}
+        if len(group) >= _FEWEST:
+            yield group
 
 
-def _is_alike(a: Flat, b: Flat, names: list[str]) -> bool:
-    """Whether b is made as a is, of what is taken by columns. `names`: those of b are added."""
-    look = _LOOKS.get(a.__class__)
-    return look is not None and a.__class__ is b.__class__ and look(a, b, names)
+def _reader(first: Flat) -> Callable[[Flat], tuple[str, ...] | None] | None:
+    """Of an expression that is made as this one is, the names in it; None of others. None where this one has what is not taken by
+    columns. It is written as one expression of Python: there are many to be looked at."""
+    known: dict[str, Any] = {cls.__name__: cls for cls in _PARTS}
+    tests, names, pending = list[str](), list[str](), [("x", first)]
+    while pending:
+        way, node = pending.pop()
+        if node.__class__ not in _PARTS or not _is_taken(node):
+            return None
+        own, (compared, inside) = f"x{len(tests)}", _PARTS[node.__class__]
+        tests.append(f"({own} := {way}).__class__ is {node.__class__.__name__}")
+        names += [f"{own}.name"] if isinstance(node, Ref | FrameRef) else []
+        for part in compared:
+            known[f"k{len(tests)}"] = getattr(node, part)
+            tests.append(f"{own}.{part} == k{len(tests)}")
+        for part in inside:
+            items = getattr(node, part)
+            if isinstance(items, tuple):
+                tests.append(f"len({own}.{part}) == {len(items)}")
+            pending += ([(f"{own}.{part}[{k}]", item) for k, item in enumerate(items)] if isinstance(items, tuple)
+                        else [(f"{own}.{part}", items)])
+    found: Callable[[Flat], tuple[str, ...] | None] = eval(
+        f"lambda x: ({''.join(f'{name}, ' for name in names)}) if {' and '.join(tests)} else None", known)
+    return found
 
 
-def _are_names(a: Ref, b: Ref, names: list[str]) -> bool:
-    names.append(b.name)
-    return a.index == b.index
-
-
-def _are_of_frames(a: FrameRef, b: FrameRef, names: list[str]) -> bool:
-    names.append(b.name)
-    return a.attribute == b.attribute != "" and a.index == b.index
-
-
-def _are_binary(a: Binary[Flat], b: Binary[Flat], names: list[str]) -> bool:
-    return (a.operator == b.operator and a.operator in _OPERATORS and _is_alike(a.left, b.left, names)
-            and _is_alike(a.right, b.right, names))
-
-
-def _are_alike(a: Sequence[Flat], b: Sequence[Flat], names: list[str]) -> bool:
-    return len(a) == len(b) and all(_is_alike(x, y, names) for x, y in zip(a, b, strict=True))
-
-
-_LOOKS: Mapping[type, Callable[[Any, Any, list[str]], bool]] = {
-    Ref: _are_names,
-    FrameRef: _are_of_frames,
-    Number: lambda a, b, names: bool(a.value == b.value),
-    Binary: _are_binary,
-    Unary: lambda a, b, names: a.operator == b.operator == "-" and _is_alike(a.operand, b.operand, names),
-    Call: lambda a, b, names: (a.function == b.function and a.function in _FUNCTIONS
-                               and _are_alike(a.arguments, b.arguments, names)),
-    Array: lambda a, b, names: _are_alike(a.items, b.items, names),
+# What is compared of two expressions, and what is looked into.
+_PARTS: Mapping[type, tuple[tuple[str, ...], tuple[str, ...]]] = {
+    Ref: (("index",), ()), FrameRef: (("attribute", "index"), ()), Number: (("value",), ()), Array: ((), ("items",)),
+    Unary: (("operator",), ("operand",)), Binary: (("operator",), ("left", "right")), Call: (("function",), ("arguments",)),
 }
 
 
-def _together(group: dict[int, tuple[Flat, list[str]]], evaluators: Sequence[Evaluator]) -> dict[int, Value] | None:
+def _is_taken(node: Flat) -> bool:
+    """Whether that is done by columns."""
+    match node:
+        case FrameRef():
+            return node.attribute != ""
+        case Binary():
+            return node.operator in _OPERATORS
+        case Unary():
+            return node.operator == "-"
+        case Call():
+            return node.function in _FUNCTIONS
+    return True
+
+
+def _together(first: Flat, group: Mapping[int, tuple[str, ...]], evaluators: Sequence[Evaluator]) -> dict[int, Value] | None:
     """None where what they read differs in kind."""
-    (first, own), *_ = group.values()
-    columns = zip(*(names for _, names in group.values()), strict=True)
     names: dict[str, Sequence[str]] = {}
-    for name, others in zip(own, columns, strict=True):
+    for name, others in zip(next(iter(group.values())), zip(*group.values(), strict=True), strict=True):
         if names.setdefault(name, others) != others:
             return None  # the first reads one name twice where others read two
     leaves = _Columns(evaluators, names)

@@ -163,8 +163,7 @@ class _Building:
         roots = [Root(name) for name, frame in self.model.frames.items() if frame.is_ground]
         for root in roots:
             self._grow(root.frame)
-        unused: list[str] = []
-        floating: list[Root] = []
+        unused, floating = list[str](), list[Root]()
         for island in self._islands():
             if island & massive.keys():
                 root = self._floating_root(island, massive, used)
@@ -193,18 +192,20 @@ class _Building:
             if left != right:
                 self.candidates.append(Edge(right, left, (), (), False, equation.span))
             return
-        found = leaves([step.amount for step in steps], self.bindings)
-        for leaf in found:
+        coordinates, moves_with_time = dict[str, None](), False
+        for leaf in leaves([step.amount for step in steps], self.bindings):
             if isinstance(leaf, FrameRef):
                 fail("L0402", f"a joint's shift or turn cannot depend on the frame '{leaf.name}'", equation.span)
+            variable = self.model.variables.get(leaf.name) if isinstance(leaf, Ref) else None
+            if isinstance(leaf, Time) or (variable is not None and variable.kind == "input"):
+                moves_with_time = True
+            elif variable is not None and variable.is_attitude:
+                self.turning.add(variable.name)
+                coordinates |= dict.fromkeys(parts_of(variable.name))
+            elif variable is not None and variable.kind == "coordinate":
+                coordinates[variable.name] = None
         self._require_steady_axes(steps, equation.span)
-        names = {leaf.name: self.model.variables.get(leaf.name) for leaf in found if isinstance(leaf, Ref)}
-        coordinates = tuple(part for name, v in names.items() if v is not None and v.kind == "coordinate"
-                            for part in (parts_of(name) if v.is_attitude else (name,)))
-        self.turning |= {v.name for v in names.values() if v is not None and v.is_attitude}
-        is_moved = any(v is not None and v.kind == "input" for v in names.values())
-        edge = Edge(right, left, steps, coordinates, is_moved or any(isinstance(leaf, Time) for leaf in found), equation.span)
-        self.candidates.append(edge)
+        self.candidates.append(Edge(right, left, steps, (*coordinates,), moves_with_time, equation.span))
 
     def _require_steady_axes(self, steps: tuple[Step, ...], span: Span) -> None:
         """An axis that moves in its own frame would turn by more than the angle says."""
@@ -481,7 +482,6 @@ def _start(frame: Frame, kind: str, k: int, space: Space) -> Flat | None:
             known, start = space.attributes[name], frame.starts[name]
             return element(start, known.components.index(k) + 1) if known.is_vector else start
     return None
-
 
 
 def _is_fixed(frame: Frame, kind: str, k: int, space: Space) -> bool:

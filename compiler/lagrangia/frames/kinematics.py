@@ -335,7 +335,7 @@ class Kinematics(Attitudes):
         with suppress(LagError):
             found = dict(places)
             for way in ways(edges):
-                amounts = [[self._amount(step, level, None) for step in edge.steps] for edge in way]
+                amounts = [[self.amount_of(step, level) for step in edge.steps] for edge in way]
                 begin = found[way[0].parent]
                 placed = place_way(way, amounts, begin() if callable(begin) else begin,
                                    lambda step, amount, pose: self.along(step, amount, pose, level))
@@ -376,9 +376,10 @@ class Kinematics(Attitudes):
         if (attitude := self.attitude_of(step)) is not None:
             return self._turned(pose, attitude, step.is_inverse, level)
         axis = self.evaluator.value(step.axis) if step.axis is not None else None
-        return self.along(step, self._amount(step, level, evaluator), pose, level, axis)
+        return self.along(step, self.amount_of(step, level, evaluator), pose, level, axis)
 
-    def _amount(self, step: Step, level: int, evaluator: Evaluator | None) -> Value:
+    def amount_of(self, step: Step, level: int, evaluator: Evaluator | None = None) -> Value:
+        """By how much it shifts or turns. Raises LagError."""
         amount = self._amounts.get(id(step.amount)) if evaluator is None else None
         return (evaluator or self.evaluator).value(step.amount, level) if amount is None else amount
 

@@ -9,6 +9,7 @@ from lagrangia.language.tree import Array, Binary, Boolean, Call, EnumerationLit
 
 Known = Callable[[Ref], float | None]
 
+_ARITHMETIC = frozenset("+-*/^")
 _FOLD: Mapping[str, Callable[[Any, Any], Any]] = {
     "+": lambda a, b: a + b, "-": lambda a, b: a - b, "*": lambda a, b: a * b, "/": lambda a, b: a / b, "^": math.pow,
     "==": lambda a, b: a == b, "<>": lambda a, b: a != b, "<": lambda a, b: a < b, "<=": lambda a, b: a <= b,
@@ -36,6 +37,8 @@ def fold(node: Flat, known: Known | None = None) -> float | bool | None:
                 return value
             case Ref() if known is not None:
                 return known(node)
+            case Binary(operator, left, right) if operator in _ARITHMETIC:
+                return _folded_pair(operator, left, right, known)
             case EnumerationLiteral():
                 return None
             case Binary(("==" | "<>" | "<" | "<=" | ">" | ">=") as operator, EnumerationLiteral() as left,
@@ -52,14 +55,19 @@ def fold(node: Flat, known: Known | None = None) -> float | bool | None:
                 inner = fold(operand, known)
                 return None if inner is None else (not inner) if operator == "not" else -inner
             case Binary(operator, left, right):
-                a, b = fold(left, known), fold(right, known)
-                return None if a is None or b is None else _FOLD[operator](a, b)
+                return _folded_pair(operator, left, right, known)
             case Call(function, arguments, (), _) if function in _FOLD_CALLS:
                 values = [fold(a, known) for a in arguments]
                 return None if None in values else _FOLD_CALLS[function](*values)
     except (ArithmeticError, ValueError):
         fail("L0217", "this cannot be computed", node.span, "a division by zero or a function outside its domain")
     return None
+
+
+def _folded_pair(operator: str, left: Flat, right: Flat, known: Known | None) -> float | bool | None:
+    a, b = fold(left, known), fold(right, known)
+    found: float | bool | None = None if a is None or b is None else _FOLD[operator](a, b)
+    return found
 
 
 def numbers_of(binding: Flat, shape: tuple[int, ...], known: Known | None = None) -> list[float | None]:

@@ -6,7 +6,7 @@ means the same for all, but for what is dealt out.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from itertools import islice
+from itertools import compress, islice
 from typing import Any, Protocol
 
 from lagrangia.base.diagnostics import LagError, Report, Span
@@ -73,20 +73,19 @@ def stamp(flat: Flattening, elements: Alike, visit: Callable[[Member], None]) ->
         make = writer.lambda_of(brought)
     except _TooDeepError:
         return others
+    add = {name: getattr(flat, name).extend if name in _LISTS else getattr(flat, name).update for name in brought}
     are_repeats = writer.all_have_units(x for _, x in brought["variables"])
+    repeated = {name: [not own for own in writer.own[name]] for name in _CHECKED} if are_repeats else {}
     for k, element in enumerate(others, 2):
         try:
             found = make(f"{elements.stem}{k}", k, [_at(element, way) for way in writer.ports], flat)
         except LagError:  # in what is dealt out to it: told where it is visited
             return others[k - 2 :]
         for name, items in zip(brought, found, strict=True):
-            if name in _LISTS:
-                getattr(flat, name).extend(items)
-            else:
-                getattr(flat, name).update(items)
-            if are_repeats and name in _CHECKED:
-                new = [x[1] for x in items] if name in _TABLES else items
-                flat.repeats.update((id(x), x) for x, own in zip(new, writer.own[name], strict=True) if not own)
+            add[name](items)
+            if name in repeated:
+                new = compress([x[1] for x in items] if name in _TABLES else items, repeated[name])
+                flat.repeats.update([(id(x), x) for x in new])
     return []
 
 

@@ -50,6 +50,7 @@ _OF_FUNCTIONS = {"derivative": "functions are differentiated exactly", "inverse"
 # Attributes that change nothing where a kind of variable has them; "" stands for every kind.
 _IDLE = {"": ("nominal", "stateSelect", "quantity"), "parameter": ("start", "fixed"), "coordinate": ("min", "max"),
          "variable": ("min", "max"), "input": ("fixed",), "held": ("min", "max", "fixed")}
+_IDLE_ANYWHERE = frozenset().union(*_IDLE.values())
 _WHY = {"min": "limits are those of parameters and inputs", "max": "limits are those of parameters and inputs",
         "start": "a parameter has its value alone", "fixed": "it is for coordinates and their rates"}
 
@@ -188,6 +189,8 @@ def _look_at_attributes(instances: Iterable[Instance], model: FlatModel, table: 
     told: set[Span] = set()
     slots = (m for instance in instances for m in instance.members.values() if isinstance(m, Slot))
     for slot in slots:
+        if _IDLE_ANYWHERE.isdisjoint(slot.attributes):
+            continue
         variable = model.variables.get(slot.path)
         kind = "parameter" if variable is None else variable.kind  # structural ones are no variables
         for name, bound in slot.attributes.items():

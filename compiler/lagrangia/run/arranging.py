@@ -5,6 +5,7 @@ import ctypes as c
 from array import array
 from collections.abc import Sequence
 from itertools import accumulate, pairwise
+from mmap import mmap
 
 from lagrangia.run.library import Runtime
 
@@ -19,7 +20,7 @@ def arrange(runtime: Runtime, read: bytes, kinds: Sequence[int]) -> "tuple[array
     """The code of a tape, its constants, and the size of its work vector; `read` and `kinds` as runtime/model/arrange.h has them.
     Raises NotImplementedError for an operation that tapes lack, MemoryError."""
     count = len(read) // _SIZE
-    code, constants, sizes = array("i", bytes(_SIZE * count)), array("d", bytes(8 * count)), (_NUMBER * 3)()
+    code, constants, sizes = array("i", (0,)) * (4 * count), array("d", (0.0,)) * count, (_NUMBER * 3)()
     function = runtime.library.lag_arrange
     function.argtypes, function.restype = _ARGUMENTS, c.c_int
     known = (_NUMBER * len(kinds))(*kinds)
@@ -34,14 +35,15 @@ def take_out(runtime: Runtime, programs: Sequence[bytes], arguments: Sequence[in
     """The programs without what they compute of parameters alone, and how many hoisted values there are: see
     runtime/model/hoist.h. Raises as `arrange` does."""
     counts = [len(program) // _SIZE for program in programs]
-    written, sizes = bytearray(3 * _SIZE * sum(counts)), (_NUMBER * (len(programs) + 1))()
+    sizes = (_NUMBER * (len(programs) + 1))()
+    written = mmap(-1, 3 * _SIZE * max(1, sum(counts)))  # memory that is touched where it is written
     function = runtime.library.lag_hoist
     function.argtypes, function.restype = _OF_HOIST, c.c_int
     known_counts, known_arguments, known = ((_NUMBER * len(values))(*values) for values in (counts, arguments, kinds))
-    place = (c.c_char * len(written)).from_buffer(written)
+    place = c.addressof(c.c_char.from_buffer(written))
     _require(function(b"".join(programs), known_counts, known_arguments, len(programs), settled, known, len(kinds), place, sizes))
     ends = [0, *accumulate(_SIZE * size for size in sizes[:-1])]
-    *others, first = (bytes(written[a:b]) for a, b in pairwise(ends))
+    *others, first = (written[a:b] for a, b in pairwise(ends))
     return [first, *others], sizes[-1]
 
 
