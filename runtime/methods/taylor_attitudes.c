@@ -7,7 +7,7 @@
 #include "numbers/jets.h"
 #include "state/attitudes.h"
 
-static const double MOST_TURN = 5; /* radians in a step: s tells of less than a whole turn */
+static const double MOST_TURN = LAG_TAYLOR_MOST_TURN;
 
 /* The jets of attitude i; and the same in fours, order by order. */
 static double *parts_of(const LagModel *model, double *jets, int i)
@@ -62,24 +62,28 @@ static void change(const double *fours, int order, double h, double *x)
 }
 #endif
 
-/* With r where the step begins, and r + x where it ends: 4 times the imaginary part of r* x, which is small where x is, over
- * |r + x| and the real part of r* (r + x). */
+/* 4 times the imaginary part of r* x, which is small where x is, over |r + x| and the real part of r* (r + x). */
+void lag_taylor_turned_by(const double *r, const double *x, double *s)
+{
+    const double real = 1 + r[0] * x[0] + r[1] * x[1] + r[2] * x[2] + r[3] * x[3];
+    const double turn[3] = {
+        r[0] * x[1] - r[1] * x[0] - r[2] * x[3] + r[3] * x[2],
+        r[0] * x[2] - r[2] * x[0] - r[3] * x[1] + r[1] * x[3],
+        r[0] * x[3] - r[3] * x[0] - r[1] * x[2] + r[2] * x[1],
+    };
+    const double square = real * real + turn[0] * turn[0] + turn[1] * turn[1] + turn[2] * turn[2];
+    const double factor = 4 / (sqrt(square) + real);
+    for (int k = 0; k < 3; ++k)
+        s[k] = factor * turn[k];
+}
+
 void lag_taylor_turn(const LagModel *model, const double *jets, int order, double h, double *step)
 {
     for (int i = 0; i < model->n_attitudes; ++i) {
         const double *r = fours_of(model, (double *)jets, i);
         double *s = step + lag_attitude_place(model->attitudes, i), x[4];
         change(r, order, h, x);
-        const double real = 1 + r[0] * x[0] + r[1] * x[1] + r[2] * x[2] + r[3] * x[3];
-        const double turn[3] = {
-            r[0] * x[1] - r[1] * x[0] - r[2] * x[3] + r[3] * x[2],
-            r[0] * x[2] - r[2] * x[0] - r[3] * x[1] + r[1] * x[3],
-            r[0] * x[3] - r[3] * x[0] - r[1] * x[2] + r[2] * x[1],
-        };
-        const double square = real * real + turn[0] * turn[0] + turn[1] * turn[1] + turn[2] * turn[2];
-        const double factor = 4 / (sqrt(square) + real);
-        for (int k = 0; k < 3; ++k)
-            s[k] = factor * turn[k];
+        lag_taylor_turned_by(r, x, s);
     }
 }
 

@@ -8,6 +8,8 @@
 #include "model/attitude_places.h"
 #include "state/state.h"
 
+#define LAG_TAYLOR_MOST_TURN 5.0 /* radians in a step: s tells of less than a whole turn */
+
 /* Whether a position is told by a quaternion. */
 static inline int lag_taylor_is_turned(const LagModel *model, int i)
 {
@@ -19,6 +21,9 @@ static inline int lag_taylor_is_turned(const LagModel *model, int i)
 
 /* The first coefficients at a state y that is told against the present references. */
 void lag_taylor_place_turned(const LagRun *run, const double *y, double *jets);
+
+/* s of the turn from a quaternion r to r + x. */
+void lag_taylor_turned_by(const double *r, const double *x, double *s);
 
 /* What a step of length h adds to the positions of attitudes. */
 void lag_taylor_turn(const LagModel *model, const double *jets, int order, double h, double *step);

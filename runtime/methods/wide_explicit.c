@@ -4,6 +4,8 @@
 #include <string.h>
 
 #include "events/accelerations.h"
+#include "methods/wide_attitudes.h"
+#include "model/attitude_places.h"
 #include "model/function.h"
 #include "model/wide_tape.h"
 #include "numbers/extremes.h"
@@ -20,8 +22,9 @@ static const double LEAVES = 1e9; /* steps in vain of a motion that is left to o
 
 int lag_wide_explicit_serves(const LagModel *model)
 {
-    const int happens = model->n_switches + model->n_resets + model->n_cones + model->n_delays + model->n_modes;
-    const int is_other = model->n_islands + model->n_attitudes + model->n_multipliers;
+    const int other_modes = model->n_modes - 4 * model->n_attitudes; /* than references */
+    const int happens = model->n_switches + model->n_resets + model->n_cones + model->n_delays + other_modes;
+    const int is_other = model->n_islands + model->n_multipliers;
     return happens + is_other == 0 && (model->wide_each || lag_usual_rhs(model)->tape) && model->n > 0;
 }
 
@@ -65,6 +68,7 @@ static void enter(void *self, int lane, LagRun *run)
     const int n_inputs = s->lanes.model->n_inputs;
     s->lanes.stop[lane] = lag_min(run->segment_end, run->settings.t_stop);
     s->entered[lane] = s->lanes.t[lane];
+    s->is_new[lane] = 1;
     if (n_inputs == 0)
         return;
     s->lanes.is_fresh = 1;
@@ -133,7 +137,7 @@ static void evaluate(LagWideExplicit *s, double *k)
     const LagFunction *rhs = lag_usual_rhs(model);
     const size_t n = (size_t)model->n;
     const LagWideCode wide = model->wide_each;
-    const double *in[] = {s->time, s->point, k, s->u, NULL, s->c};
+    const double *in[] = {s->time, s->point, k, s->u, s->lanes.reference, s->c};
     double *out[] = {k + n * LAG_ABREAST, k + 2 * n * LAG_ABREAST, s->rest};
     for (int i = 0; i < model->n_inputs; ++i)
         for (int lane = 0; lane < LAG_ABREAST; lane += LAG_WIDE) {
@@ -145,6 +149,7 @@ static void evaluate(LagWideExplicit *s, double *k)
         wide(in, out);
     else
         lag_wide_tape_run(rhs->tape, in, 0, out, s->work);
+    lag_wide_attitudes_turn_slope(model, s->point, k);
     if (wide || lag_present(&model->regular))
         for (int lane = 0; lane < LAG_ABREAST; lane += LAG_WIDE)
             lag_wide_write(s->doubt + lane, lag_wide_read(s->doubt + lane) + LAG_WIDE_ABS(lag_wide_read(s->rest + lane)));
@@ -158,6 +163,17 @@ static void evaluate_at(LagWideExplicit *s, const double *t, const double *y, do
     memcpy(s->point, y, n * sizeof *y);
     memcpy(k, y + n, n * sizeof *y);
     evaluate(s, k);
+}
+
+/* First slopes where motions are new: the others have theirs, whose digits are not those of another reference. */
+static void evaluate_first(LagWideExplicit *s)
+{
+    evaluate_at(s, s->lanes.t, s->lanes.y, s->k[1]);
+    for (int lane = 0; lane < LAG_ABREAST; lane += LAG_WIDE)
+        for (int i = 0; i < s->lanes.size; ++i)
+            lag_wide_choose(s->k[0], i, lane, lag_wide_read(s->is_new + lane), lag_wide_of(s->k[1], i, lane));
+    memset(s->is_new, 0, sizeof s->is_new);
+    s->lanes.is_fresh = 0;
 }
 
 /* Weights of the row times slopes, of component i. */
@@ -194,6 +210,10 @@ static void begin(LagWideExplicit *s, int lane)
     const LagWide wish = lag_wide_min(lag_wide_max(lag_wide_read(s->step + lane), lag_wide_smallest(t)), LAG_WIDE_OF(s->lanes.longest));
     for (int i = 0; i < s->lanes.size; ++i)
         lag_wide_choose(s->k[0], i, lane, taken, lag_wide_of(s->k[s->tableau->stages], i, lane));
+    for (int i = 0; i < 3 * s->lanes.model->n_attitudes; ++i) { /* which have just been moved: they turn as they say */
+        const int place = lag_attitude_place(s->lanes.model->attitudes, i / 3) + i % 3;
+        lag_wide_choose(s->k[0], place, lane, taken, lag_wide_of(s->lanes.y, s->lanes.n + place, lane));
+    }
     lag_wide_write(s->lanes.next + lane, lag_wide_end_of(&s->lanes, lane, t, wish));
     lag_wide_write(s->doubt + lane, LAG_WIDE_OF(0));
 }
@@ -330,11 +350,11 @@ static void step(void *self)
 {
     LagWideExplicit *s = self;
     const int stages = s->tableau->stages;
+    lag_wide_attitudes_move(&s->lanes);
     for (int lane = 0; lane < LAG_ABREAST; lane += LAG_WIDE)
         begin(s, lane);
     if (s->lanes.is_fresh)
-        evaluate_at(s, s->lanes.t, s->lanes.y, s->k[0]);
-    s->lanes.is_fresh = 0;
+        evaluate_first(s);
     for (int i = 1; i < stages; ++i)
         stage(s, i);
     for (int lane = 0; lane < LAG_ABREAST; lane += LAG_WIDE)

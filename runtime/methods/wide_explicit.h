@@ -23,6 +23,7 @@ typedef struct {
     double *rest, *work;        /* of evaluations */
     double *lost;               /* 2 n_power: errors of quadratures, squared, of the steps that are tried, and so far */
     double entered[LAG_ABREAST]; /* when the present segments began */
+    double is_new[LAG_ABREAST]; /* 1: the motion has just begun, or goes on by other inputs */
     double step[LAG_ABREAST];   /* lengths planned for the next steps */
     double grows[LAG_ABREAST];  /* by which the next step may be longer */
     double error[LAG_ABREAST];  /* of the steps that are tried, squared */

@@ -4,6 +4,7 @@
 #include <math.h>
 
 #include "methods/taylor.h"
+#include "methods/taylor_attitudes.h"
 #include "numbers/extremes.h"
 #include "numbers/wide_power.h"
 
@@ -31,8 +32,17 @@ LAG_UNROLLED void last_terms(const LagWideTaylor *s, int lane, int p, LagWide *l
 {
     *last = *before = LAG_WIDE_OF(0);
     for (int i = 0; i < 2 * s->lanes.n; ++i) {
+        if (lag_taylor_is_turned(s->lanes.model, i))
+            continue;
         const double *c = lag_wide_jet(s, 1 + i) + lane;
         const LagWide weight = lag_wide_of(s->weight, i, lane);
+        *last = lag_wide_max(LAG_WIDE_ABS(LAG_WIDE_TERM(c, p)) * weight, *last);
+        *before = lag_wide_max(LAG_WIDE_ABS(LAG_WIDE_TERM(c, p - 1)) * weight, *before);
+    }
+    for (int i = 0; i < 4 * s->lanes.model->n_attitudes; ++i) {
+        const double *c = lag_wide_jet(s, lag_wide_quaternion(s->lanes.model, 0) + i) + lane;
+        const int place = lag_attitude_place(s->lanes.model->attitudes, i / 4);
+        const LagWide weight = LAG_WIDE_OF(2) * lag_wide_of(s->weight, place, lane);
         *last = lag_wide_max(LAG_WIDE_ABS(LAG_WIDE_TERM(c, p)) * weight, *last);
         *before = lag_wide_max(LAG_WIDE_ABS(LAG_WIDE_TERM(c, p - 1)) * weight, *before);
     }

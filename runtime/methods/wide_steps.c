@@ -2,6 +2,7 @@
 
 #include <math.h>
 
+#include "methods/wide_attitudes.h"
 #include "numbers/extremes.h"
 #include "state/state.h"
 
@@ -15,6 +16,8 @@ void lag_wide_steps_layout(LagWideSteps *s, const LagRun *like, LagArena *arena)
     double **const vectors[] = {&s->y, &s->carry, &s->old, &s->made, &s->made_carry};
     for (size_t i = 0; i < sizeof vectors / sizeof *vectors; ++i)
         *vectors[i] = lag_take(arena, size);
+    s->reference = lag_take(arena, s->model->n_attitudes > 0 ? (size_t)s->model->n_modes * LAG_ABREAST : 0);
+    s->turn_carry = lag_take(arena, 4 * (size_t)s->model->n_attitudes * LAG_ABREAST);
 }
 
 void lag_wide_steps_load(LagWideSteps *s, int lane, const LagRun *run)
@@ -25,6 +28,7 @@ void lag_wide_steps_load(LagWideSteps *s, int lane, const LagRun *run)
     lag_wide_place(s->y, lane, m->y, s->size);
     lag_wide_place(s->carry, lane, m->carry, s->size);
     lag_wide_place(s->old, lane, m->other, s->size);
+    lag_wide_attitudes_load(s, lane, run);
     s->is_fresh = 1;
     s->t[lane] = m->t;
     s->t_old[lane] = m->t_old;
@@ -40,6 +44,7 @@ void lag_wide_steps_show(LagWideSteps *s, int lane, LagRun *run, int is_whole)
     m->t = m->t_end = s->t[lane];
     m->t_old = s->t_old[lane];
     lag_wide_take(s->y, lane, m->y, s->size);
+    lag_wide_attitudes_show(s, lane, run);
     if (is_whole || s->model->n_roots > 0)
         lag_wide_take(s->old, lane, m->other, s->size);
     run->statistics.steps = (int64_t)s->steps[lane];

@@ -17,6 +17,7 @@ typedef struct {
     LagWideScale scale;
     double *y, *carry, *old;   /* present states, and those before the latest steps; `old` without quadratures is what units ask */
     double *made, *made_carry; /* of the steps that are tried */
+    double *reference, *turn_carry; /* n_modes: those of attitudes; 4 n_attitudes: what rounding took from them */
     int is_fresh;              /* some motion goes on by other inputs or modes, or has just begun */
     double t[LAG_ABREAST], t_old[LAG_ABREAST], stop[LAG_ABREAST];
     double length[LAG_ABREAST]; /* of the latest step */

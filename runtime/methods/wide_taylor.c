@@ -5,6 +5,8 @@
 #include <string.h>
 
 #include "methods/taylor.h"
+#include "methods/taylor_attitudes.h"
+#include "methods/wide_attitudes.h"
 #include "methods/wide_orders.h"
 #include "model/function.h"
 #include "numbers/extremes.h"
@@ -17,7 +19,7 @@ static const double FAINT = 1e-16; /* what the last two terms of short steps are
 
 int lag_wide_taylor_serves(const LagModel *model)
 {
-    const int happens = model->n_looks + model->n_switches + model->n_resets + model->n_cones + model->n_delays + model->n_attitudes;
+    const int happens = model->n_looks + model->n_switches + model->n_resets + model->n_cones + model->n_delays;
     return happens + model->n_multipliers + model->n_islands == 0 && model->jet_code && model->jet_pitch == 1
         && !model->is_long_state && !model->series_may_hide && model->n_jet_slots <= MOST_SLOTS;
 }
@@ -30,6 +32,12 @@ static void layout(void *self, const LagRun *like, LagArena *arena)
     lag_wide_series_layout(&s->series, model, arena);
     s->weight = lag_take(arena, 2 * (size_t)model->n * LAG_ABREAST);
     s->slope = lag_take(arena, (size_t)model->n_inputs * LAG_ABREAST);
+}
+
+/* The quaternions at states y, among what the line knows. */
+static void place_turned(LagWideTaylor *s, const double *y)
+{
+    lag_wide_attitudes_present(&s->lanes, y, s->series.line + (size_t)lag_wide_quaternion(s->lanes.model, 0) * LAG_ABREAST);
 }
 
 /* Order and lengths are those of series alone. */
@@ -87,6 +95,7 @@ static void enter(void *self, int lane, LagRun *run)
         lag_wide_place(s->lanes.carry, lane, run->motion.carry, s->lanes.size);
         lag_wide_place(s->series.line + LAG_ABREAST, lane, run->motion.y, 2 * s->lanes.n);
         place_numbers(s, lane, run);
+        lag_wide_attitudes_load(&s->lanes, lane, run);
     }
     if (n_inputs == 0)
         return;
@@ -118,6 +127,21 @@ static int load(void *self, int lane, LagRun *run)
     return 1;
 }
 
+/* The jets of quaternions, and the same in fours. */
+static void show_turned(const LagWideTaylor *s, int lane, double *jets)
+{
+    const LagModel *model = s->lanes.model;
+    const int made = (int)s->own[lane] + 1;
+    for (int i = 0; i < 4 * model->n_attitudes; ++i) {
+        const int slot = lag_wide_quaternion(model, 0) + i;
+        double *c = jets + (size_t)slot * LAG_JET_STRIDE;
+        double *fours = jets + (size_t)(model->n_jets + i / 4 * 4) * LAG_JET_STRIDE + i % 4;
+        lag_wide_take(lag_wide_jet(s, slot), lane, c, made);
+        for (int k = 0; k <= s->order; ++k)
+            fours[4 * k] = c[k] = k < made ? c[k] : 0;
+    }
+}
+
 static void show(void *self, int lane, LagRun *run, int is_whole)
 {
     LagWideTaylor *s = self;
@@ -138,6 +162,7 @@ static void show(void *self, int lane, LagRun *run, int is_whole)
             c[k] = 0;
         c[0] = i < 2 * s->lanes.n ? m->other[i] : c[0];
     }
+    show_turned(s, lane, own->old_jets);
 }
 
 /* -------- steps, of as many lanes from `lane` on as a register holds */
@@ -192,7 +217,7 @@ LAG_UNROLLED LagWide mean(const double *c, int order, LagWide h, LagWide own, in
 }
 
 static const double GROW = LAG_TAYLOR_GROW, WRONG = LAG_TAYLOR_WRONG, SHRINK = LAG_TAYLOR_SHRINK, REMAINS = LAG_TAYLOR_REMAINS,
-                    NOISE = LAG_TAYLOR_NOISE;
+                    NOISE = LAG_TAYLOR_NOISE, MOST_TURN = LAG_TAYLOR_MOST_TURN;
 
 /* Where the steps end. */
 LAG_UNROLLED LagWide next_time(const LagWideTaylor *s, int lane)
@@ -207,12 +232,39 @@ LAG_UNROLLED LagWide next_time(const LagWideTaylor *s, int lane)
     return LAG_WIDE_SELECT(lag_wide_read(s->own + lane) < all, stop, end);
 }
 
+/* What the step turns attitudes by. */
+LAG_UNROLLED void turn(LagWideTaylor *s, int lane, LagWide h, LagWide square, LagWide own, int is_own)
+{
+    const LagModel *model = s->lanes.model;
+    for (int i = 0; i < model->n_attitudes; ++i) {
+        const double *q = lag_wide_jet(s, lag_wide_quaternion(model, i));
+        const size_t place = (size_t)lag_attitude_place(model->attitudes, i) * LAG_ABREAST;
+        double x[4 * LAG_ABREAST] = {0}, by[3 * LAG_ABREAST] = {0};
+        for (int m = 0; m < 4; ++m) {
+            const double *c = q + m * LAG_WIDE_JET + LAG_ABREAST + lane;
+            lag_wide_write(x + m * LAG_ABREAST, h * series(c, s->made_to - 1, h, square, own, is_own));
+        }
+        for (int k = 0; k < LAG_WIDE; ++k) {
+            double from[4], change[4], turned[3];
+            for (int m = 0; m < 4; ++m)
+                from[m] = q[m * LAG_WIDE_JET + lane + k];
+            lag_wide_take(x, k, change, 4);
+            lag_taylor_turned_by(from, change, turned);
+            lag_wide_place(by, k, turned, 3);
+        }
+        for (int m = 0; m < 3; ++m)
+            lag_wide_add(&s->lanes, place + (size_t)m * LAG_ABREAST + (size_t)lane, lag_wide_read(by + m * LAG_ABREAST));
+    }
+}
+
 LAG_UNROLLED void go(LagWideTaylor *s, int lane, int is_own)
 {
     const int n = s->lanes.n, p = s->made_to, u = lag_wide_input(s);
     const LagWide own = lag_wide_read(s->own + lane), t_new = next_time(s, lane), h = t_new - lag_wide_read(s->lanes.t + lane);
     const LagWide square = h * h;
     for (int i = 0; i < s->lanes.size; ++i) {
+        if (lag_taylor_is_turned(s->lanes.model, i))
+            continue;
         const size_t place = (size_t)i * LAG_ABREAST + (size_t)lane;
         const double *c = (i < 2 * n ? lag_wide_jet(s, 1 + i) : lag_wide_power_jet(s, i - 2 * n)) + lane;
         const LagWide way = i < 2 * n ? series(c + LAG_ABREAST, p - 1, h, square, own, is_own) : mean(c, p - 1, h, own, is_own);
@@ -220,6 +272,7 @@ LAG_UNROLLED void go(LagWideTaylor *s, int lane, int is_own)
         if (i < 2 * n)
             lag_wide_write(s->series.line + LAG_ABREAST + place, sum);
     }
+    turn(s, lane, h, square, own, is_own);
     for (int i = 0; i < s->lanes.model->n_inputs; ++i)
         lag_wide_write(s->series.line + (size_t)(u + i) * LAG_ABREAST + (size_t)lane,
                        lag_wide_read(lag_wide_jet(s, u + i) + lane) + lag_wide_of(s->slope, i, lane) * h);
@@ -271,6 +324,31 @@ LAG_UNROLLED LagWide gap(const LagWideTaylor *s, int lane, LagWide h, LagWide sh
     return largest;
 }
 
+/* The largest angular velocity of attitudes, squared, at states y. */
+LAG_UNROLLED LagWide fastest(const LagWideTaylor *s, const double *y, int lane)
+{
+    LagWide found = LAG_WIDE_OF(0);
+    for (int i = 0; i < s->lanes.model->n_attitudes; ++i) {
+        const int place = s->lanes.n + lag_attitude_place(s->lanes.model->attitudes, i);
+        const LagWide a = lag_wide_of(y, place, lane), b = lag_wide_of(y, place + 1, lane), c = lag_wide_of(y, place + 2, lane);
+        found = lag_wide_max(a * a + b * b + c * c, found);
+    }
+    return found;
+}
+
+/* Attitudes are told against the present, and no step turns them further than they tell. */
+static void begin_turns(LagWideTaylor *s)
+{
+    double square[LAG_ABREAST];
+    if (s->lanes.model->n_attitudes == 0)
+        return;
+    lag_wide_attitudes_move(&s->lanes);
+    for (int lane = 0; lane < LAG_ABREAST; lane += LAG_WIDE)
+        lag_wide_write(square + lane, fastest(s, s->lanes.y, lane));
+    for (int lane = 0; lane < LAG_ABREAST; ++lane)
+        s->limit[lane] = lag_min(s->limit[lane], MOST_TURN / sqrt(square[lane]));
+}
+
 LAG_UNROLLED void judge(LagWideTaylor *s, int lane, int is_own)
 {
     const LagWide own = lag_wide_read(s->own + lane);
@@ -282,7 +360,9 @@ LAG_UNROLLED void judge(LagWideTaylor *s, int lane, int is_own)
     const LagWide is_noise = LAG_WIDE_SELECT(wrong > LAG_WIDE_OF(REMAINS) * before, is_faint, zero);
     const LagWide is_near = LAG_WIDE_SELECT(wrong <= LAG_WIDE_OF(WRONG), one, is_noise);
     const LagWide is_long = LAG_WIDE_SELECT(h >= lag_wide_smallest(t), one, zero);
-    const LagWide good = is_near * is_long * lag_wide_read(s->lanes.moves + lane);
+    const LagWide turn = fastest(s, s->lanes.made, lane) * h * h;
+    const LagWide is_told = LAG_WIDE_SELECT(turn > LAG_WIDE_OF(MOST_TURN * MOST_TURN), zero, one);
+    const LagWide good = is_near * is_told * is_long * lag_wide_read(s->lanes.moves + lane);
     lag_wide_write(s->lanes.missed + lane, lag_wide_read(s->lanes.missed + lane) + LAG_WIDE_SELECT(wrong > one, good, zero));
     lag_wide_write(s->wrong + lane, LAG_WIDE_SELECT(good > zero, infinite, wrong));
     lag_wide_write(s->limit + lane, LAG_WIDE_SELECT(good > zero, infinite, LAG_WIDE_OF(SHRINK) * h));
@@ -313,14 +393,19 @@ static void judge_all(LagWideTaylor *s, int is_own)
 static void step(void *self)
 {
     LagWideTaylor *s = self;
-    if (s->lanes.is_fresh)
+    if (s->lanes.is_fresh) {
+        place_turned(s, s->lanes.y);
         lag_wide_series_begin(&s->series);
+    }
     s->lanes.is_fresh = 0;
+    begin_turns(s);
     for (int lane = 0; lane < LAG_ABREAST; lane += LAG_WIDE)
         begin_series(s, lane);
+    lag_wide_series_turn(&s->series, 0);
     lag_wide_orders_expand(s);
     const int is_own = differ(s);
     go_all(s, is_own);
+    place_turned(s, s->lanes.made);
     lag_wide_series_begin(&s->series);
     judge_all(s, is_own);
 }

@@ -3,12 +3,13 @@
 #include <math.h>
 #include <string.h>
 
+#include "model/attitude_places.h"
 #include "model/tape.h"
 #include "numbers/wide_jets.h"
 
 enum { AT_ONCE = 4 }; /* sums in one loop: their addresses stay in registers */
 
-static int known(const LagModel *model) { return 1 + 2 * model->n + model->n_inputs; }
+static int known(const LagModel *model) { return 1 + 2 * model->n + model->n_inputs + 4 * model->n_attitudes; }
 
 static const int *code_end(const LagModel *model) { return model->jet_code + LAG_JET_FIELDS * model->n_jet_instructions; }
 
@@ -195,6 +196,15 @@ static void run_order(LagWideSeries *s, int k)
     }
 }
 
+void lag_wide_series_turn(LagWideSeries *s, int k)
+{
+    const LagModel *model = s->model;
+    for (int i = 0; i < model->n_attitudes; ++i)
+        for (int lane = 0; lane < LAG_ABREAST; lane += LAG_WIDE)
+            lag_wide_jet_turn(s->jets + (size_t)lag_wide_quaternion(model, i) * LAG_WIDE_JET + lane,
+                              s->jets + (size_t)(1 + model->n + lag_attitude_place(model->attitudes, i)) * LAG_WIDE_JET + lane, k);
+}
+
 /* The coefficients of q and v of the next order. */
 static void next_state(LagWideSeries *s, int k)
 {
@@ -208,6 +218,7 @@ static void next_state(LagWideSeries *s, int k)
             lag_wide_write(next + (size_t)i * LAG_WIDE_JET + lane, rate * share);
             lag_wide_write(next + (size_t)(n + i) * LAG_WIDE_JET + lane, change * share);
         }
+    lag_wide_series_turn(s, k);
 }
 
 void lag_wide_series_begin(LagWideSeries *s)

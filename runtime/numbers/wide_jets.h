@@ -40,6 +40,24 @@ LAG_UNROLLED LagWide lag_wide_power(const double *u, const double *w, LagWide ex
     return sum * LAG_WIDE_OF(1.0 / k) * (LAG_WIDE_OF(1) / LAG_WIDE_TERM(u, 0));
 }
 
+/* The coefficients of order k + 1 of a quaternion Q with Q' = Q (0, w)/2; its four jets and the three of w lie in rows. */
+LAG_UNROLLED void lag_wide_jet_turn(double *q, const double *w, int k)
+{
+    enum { NEXT = LAG_WIDE_JET };
+    LagWide sum[4] = {LAG_WIDE_OF(0), LAG_WIDE_OF(0), LAG_WIDE_OF(0), LAG_WIDE_OF(0)};
+    for (int j = 0; j <= k; ++j) {
+        const LagWide a = LAG_WIDE_TERM(q, j), b = LAG_WIDE_TERM(q + NEXT, j), c = LAG_WIDE_TERM(q + 2 * NEXT, j);
+        const LagWide d = LAG_WIDE_TERM(q + 3 * NEXT, j), x = LAG_WIDE_TERM(w, k - j), y = LAG_WIDE_TERM(w + NEXT, k - j);
+        const LagWide z = LAG_WIDE_TERM(w + 2 * NEXT, k - j);
+        sum[0] = LAG_WIDE_FUSED(-b, x, LAG_WIDE_FUSED(-c, y, LAG_WIDE_FUSED(-d, z, sum[0])));
+        sum[1] = LAG_WIDE_FUSED(a, x, LAG_WIDE_FUSED(c, z, LAG_WIDE_FUSED(-d, y, sum[1])));
+        sum[2] = LAG_WIDE_FUSED(a, y, LAG_WIDE_FUSED(d, x, LAG_WIDE_FUSED(-b, z, sum[2])));
+        sum[3] = LAG_WIDE_FUSED(a, z, LAG_WIDE_FUSED(b, y, LAG_WIDE_FUSED(-c, x, sum[3])));
+    }
+    for (int m = 0; m < 4; ++m)
+        lag_wide_write(q + m * NEXT + (k + 1) * LAG_ABREAST, sum[m] * LAG_WIDE_OF(0.5 / (k + 1)));
+}
+
 /* Sines and cosines of as many angles as a register holds. */
 LAG_UNROLLED void lag_wide_circular(const LagWide *angle, LagWide *sine, LagWide *cosine)
 {

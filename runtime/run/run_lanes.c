@@ -77,6 +77,8 @@ static int takes_one_run(const LagSweep *sweep)
 
 static int is_plain(const LagModel *model, const LagSweep *sweep)
 {
+    if (model->n_attitudes > 0)
+        return 0;
     for (int i = 0; i < sweep->n_reductions; ++i) {
         const LagReduction *what = &sweep->reductions[i];
         if (what->kind != LAG_REDUCE_AT && (what->column > 2 * model->n || what->rate > 2 * model->n))
@@ -87,18 +89,20 @@ static int is_plain(const LagModel *model, const LagSweep *sweep)
 
 /* -------- birth and death */
 
-/* By series where equations are short; else by a Runge-Kutta pair: where somebody looks inside steps, by that which has dense output. */
+/* By series where equations are short, in space where series serve a run alone; else by a Runge-Kutta pair: where somebody looks inside steps, by that which has dense output. */
 static int choose(LagRunLanes *s, const LagModel *model, const LagSettings *settings)
 {
     const LagBatch *batch = s->batch;
     s->steps = &s->taylor.lanes;
     s->method = &lag_wide_taylor;
-    if (lag_wide_taylor_serves(model))
+    const int32_t alone = lag_run_solver(model, settings, NULL);
+    const int is_long = model->n_attitudes > 0 && alone != LAG_SOLVER_TAYLOR && lag_wide_explicit_serves(model);
+    if (!is_long && lag_wide_taylor_serves(model))
         return 1;
     s->steps = &s->explicit.lanes;
     const int is_looked_into = batch->n_at < batch->sweep.n_reductions || s->is_guarded;
     s->method = is_looked_into || settings->tolerance > MOST_TOLERANCE ? &lag_wide_dop853 : &lag_wide_verner9;
-    s->explicit.caution = lag_run_solver(model, settings, NULL) == LAG_SOLVER_PIRK ? CAREFUL : 1;
+    s->explicit.caution = alone == LAG_SOLVER_PIRK ? CAREFUL : 1;
     return settings->solver != LAG_SOLVER_TAYLOR && lag_wide_explicit_serves(model);
 }
 

@@ -107,8 +107,8 @@ void lag_attitudes_keep(LagRun *run)
     }
 }
 
-/* The reference turns on by s. Only what it changes by is rounded, and that by rounding of itself. */
-static void turn_reference(const double *s, double *reference, double *carry)
+/* Only what it changes by is rounded, and that by rounding of itself. */
+void lag_attitude_turn_on(const double *s, double *reference, double *carry)
 {
     const double *r = reference;
     const double square = (s[0] * s[0] + s[1] * s[1] + s[2] * s[2]) / 16, half = 0.5 / (1 + square);
@@ -153,7 +153,7 @@ void lag_attitudes_begin(LagRun *run, const double *q_given)
         if (q_given && is_as_given(run->d + mode, q_given + place, s, wanted))
             memcpy(run->d + mode, wanted, sizeof wanted);
         else
-            turn_reference(s, run->d + mode, run->motion.attitude_carry + 4 * i);
+            lag_attitude_turn_on(s, run->d + mode, run->motion.attitude_carry + 4 * i);
         declared(run, mode); /* what the start has turned it by may have made the real part negative */
         memset(s, 0, 3 * sizeof *s);
         memset(run->motion.attitude_carry + 4 * i, 0, 4 * sizeof *run->motion.attitude_carry);
@@ -181,7 +181,7 @@ void lag_attitudes_move(LagRun *run)
         if (s[0] == 0 && s[1] == 0 && s[2] == 0)
             continue;
         moves = 1;
-        turn_reference(s, run->d + lag_attitude_mode(model->attitudes, i), m->attitude_carry + 4 * i);
+        lag_attitude_turn_on(s, run->d + lag_attitude_mode(model->attitudes, i), m->attitude_carry + 4 * i);
         note_way(&run->scale, place, s);
         memset(s, 0, 3 * sizeof *s);
         memset(m->carry + place, 0, 3 * sizeof *s);

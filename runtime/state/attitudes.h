@@ -23,6 +23,9 @@ void lag_quaternion_product(const double *a, const double *b, double *product);
 /* A reference turned on by s. */
 void lag_attitude_present(const double *reference, const double *s, double *quaternion);
 
+/* A reference turns on by s; `carry` (4): what rounding took from it. */
+void lag_attitude_turn_on(const double *s, double *reference, double *carry);
+
 /* References as parameters say, with what start values turned on, or as they were given, at the start of a run; and the size
  * that angles have by themselves: after lag_scale_size. */
 void lag_attitudes_begin(LagRun *run, const double *q_given);

@@ -305,3 +305,42 @@ def test_lanes_under_sanitizers(pendulum: lag.Model, tmp_path: Path) -> None:
     source = write_c(scene.name, scene.sizes, scene.tapes, scene.coordinate_kind, scene.fixed, scene.event_kind, scene.patterns,
                      tuple(scene.tapes))
     run_sanitized(tmp_path, {"driver.c": DRIVER, "scene.c": source})
+
+
+BALLS = """model Balls
+  parameter Mass m = 1;
+  Spherical j(a = world, S(start = angles("zxz", 0, 0.5, 0)), w(start = {0.1, 0.2, 30}));
+  Body b(m = m, I = {0.01, 0.012, 0.002}, center = shift(j.b, {0.02, 0, 0.1}));
+  SECOND
+  output Length height = b.center.z;
+end Balls;
+"""
+SECOND = """Spherical k(a = shift(j.b, {0, 0.1, 0.2}), S(start = axis_angle({1, 0, 0}, 0.3)), w(start = {0.1, 0.2, 5}));
+  Body c(m = 0.5, I = {0.01, 0.012, 0.002}, center = shift(k.b, {0.02, 0, 0.1}));
+  Damper d(a = world, b = c.center, c = 0.2);"""
+
+
+INSIDE = "final(j.S[1]), final(j.S[3]), final(j.w[2]), max(height), at(0.7, j.S[2]), time_of_max(j.w[1])"
+
+
+@pytest.mark.parametrize(("second", "asked", "tolerance", "within"), [
+    ("", INSIDE, 1e-9, 3e-8), ("", INSIDE, 1e-3, 0.03), (SECOND, INSIDE, 1e-9, 1e-7),
+    (SECOND, "final(j.S[1]), final(k.S[3])", 1e-9, 1e-7)])
+def test_attitudes_turn_in_lanes(second: str, asked: str, tolerance: float, within: float) -> None:
+    """By series, by Dormand's pair and by Verner's, whose references move with each lane's own steps."""
+    model = lag.loads(BALLS.replace("SECOND", second))
+    measures = read_measures(asked)
+
+    def prepared(**asked: object) -> tuple[lag.Model, Job]:
+        request = Request(stop=1.0, parameters={"m": np.linspace(0.8, 1.2, 19)}, **asked)
+        return model.reporting(quantities(measures)).prepared_for(measures, request, Design())
+
+    suited, job = prepared(tolerance=tolerance)
+    values = job.variations.values(0, job.runs)
+    found, outcomes, lanes = advanced(suited, job, values)
+    assert lanes.runs == job.runs and (outcomes["kind"] == 0).all()
+    other, reference = prepared(tolerance=1e-12, solver="erk")
+    exact, _, none = advanced(other, reference, values)
+    assert none == Lanes() and found == pytest.approx(exact, abs=within)
+    backward = advanced(suited, job, values[::-1])[0]
+    assert found.tobytes() == np.ascontiguousarray(backward[::-1]).tobytes()

@@ -44,8 +44,8 @@ _SUMS: Mapping[JetOp, tuple[str, ...]] = {
 
 def write_wide_series(series: Series, expression: Callable[[int, str, str], str], number: Callable[[float], str]) -> list[str]:
     """C text. `expression` is C for an operation on numbers of one motion, `number` a literal. Nothing for a long state, whose
-    jets lie order by order, and for attitudes."""
-    if series.pitch > 1 or series.attitudes:
+    jets lie order by order."""
+    if series.pitch > 1:
         return []
     used = [x for i in series.instructions for kind, x in zip(OPERANDS[i.op], i.operands, strict=True) if kind == "n"]
     numbers = {k: f"LAG_WIDE_OF({number(series.numbers[k][1])})" if series.numbers[k][0] == Op.CONST else
@@ -145,6 +145,9 @@ def _later(series: Series, numbers: Mapping[int, str], head: Sequence[str]) -> l
     for c in range(n):
         statements += [f"lag_wide_write(JET({1 + c}) + (k + 1) * LAG_ABREAST, x{1 + n + c} * next);",
                        f"lag_wide_write(JET({1 + n + c}) + (k + 1) * LAG_ABREAST, x{series.accelerations[c]} * next);"]
+    first = series.known - 4 * len(series.attitudes)
+    statements += [f"lag_wide_jet_turn(JET({first + 4 * m}), JET({1 + n + place}), k);"
+                   for m, place in enumerate(series.attitudes)]
     return [f"enum {{ INVERSES = {max(len(inverses), 1)} }};", "static void wide_inverses(const double *jets, LagWide *i)", "{",
             *_indented([head[0], "(void)jets; (void)i; (void)zero; (void)one; (void)two; (void)half;",
                         *(f"i[{m}] = {text};" for m, text in enumerate(inverses))]), "}", "",
