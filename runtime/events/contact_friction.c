@@ -46,6 +46,14 @@ int lag_rubs_nowhere(const LagModel *model, int i, const int *candidates)
     return lag_rubs_alone(model, i);
 }
 
+int lag_rubs_on_what_rests(const LagRun *run, int i)
+{
+    for (int k = 0; k < run->model->n_rubs; ++k)
+        if (switch_of(run->model, k) == i && run->switches.slides[lag_contact(run->model, event_of(run->model, k))])
+            return 1;
+    return 0;
+}
+
 void lag_rubs_let_go(LagRun *run)
 {
     for (int k = 0; k < run->model->n_rubs; ++k)

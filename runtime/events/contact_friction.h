@@ -19,6 +19,9 @@ int lag_rubs_act(const LagRun *run);
  * would press them further and further. Returns 0 where there are no such impulses. */
 int lag_rubs_solve(LagRun *run, int count, int presses);
 
+/* Whether something rests at a contact that presses the friction of switch i. */
+int lag_rubs_on_what_rests(const LagRun *run, int i);
+
 /* Into d: nothing rubs. */
 void lag_rubs_let_go(LagRun *run);
 

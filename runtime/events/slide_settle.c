@@ -73,6 +73,15 @@ static int better(const LagSliding *s, int count, int k)
     }
 }
 
+/* Whether a contact closes although it holds, as another one wants the same velocity to change less: one has to let go. */
+static int contradict(const LagSliding *s, int count)
+{
+    for (int k = 0; k < count; ++k)
+        if (s->state[k] == LAG_SLIDES && lag_candidates_rate(s, count, k, 1) > ROUNDING * lag_candidates_size(s, count, k))
+            return 1;
+    return 0;
+}
+
 /* Finds the states and shares; returns whether they are right. */
 static int pivot(LagRun *run, int count)
 {
@@ -92,7 +101,13 @@ static int pivot(LagRun *run, int count)
                 s->share[k] = s->state[k] == LAG_HIGH;
         }
     }
-    return changes == 0;
+    return changes == 0 && !contradict(s, count);
+}
+
+/* Whether the g of candidate k changes. */
+static int goes(const LagSliding *s, int count, int k)
+{
+    return fabs(lag_candidates_rate(s, count, k, 1)) > ROUNDING * lag_candidates_size(s, count, k);
 }
 
 /* What does not act on its own g is at the end where that goes; where it goes nowhere, where it is. */
@@ -100,10 +115,9 @@ static void let_go(LagRun *run, int count)
 {
     LagSliding *s = &run->sliding;
     for (int k = 0; k < count; ++k) {
-        const double rate = lag_candidates_rate(s, count, k, 1), g = s->g[s->which[k]];
-        const int goes = fabs(rate) > ROUNDING * lag_candidates_size(s, count, k);
+        const double g = s->g[s->which[k]], toward = goes(s, count, k) ? lag_candidates_rate(s, count, k, 1) : g;
         if (s->state[k] == LAG_GIVEN)
-            s->share[k] = s->limit[k] == INFINITY ? 0 : goes ? rate > 0 : g != 0 ? g > 0 : run->switches.held[s->which[k]];
+            s->share[k] = s->limit[k] == INFINITY ? 0 : toward != 0 ? toward > 0 : run->switches.held[s->which[k]];
     }
 }
 
@@ -246,7 +260,8 @@ static int hold(LagRun *run, int count)
         const int i = s->which[k];
         run->switches.held[i] = *lag_share(run, i);
         run->switches.slides[i] = s->state[k] == LAG_SLIDES;
-        run->switches.is_idle[i] = s->state[k] == LAG_GIVEN && s->jump[k + k * count] == 0 && lag_rubs_alone(run->model, i);
+        run->switches.is_idle[i] = s->state[k] == LAG_GIVEN && s->jump[k + k * count] == 0 && lag_rubs_alone(run->model, i)
+            && !(lag_rubs_on_what_rests(run, i) && goes(s, count, k)); /* which may press it soon */
         if (s->state[k] == LAG_SLIDES && s->limit[k] == INFINITY && s->share[k] > LARGE * s->unit[k])
             s->unit[k] = s->share[k];
     }

@@ -72,8 +72,11 @@ void lag_complementarity_find_forces(LagComplementarity *p)
 {
     const int n = p->size;
     int free = 0, row = 0;
-    for (int i = 0; i < n; ++i)
+    p->lu.apart = 0;
+    for (int i = 0; i < n; ++i) {
         free += p->state[i] == LAG_HOLDS;
+        p->lu.apart += p->state[i] == LAG_HOLDS && p->kind[i] != LAG_RUBS;
+    }
     p->lu.size = free;
     for (int i = 0; i < n; ++i) {
         if (p->state[i] != LAG_HOLDS)
@@ -96,6 +99,7 @@ void lag_complementarity_find_forces(LagComplementarity *p)
 void lag_complementarity_find_balance(LagComplementarity *p, double *rate)
 {
     p->lu.size = p->size;
+    p->lu.apart = 0;
     memcpy(p->lu.re, p->jump, (size_t)p->size * (size_t)p->size * sizeof *p->jump);
     for (int i = 0; i < p->size; ++i)
         rate[i] = -rate[i];

@@ -7,7 +7,9 @@
  * The latter are Coulomb's friction, from mu N against a slip w < 0 (x = 0) to mu N against w > 0: half of its range is in r. This is a
  * linear complementarity problem (C. Glocker, F. Pfeiffer, Multiple impacts with friction in rigid multibody systems, Nonlinear Dynamics
  * 7 (1995)). With friction it can have several solutions, or none (P. Painleve, Sur les lois du frottement de glissement, C. R. Acad.
- * Sci. 121 (1895)): the first is taken, in an order that begins with all that hold.
+ * Sci. 121 (1895)): the first is taken, in an order that begins with all that hold. What rubs stands behind all else: of those that push
+ * against each other (the walls of a slot) only as many do as have to for what they stop themselves, since friction would let them press
+ * with any force.
  */
 #ifndef LAG_COMPLEMENTARITY_H
 #define LAG_COMPLEMENTARITY_H

@@ -11,6 +11,7 @@ void lag_dense_lu_layout(LagDenseLu *lu, int size, int is_complex, LagArena *are
     lu->size = size;
     lu->dependent = LAG_DEPENDENT;
     lu->early = 1;
+    lu->apart = 0;
     lu->re = lag_take(arena, n * n);
     lu->im = is_complex ? lag_take(arena, n * n) : NULL;
     lu->scale = lag_take(arena, n);
@@ -39,13 +40,14 @@ static double size_of(const LagDenseLu *lu, int i, int k) { return length(lu, i 
 /* The first row of pivots of column k that are good enough, among rows `first` and below, and its size relative to its row. */
 static int best_pivot(const LagDenseLu *lu, int first, int k, double *size)
 {
+    const int end = k < lu->apart ? lu->apart : lu->size;
     double largest = 0;
     int best = first;
-    for (int i = first; i < lu->size; ++i)
+    for (int i = first; i < end; ++i)
         largest = lag_max(size_of(lu, i, k), largest);
-    while (best < lu->size - 1 && !(size_of(lu, best, k) >= lu->early * largest))
+    while (best < end - 1 && !(size_of(lu, best, k) >= lu->early * largest))
         ++best;
-    *size = best < lu->size ? size_of(lu, best, k) : -1;
+    *size = best < end ? size_of(lu, best, k) : -1;
     return best;
 }
 

@@ -17,6 +17,7 @@ typedef struct {
     int size;
     double dependent; /* LAG_DEPENDENT, or what is set after layout */
     double early;     /* the first pivot that is this share of the best one is taken; 1, or what is set after layout */
+    int apart;        /* the first so many columns have pivots in the first so many rows alone; 0, or what is set before factoring */
     double *re, *im; /* size x size, column-major: the matrix, then its factors; im is NULL when it is real */
     double *scale;   /* size: 1 / largest entry of the row */
     int *pivot;      /* size: row that changed places with the pivot's; -1: the column has no pivot */

@@ -162,3 +162,14 @@ void lag_onset_learn(LagMotion *m, LagScale *scale, double t_new, double error, 
     else if ((lag_scale_at_rest(scale) || is_sudden(m, scale, t_new - m->t)) && ++scale->surprises > PATIENCE)
         foresee(m, scale, t_new);
 }
+
+void lag_onset_blur(LagMotion *m, LagScale *scale, double moment)
+{
+    const int n = m->n;
+    if (!lag_motion_slope(m, m->t + moment, m->y, m->y + n, m->sum))
+        return;
+    for (int i = 0; i < n; ++i) {
+        scale->onset[i] = lag_max(fabs(m->sum[n + i] - m->slope[n + i]), scale->onset[i]);
+        scale->noise[i] = lag_max(scale->onset[i], scale->noise[i]);
+    }
+}

@@ -17,4 +17,8 @@ void lag_onset_expect(LagMotion *m, LagScale *scale, double h);
  * is wrong by less than `foreseen`. */
 void lag_onset_learn(LagMotion *m, LagScale *scale, double t_new, double error, double foreseen);
 
+/* What has just been let go may begin with accelerations that change within `moment`, in which times cannot be told apart, by about
+ * themselves: their change in that is rounding. m->slope is that of the present state. */
+void lag_onset_blur(LagMotion *m, LagScale *scale, double moment);
+
 #endif

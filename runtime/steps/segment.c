@@ -21,6 +21,7 @@
 
 static const double FIRST_PART = 0.1; /* of what is left: no first step is longer */
 static const double FAR = 1e3; /* times all that was before */
+static const double BLURRED = 64; /* times what tells times apart: accelerations that change sooner are little but rounding */
 static const double MILD = 10; /* steps in which accelerations change by about themselves */
 
 /* A time inside the segment, away from its ends, where modes are sure not to be just changing. */
@@ -51,6 +52,16 @@ void lag_segment_enter(LagRun *run)
     lag_inputs_read(&run->inputs, run->d);
 }
 
+/* How soon accelerations change by about themselves, and what of them is rounding of the time at which they were let go. */
+static double find_slowness(LagRun *run, double longest, int may_bend)
+{
+    const double moment = lag_time_resolution(run->motion.t), slowness = lag_slowness(&run->motion, &run->scale, longest, may_bend ? 1 : 0);
+    if (!may_bend || slowness > BLURRED * moment)
+        return slowness;
+    lag_onset_blur(&run->motion, &run->scale, moment);
+    return lag_slowness(&run->motion, &run->scale, longest, 1);
+}
+
 /* `is_bend`: a switch has changed. Where accelerations are hardly another function of time for it, steps stay as they are. */
 static double first_step(LagRun *run, int is_bend)
 {
@@ -64,7 +75,7 @@ static double first_step(LagRun *run, int is_bend)
     if (is_bend)
         longest = fmin(longest, run->step);
     const int may_bend = run->model->n_switches > 0 && run->started;
-    const double slowness = lag_slowness(&run->motion, &run->scale, longest, may_bend ? 1 : 0);
+    const double slowness = find_slowness(run, longest, may_bend);
     const int is_far = run->model->n_whens > 0 && longest > FAR * (t - settings->t_start); /* contacts are passed by then */
     const double past = is_far ? t - settings->t_start : INFINITY;
     if (may_bend)

@@ -191,3 +191,16 @@ def test_a_controller_does_not_lengthen_chains(scene: Scene) -> None:
     held = scene(f"""model Held {links} AppliedTorque m(on = l[1].center, torque = -1[N.m]*z); Real z(start = 0);
       equation {joined} der(z) = 5[1/s]*(h[1].phi - z); end Held;""")
     assert held.scene.notes["rhs_operations"] < 1.1 * plain.scene.notes["rhs_operations"] + 20
+
+
+@pytest.mark.parametrize("equation", ["T*der(F) = 10 - F", "10 - F = der(F)*T", "der(F) + F/T = 10/T", "F - 10 = -(T*der(F))",
+                                      "der(F)/2 = (10 - F)/(2*T)", "10 - T*der(F) = F"])
+def test_equations_are_solved_for_rates(equation: str, scene: Scene) -> None:
+    """T F' = u - F had been refused where it was not written as F' = ..."""
+    model = scene(f"""model Lag
+      parameter Time T = 0.2; Force F;
+      Block b(m = 1, base = world); AppliedForce push(at = b.center, force = {{F, 0}});
+    equation
+      {equation.replace("10", "10[N]")};
+    end Lag;""")
+    assert model.simulate(at=[0.5])["F"][-1] == pytest.approx(10 * (1 - np.exp(-2.5)), abs=1e-7)

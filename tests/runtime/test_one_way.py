@@ -35,6 +35,8 @@ EDGES = [
     (WINDOW, (-1.0, 3.0), (0.2, 0.0), 1.0, 0.2 - G * 0.09 / 2 - G * 0.49 / 2),  # is below when it comes to the ledge
     (WINDOW, (-1.0, 3.0), (0.6, 0.0), 1.0, -G / 18),  # comes onto it, and leaves
     ("not (y.s > 0) and not (x.s > 0)", (0.1, -3.0), (-0.05, 0.0), 1.0, -0.05 - G / 1800 - G * (29 / 30) ** 2 / 2),
+    ("not (y.s > 0 or x.s > 0)", (0.1, -3.0), (-0.05, 0.0), 1.0, -0.05 - G / 1800 - G * (29 / 30) ** 2 / 2),
+    ("not (y.s > 0 or not x.s < 0)", (0.0, -3.0), (0.05, 0.0), 1.0, 0.0),
     ("y.s < 0 or x.s < 0", (1.0, -2.0), (0.5, 0.0), 1.0, -G * (1 - np.sqrt(1 / G)) ** 2 / 2),  # once
 ]
 
@@ -117,6 +119,50 @@ def test_a_freewheel(scene: Write) -> None:
         run = model.simulate(at=[1.0, 3.0], solver=solver, tolerance=1e-10)
         assert run["one.phi"][0] == pytest.approx((1 - np.cos(1)) / 4, abs=1e-9)
         np.testing.assert_allclose([run["one.phi"][-1], run["two.phi"][-1]], right, rtol=0, atol=1e-9, err_msg=solver)
+
+
+def test_a_wheel_with_two_pawls(scene: Write) -> None:
+    """One on the ground, one on a lever that swings: when the lever begins to drive the wheel from rest both hold the same rate
+    at once, and the ground's has to let go (the accelerations were not finite)."""
+    model = scene("""model Pawls
+      World world(gravity = {0, 0});
+      Revolute lever(a = world), wheel(a = world);
+      Motion swing(of = lever.phi, to = -0.5*sin(3*time));
+      Body disc(m = 1, I = 2, center = wheel.b);
+      AppliedTorque load(on = disc.center, torque = -1);
+      TorsionDamper bearing(a = world, b = disc.center, c = 0.3);
+    equation
+      when wheel.w < 0 then reinit(wheel.w, 0); end when;
+      when wheel.w < lever.w then reinit(wheel.w, lever.w); end when;
+    end Pawls;""")
+    for solver in SOLVERS:
+        for tolerance in (1e-3, 1e-6, 1e-9):
+            run = model.simulate(at=[np.pi / 3], solver=solver, tolerance=tolerance)
+            found = [run["wheel.phi"][-1], run["wheel.w"][-1]]
+            np.testing.assert_allclose(found, [0.5, 1.5], rtol=0, atol=10 * tolerance, err_msg=f"{solver} {tolerance}")
+
+
+FREE = """model Free "b turns no slower than a, by a component of one's own"
+  Frame a, b;
+  AngularVelocity rels[2] = {b.w - a.w, 0}, rel = rels[1];
+equation
+  when rel < 0 then reinit(RATE, 0); end when;
+end Free;
+model Row
+  World world(gravity = {0, 0});
+  Revolute h[3](each a = world); Body d[3](each m = 1, I = {1, 3, 2}, center = h.b);
+  Free f[2](a = d[1:2].center, b = d[2:3].center);
+  AppliedTorque drive(on = d[1].center, torque = 1[N.m]*cos(1[rad/s]*time));
+end Row;"""
+
+
+@pytest.mark.parametrize("rate", ["rel", "rels[1]", "b.w - a.w", "der(b.phi) - der(a.phi)", "-(a.w - b.w)", "2*b.w - 2*a.w"])
+def test_differences_of_rates_are_rates(rate: str, scene: Write) -> None:
+    """Three shafts in a row of freewheels: together with sin(t)/6, from pi/2 on the first one alone."""
+    model = scene(FREE.replace("RATE", rate))
+    run = model.simulate(at=[1.0, 3.0], tolerance=1e-10)
+    np.testing.assert_allclose(run["h[3].w"], [np.sin(1) / 6, 1 / 6], rtol=0, atol=1e-9)
+    np.testing.assert_allclose(run["h[1].w"], [np.sin(1) / 6, 1 / 6 + np.sin(3) - 1], rtol=0, atol=1e-9)
 
 
 def test_a_block_is_struck_against_its_pawl(scene: Write) -> None:

@@ -116,3 +116,18 @@ def test_a_small_motion_is_none(scene: Write, solver: str) -> None:
       Block b(m = 1, base = world, along = {0, 1}); energy potential 4.5[J]*h.phi^2 + 0.1[J]*sin(h.phi)^4; end M;""").simulate(
           at=[0, 10, 100], solver=solver, tolerance=1e-9)
     np.testing.assert_allclose(run["h.phi"], 1e-15 * np.cos(3 * run.time), atol=1e-23)
+
+
+@pytest.mark.parametrize("begins", [1.0, 1e3, 1e6])
+def test_what_is_torn_off_late_begins_with_rounding_of_time(scene: Write, begins: float) -> None:
+    """Drawn by 4 N/s, it holds for 2.5 s, and then a = 2 t: at 1e6 s it is let go up to 1e-10 s late, and what moves it first is
+    of that size (no step was small enough)."""
+    model = scene(f"""model Late
+      Block b(m = 2, base = world);
+      DryFriction f(F = 10, rate = b.v);
+      AppliedForce p(at = b.center, force = {{4[N/s]*max(time - {begins}, 0[s]), 0}});
+    end Late;""")
+    for solver in ("auto", "erk", "erk5", "adams", "implicit"):
+        for tolerance in (1e-3, 1e-6, 1e-9, 1e-12):
+            run = model.simulate(at=[begins + 2.4, begins + 4.5], start=begins, solver=solver, tolerance=tolerance)
+            np.testing.assert_allclose(run["b.s"], [0, 8 / 3], rtol=0, atol=max(100 * tolerance, 1e-15 * begins))

@@ -29,7 +29,17 @@ from lagrangia.dynamics.energies import Load, paced
 from lagrangia.frames.evaluation import scalars_of
 from lagrangia.frames.kinematics import Kinematics
 from lagrangia.language.consequences import contact_forces_in
-from lagrangia.language.events import COMPARED, are_alike, contact_of, held_by, level_of, name_of_contact, parts_of, position_of
+from lagrangia.language.events import (
+    COMPARED,
+    are_alike,
+    contact_of,
+    held_by,
+    level_of,
+    name_of_contact,
+    parts_of,
+    position_of,
+    without_not,
+)
 from lagrangia.language.flat import Reset, When, Work
 from lagrangia.language.tree import Binary, Flat, Number, Unary
 
@@ -104,7 +114,8 @@ class _Event:
     def __init__(self, kinematics: Kinematics, when: When) -> None:
         self.kinematics, self.when = kinematics, when
         model = kinematics.graph.model
-        self.g = self._level(when.condition)
+        self.condition = without_not(when.condition)
+        self.g = self._level(self.condition)
         self.positions = [position_of(reset, model) for reset in when.resets]
         self.places, self.rates, self.wanted = list[Flat](), list[ca.SX](), list[ca.SX]()  # of each scalar that is reset
         for reset, position in zip(when.resets, self.positions, strict=True):
@@ -122,7 +133,7 @@ class _Event:
         self.kept = kept if kept is not None and self.kinds[kept] != KICK else None  # whose contact force may be asked for
         if chosen is not None:
             self._divide(chosen, kind)
-        elif _is_comparison(when.condition):
+        elif _is_comparison(self.condition):
             self._require_change()
 
     def _expression(self, x: Scalar) -> ca.SX:
@@ -188,7 +199,7 @@ class _Event:
 
     def _divide(self, chosen: Flat, kind: int) -> None:
         """The condition into what was chosen, and what else has to be true; and along what a force holds what rests."""
-        guards = [self._level(x) for x in parts_of(self.when.condition) if x is not chosen]
+        guards = [self._level(x) for x in parts_of(self.condition) if x is not chosen]
         self.gap = self._expression(self.kinematics.evaluator.value(level_of(chosen)))
         self.g = ca.mmin(ca.vertcat(*guards)) if guards else ca.SX(1)
         own = next(k for k, x in enumerate(self.kinds) if x == kind)
@@ -199,7 +210,7 @@ class _Event:
     def _find_all(self, is_end: Callable[[ca.SX, ca.SX, ca.SX], object]) -> list[Flat | None]:
         """Of each reset the comparison, of what all has to be true, at which it leaves its rate or turns it back."""
         value = self.kinematics.evaluator.value
-        comparisons = [node for node in parts_of(self.when.condition) if _is_comparison(node)]
+        comparisons = [node for node in parts_of(self.condition) if _is_comparison(node)]
         parts = [(node, self._expression(value(level_of(node)))) for node in comparisons]
         return [next((node for node, g in parts if is_end(g, rate, wanted)), None)
                 for rate, wanted in zip(self.rates, self.wanted, strict=True)]
@@ -294,8 +305,6 @@ def _stays(look: ca.Function, p: Numbers, random: "np.random.Generator") -> bool
 
 
 def _is_comparison(node: Flat) -> bool:
-    if isinstance(node, Unary) and node.operator == "not":
-        return _is_comparison(node.operand)
     return isinstance(node, Binary) and node.operator in COMPARED
 
 

@@ -73,8 +73,7 @@ def check_dimensions(model: FlatModel) -> FlatModel:
     for equation in model.news((*model.constraints, *model.initial_equations)):
         checker.guard(checker.check_equation, equation, place=equation.span)
     for state in model.states.values():
-        rate = Call("der", (Ref(state.name, (), state.span),), (), state.span)
-        checker.guard(checker.check_equation, Equation(rate, state.rate, state.span), place=state.span)
+        checker.guard(checker.check_equation, state.equation, place=state.span)
     for when in model.whens:
         checker.guard(checker.check_when, when)
     for guard in model.guards:

@@ -10,7 +10,7 @@ from typing import Any
 from lagrangia.base.diagnostics import fail
 from lagrangia.language.flat import FlatModel, Reset, When
 from lagrangia.language.frame_attributes import as_element, is_velocity, place_of
-from lagrangia.language.tree import Binary, Boolean, Call, Flat, FrameRef, Number, Ref, Unary
+from lagrangia.language.tree import Array, Binary, Boolean, Call, Flat, FrameRef, Number, Ref, Unary
 
 COMPARED = ("<", "<=", ">", ">=")
 
@@ -21,6 +21,19 @@ def parts_of(node: Flat) -> Iterator[Flat]:
         yield from (*parts_of(node.left), *parts_of(node.right))
     else:
         yield node
+
+
+def without_not(node: Flat, is_true: bool = True) -> Flat:
+    """The same condition, or where not `is_true` its opposite, by De Morgan's laws: not (a > 0 or b > 0) is a <= 0 and b <= 0."""
+    match node:
+        case Unary("not", operand, _):
+            return without_not(operand, not is_true)
+        case Binary("and" | "or" as operator, left, right, span):
+            kept = operator if is_true else "or" if operator == "and" else "and"
+            return Binary(kept, without_not(left, is_true), without_not(right, is_true), span)
+        case Binary(("<" | "<=" | ">" | ">=") as operator, left, right, span) if not is_true:
+            return Binary({"<": ">=", "<=": ">", ">": "<=", ">=": "<"}[operator], left, right, span)
+    return node if is_true else Unary("not", node, node.span)
 
 
 def level_of(node: Flat) -> Flat:
@@ -49,17 +62,56 @@ def position_of(reset: Reset, model: FlatModel) -> Flat:
          "write: reinit(der(x), value), for any position or angle x")
 
 
-def _moved_at(node: Flat, model: FlatModel) -> Flat | None:
-    """That of which an expression is the rate; None where it is none."""
-    while isinstance(node, Ref) and not node.index and (variable := model.variables[node.name]).kind == "variable":
-        assert variable.binding is not None
-        node = variable.binding
+def _moved_at(node: Flat, model: FlatModel, index: tuple[int, ...] = ()) -> Flat | None:
+    """That of which an expression, or the element `index` of it, is the rate: sums, and multiples by what is fixed, of der(x) and
+    of velocities of frames; None where it is none."""
     match node:
+        case Ref(name, own, _) if (variable := model.variables[name]).kind == "variable" and variable.binding is not None:
+            return _moved_at(variable.binding, model, (*own, *index))
         case Call("der", (position,), _, _) if not (isinstance(position, Call) and position.function == "der"):
-            return position
+            return _element(position, index)
         case FrameRef(_, attribute) if is_velocity(attribute) and (place := place_of(node)) is not None:
-            return replace(node, attribute=place)
+            return _element(replace(node, attribute=place), index)
+        case Array(items, span) if index:
+            return _moved_at(items[index[0] - 1], model, index[1:])
+        case Array(items, span):
+            moved = [_moved_at(x, model) for x in items]
+            return None if None in moved else Array(tuple(x for x in moved if x is not None), span)
+        case Unary("-" | "+" as sign, operand, span):
+            x = _moved_at(operand, model, index)
+            return x and Unary(sign, x, span)
+        case Binary("+" | "-" as operator, left, right, span):
+            x, y = _moved_at(left, model, index), _moved_at(right, model, index)
+            return x and y and Binary(operator, x, y, span)
+        case Binary("*" | "/" as operator, left, right, span) if _is_fixed(right, model):
+            x = _moved_at(left, model, index)
+            return x and Binary(operator, x, right, span)
+        case Binary("*", left, right, span) if _is_fixed(left, model):
+            x = _moved_at(right, model, index)
+            return x and Binary("*", left, x, span)
     return None
+
+
+def _element(node: Flat, index: tuple[int, ...]) -> Flat | None:
+    """That of what is named; None of other expressions."""
+    if not index:
+        return node
+    return replace(node, index=(*node.index, *index)) if isinstance(node, Ref | FrameRef) else None
+
+
+def _is_fixed(node: Flat, model: FlatModel) -> bool:
+    """Whether an expression is one number during a run, made of numbers and parameters."""
+    match node:
+        case Number():
+            return True
+        case Ref(name, index, _):
+            variable = model.variables[name]
+            return variable.kind in ("parameter", "constant") and len(index) == len(variable.shape)
+        case Unary(_, operand, _):
+            return _is_fixed(operand, model)
+        case Binary(_, left, right, _):
+            return _is_fixed(left, model) and _is_fixed(right, model)
+    return False
 
 
 def contact_of(kept: Sequence[Flat | None], x: Flat) -> int | None:
@@ -80,7 +132,7 @@ def held_by(model: FlatModel, when: When) -> Flat | None:
 def _below(model: FlatModel, when: When) -> Iterator[tuple[Flat, Flat]]:
     """What falls below zero, beside each position of which a rate is reset."""
     positions = [position_of(reset, model) for reset in when.resets]
-    for node in parts_of(when.condition):
+    for node in parts_of(without_not(when.condition)):
         if (small := _below_zero(node)) is not None:
             yield from ((small, x) for x in positions)
 

@@ -114,6 +114,7 @@ class State:
     rate: Flat
     component: str
     span: Span
+    equation: Equation  # as written
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""First-order states: a variable z with an equation der(z) = f.
+"""First-order states: a variable z with an equation der(z) = f, or one that is solved for der(z), as T*der(z) = u - z.
 
 Each is made the rate of a coordinate of its own, of inertia 1, on which f works: as M dv/dt = f is what moves all rates, every
 solver, FMU and sweep has it. The coordinate, the integral of z, is in nothing else; its energy is none of the mechanism's.
@@ -6,12 +6,13 @@ solver, FMU and sweep has it. The coordinate, the integral of z, is in nothing e
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
+from typing import TypeGuard
 
 from lagrangia.base.diagnostics import Report, Span
 from lagrangia.base.records import dataclass
 from lagrangia.language.flat import Energy, Equation, FlatModel, State, Variable, Work
 from lagrangia.language.mentions import nodes, reached
-from lagrangia.language.tree import Binary, Call, Flat, Number, Ref
+from lagrangia.language.tree import Binary, Call, Flat, Number, Ref, Unary
 
 
 @dataclass(frozen=True)
@@ -49,12 +50,41 @@ def find_states(variables: Mapping[str, Variable], equations: Sequence[Equation]
 
 
 def _state_of(equation: Equation, variables: Mapping[str, Variable]) -> State | None:
-    """Of der(z) = f, either way round, where z has no value of its own."""
-    for side, other in ((equation.left, equation.right), (equation.right, equation.left)):
-        if isinstance(side, Call) and side.function == "der" and isinstance(inner := side.arguments[0], Ref):
-            variable = variables.get(inner.name)
-            if variable is not None and variable.kind == "variable" and variable.binding is None:
-                return State(inner.name, f"{inner.name}.integral", other, equation.component, equation.span)
+    """Of an equation with one der(z), in a sum and with factors, where z has no value of its own."""
+    rates = [node for node in nodes(equation.left, equation.right) if _is_rate(node, variables)]
+    if len(rates) != 1:
+        return None
+    (name,) = (inner.name for inner in rates[0].arguments if isinstance(inner, Ref))
+    left, right, span = equation.left, equation.right, equation.span
+    rate = _solved(left, right, variables) if _has_rate(left, variables) else _solved(right, left, variables)
+    return None if rate is None else State(name, f"{name}.integral", rate, equation.component, span, Equation(left, right, span))
+
+
+def _is_rate(node: Flat, variables: Mapping[str, Variable]) -> TypeGuard[Call[Flat]]:
+    if not (isinstance(node, Call) and node.function == "der" and isinstance(inner := node.arguments[0], Ref)):
+        return False
+    variable = variables.get(inner.name)
+    return variable is not None and variable.kind == "variable" and variable.binding is None
+
+
+def _has_rate(side: Flat, variables: Mapping[str, Variable]) -> bool:
+    return any(_is_rate(node, variables) for node in nodes(side))
+
+
+def _solved(side: Flat, other: Flat, variables: Mapping[str, Variable]) -> Flat | None:
+    """What the only rate in `side` is, where that is `other`; None where it stands in anything but sums and products."""
+    if _is_rate(side, variables):
+        return other
+    match side:
+        case Unary("-", operand, span):
+            return _solved(operand, Unary("-", other, span), variables)
+        case Binary("+" | "-" | "*" | "/" as operator, left, right, span):
+            inverse = {"+": "-", "-": "+", "*": "/", "/": "*"}[operator]
+            if _has_rate(left, variables):
+                return _solved(left, Binary(inverse, other, right, span), variables)
+            if operator in "+*":
+                return _solved(right, Binary(inverse, other, left, span), variables)
+            return _solved(right, Binary(operator, left, other, span), variables) if operator == "-" else None
     return None
 
 
