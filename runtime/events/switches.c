@@ -231,6 +231,16 @@ static int is_thrown(LagRun *run, int i)
     return 1;
 }
 
+/* Rates as they were found, or stated, are others now: the first time is told. */
+static void note_jam(LagRun *run)
+{
+    LagStatistics *s = &run->statistics;
+    if (s->jammed)
+        return;
+    s->jammed = lag_impacts_striking(run);
+    s->jam_time = run->motion.t;
+}
+
 int lag_switches_enter(LagRun *run)
 {
     LagSwitches *s = &run->switches;
@@ -238,6 +248,7 @@ int lag_switches_enter(LagRun *run)
         return 0;
     int turned = settle(run);
     for (int impulses = 0; run->sliding.jams && impulses < MOST_JAMS && lag_impacts_press(run); ++impulses) {
+        note_jam(run);
         lag_switches_forget(run);
         turned |= settle(run);
     }

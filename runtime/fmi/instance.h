@@ -54,6 +54,7 @@ typedef struct {
     int slope_is_current, outputs_are_current, energies_are_current;
     int has_stop;
     int is_over;            /* a guard has ended the simulation, as it was meant to */
+    int is_told_jam;        /* that friction jams */
     int is_told_open;       /* that the energy account does not close */
     double t, start, stop, tolerance;
     double start_energy, supports_energy; /* H, and T + V - H, at the start */

@@ -93,9 +93,22 @@ static const char *name_of(const LagInstance *s, LagStatus status, int index, in
     return index >= 0 && place < 2 * m->n ? s->fmu->names[1 + lag_fmu_place(m, place)] : "";
 }
 
+/* Rates are others at once. */
+static void tell_jam(LagInstance *s)
+{
+    const LagStatistics *statistics = lag_run_statistics(s->run);
+    if (!statistics->jammed || s->vital.is_told_jam)
+        return;
+    s->vital.is_told_jam = 1;
+    lag_instance_log(s, LAG_ANSWER_WARNING, "logStatusWarning",
+                     "at t = %.9g s friction presses further what slides, and no force holds it (Painleve's paradox): an impulse without "
+                     "a collision stops the slip", statistics->jam_time);
+}
+
 void lag_instance_warn(LagInstance *s)
 {
     double t = 0;
+    tell_jam(s);
     for (int i; (i = lag_run_warning(s->run, &t)) > 0;)
         lag_instance_log(s, LAG_ANSWER_WARNING, "logStatusWarning", "at t = %.9g s: an assertion does not hold (%.600s)", t,
                          s->fmu->guards[i - 1]);

@@ -104,7 +104,7 @@ static void take_start(LagInstance *s)
     vital->dissipated = vital->work = 0;
     vital->steps = vital->energy_miss = 0;
     vital->energy_size = s->model->n > 0 ? nominal_energy(s) : 0;
-    vital->is_unaccounted = vital->is_told_open = 0;
+    vital->is_unaccounted = vital->is_told_open = vital->is_told_jam = 0;
     lag_instance_forget(s);
     if (s->kind == LAG_CO_SIMULATION) {
         lag_cosimulation_take_row(s);

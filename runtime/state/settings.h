@@ -52,6 +52,7 @@ typedef struct {
     double energy_given;    /* largest work - dissipated seen: what H could rise by */
     double energy_open;     /* time of the first row from which on the account misses by more than the tolerance explains */
     double unsure_time;     /* of the first row of which an output is not known: rounding decides it */
+    double jam_time;        /* of the first impulse without a collision: friction pressed further what slid, and no force held it */
     double constraint_residual;      /* largest |Phi| in rows */
     double constraint_rate_residual; /* largest |J v + dPhi/dt| in rows */
     int32_t worst;          /* component that last limited the step: q is 0 .. n-1, v is n .. 2n-1 */
@@ -61,6 +62,7 @@ typedef struct {
     int32_t switches;         /* from one solver to another */
     int32_t energy_is_open;   /* whether there is such a row */
     int32_t passed;           /* 1 + the first event whose contact was passed at the start, so that it does not come; 0: none */
+    int32_t jammed;           /* 1 + an event it stopped; 0: there was none */
     int32_t unsure;           /* how many there are */
     int32_t unsure_output;    /* the first that is not known in the first one */
     int32_t rule;             /* of lag_rule: the row of the choice that decided last; 0: none yet */

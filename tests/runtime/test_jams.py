@@ -185,6 +185,9 @@ def test_painleves_rod(u: float, phi: float, w: float, scene: Write) -> None:
             found = run["rod.center.phi"][-1], run["rod.center.w"][-1], run["slip"][-1]
             np.testing.assert_allclose(found, [*turns.y[:, -1], 0], rtol=0, atol=20 * tolerance)
             assert run.statistics.energy_residual < 1e-6
+            (told,) = run.warnings
+            assert "jams at t = 0: friction" in told and "not those stated from the first row on" in told
+    assert slides.warnings == []
 
 
 @pytest.mark.parametrize(("mu", "phi", "u"), [(0.2, 1.0, -3), (1.6, 1.3, 2), (3.0, 1.0, -3), (3.0, 1.3, 0)])

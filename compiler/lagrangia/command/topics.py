@@ -90,8 +90,8 @@ contact_force(x)      the force that holds x at the contact of `when x < 0 then 
                       against the slip that is left, or what leaves none; restitution is less than e where friction
                       would give energy with it. Contacts and friction are one problem, at rest and in impacts: of its
                       solutions those come first that hold. Where friction presses what slides further and no
-                      force holds it (Painleve's rod; a chalk that jumps), the slip is stopped by an impulse, without a collision;
-                      a run that finds no impulse either ends with a word.
+                      force holds it (Painleve's rod; a chalk that jumps), the slip is stopped by an impulse, without a collision,
+                      which is told; a run that finds no impulse either ends with a word.
 Friction in joints    forces and dissipation functions may feel reactions: mu*radius*norm(hinge.reaction)*abs(hinge.w). Both
                       are solved for together, in loops as well, and stick exactly. RoughRevolute, RoughPrismatic, RoughWheel,
                       RoughGear, Capstan are such; RoughBelt slips; Friction(normal = abs(guide.reaction[2])) rubs anywhere.

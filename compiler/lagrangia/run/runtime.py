@@ -119,6 +119,8 @@ class Statistics:
     energy_risen: float = 0.0
     energy_given: float = 0.0
     passed: int = 0
+    jammed: int = 0
+    jam_time: float = 0.0
     unsure: int = 0
     unsure_output: int = 0
     unsure_time: float = 0.0
@@ -192,10 +194,11 @@ class _Statistics(c.Structure):
         ("energy_given", c.c_double),
         ("energy_open", c.c_double),
         ("unsure_time", c.c_double),
+        ("jam_time", c.c_double),
         ("constraint_residual", c.c_double),
         ("constraint_rate_residual", c.c_double),
         *((name, c.c_int32) for name in ("worst", "tolerance_raised", "tolerance_missed", "solver", "switches", "energy_is_open",
-                                         "passed", "unsure", "unsure_output", "rule", "chosen")),
+                                         "passed", "jammed", "unsure", "unsure_output", "rule", "chosen")),
         ("steps_by", c.c_int64 * (max(Solver) + 1)),
         ("facts", Facts),
     )

@@ -318,6 +318,11 @@ def shortcomings(progress: Progress) -> list[str]:
         found.append(f"{what} holds at the start already, and comes when it has been false" if not is_place else
                      f"{what} is passed at the start already, so that nothing strikes it before it has been left: "
                      "start outside it")
+    if statistics.jammed:
+        at_start = statistics.jam_time == progress.experiment.start
+        found.append(f"{progress.contacts[statistics.jammed - 1]} jams at t = {statistics.jam_time:.9g}: friction presses what "
+                     "slides further, and no force holds it (Painleve's paradox); an impulse without a collision stops the slip"
+                     f"{', so that rates are not those stated from the first row on' if at_start else ''}")
     missed = _missed_energy(progress)
     if missed > _MUCH * tolerance and not loss(progress):
         what = f"errors have added up until the energy account misses by {missed:.1e} of its size"
