@@ -344,3 +344,20 @@ def test_attitudes_turn_in_lanes(second: str, asked: str, tolerance: float, with
     assert none == Lanes() and found == pytest.approx(exact, abs=within)
     backward = advanced(suited, job, values[::-1])[0]
     assert found.tobytes() == np.ascontiguousarray(backward[::-1]).tobytes()
+
+
+def test_attitudes_in_lanes_go_on_at_each_run_s_own_events() -> None:
+    """A thrust that ends at another time in each run: references are handed over with the state."""
+    model = lag.loads("""model Thrown
+  parameter Time T = 0.7;
+  Free f(a = world, S(start = angles("zxz", 0.3, 0.5, 0)), w(start = {0.1, 5, 2}));
+  Body b(m = 1, I = {0.01, 0.012, 0.002}, center = shift(f.b, {0.02, 0, 0.1}));
+  AppliedForce push(at = shift(b.center, {0.1, 0, 0}), force = {if time < T then 1.5 else 0.2, 0, 0});
+end Thrown;""")
+    measures = read_measures("final(f.S[1]), final(f.w[2]), max(f.x), at(0.71, f.S[2])")
+    suited, job = model.reporting(quantities(measures)).prepared_for(
+        measures, Request(stop=1.5, tolerance=1e-9, parameters={"T": np.linspace(0.3, 1.0, 11)}), Design())
+    values = job.variations.values(0, job.runs)
+    found, _, lanes = advanced(suited, job, values)
+    alone, _, none = advanced(suited, replace(job, sweep=replace(job.sweep, in_lanes=False)), values)
+    assert none == Lanes() and lanes.runs == 11 and found == pytest.approx(alone, abs=2e-8)
