@@ -230,6 +230,9 @@ def compile_energies(path: Path, model: str | None = None, structural: Mapping[s
             refuse_attitudes(kinematics.graph.attitudes, "these written equations", "lag equations --angles zxz writes it by "
                              "Euler's angles: about z, x and z, which move along; any of the twelve sequences",
                              "the forms lagrange, energies, matrix and first-order have Euler's equations for it")
+        elif has_angles and (cut := next((cut for cut in kinematics.graph.closures if cut.kind == "ball"), None)) is not None:
+            fail("L0901", f"not supported yet: equations by angles of a loop that a ball joint closes ('{cut.kept}')", cut.span,
+                 "without --angles it has quaternions, in the forms lagrange, energies, matrix and first-order")
         elif has_angles and not kinematics.graph.attitudes:
             fail("L0704", "--angles: no attitude is a coordinate of this scene", flat.span)
         if not any(row.balanced for row in constraints.all_rows):  # which numbers that others could set may be the reason of

@@ -12,6 +12,8 @@ from lagrangia.frames.planar_joints import Slide
 from lagrangia.frames.spatial import unit_axis
 from lagrangia.frames.steps import Step
 
+_LENGTHS = 3  # of the gaps of a cut joint in space, before as many angles
+
 
 def gaps(frames: Frames, closure: Closure, level: int) -> list[Scalar]:
     """What must vanish, at a level of the kinematics; lengths in m, angles in rad."""
@@ -26,9 +28,14 @@ def gaps(frames: Frames, closure: Closure, level: int) -> list[Scalar]:
         raise error.placed(closure.span) from None
 
 
-def gap_of(closure: Closure, part: int) -> str:
-    """What its so-manieth gap is: x, y, angle, or across a slide."""
-    return planar_joints.gap_of(closure.kind, part)
+def gap_of(frames: Frames, closure: Closure, part: int) -> str:
+    """What its so-manieth gap is: x, y, z, angle, or across a slide."""
+    if not frames.geometry.by_rates:
+        own = planar_joints.GAPS[closure.kind]
+        return planar_joints.gap_of(closure.kind, part) if part < own else "z" if part == own else "angle"
+    if part >= _LENGTHS:
+        return "angle"
+    return "xyz"[part] if closure.freedom is None or closure.kind in ("hinge", "ball", "cross") else "across"
 
 
 def gaps_of_start(frames: Frames, closure: Closure) -> list[Scalar]:

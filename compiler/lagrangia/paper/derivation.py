@@ -5,6 +5,7 @@ from collections.abc import Callable, Mapping
 from lagrangia.base.diagnostics import fail, suggest
 from lagrangia.constraints.rows import Row
 from lagrangia.frames.closures import gap_of
+from lagrangia.frames.kinematics import Kinematics
 from lagrangia.paper.book import (
     Book,
     constraints_block,
@@ -117,15 +118,15 @@ def _holders(book: Book) -> list[Inline]:
     names = [book.presentation.symbols.names[x] for x in book.equations.multipliers]
     found: list[Inline] = []
     for name, row in zip(names, book.equations.scene.kept, strict=True):
-        found += ["; " if found else "", _holder(name, row)]
+        found += ["; " if found else "", _holder(name, row, book.equations.scene.kinematics)]
     return found
 
 
-def _holder(name: Name, row: Row) -> Inline:
+def _holder(name: Name, row: Row, kinematics: Kinematics) -> Inline:
     if row.loop is None:
         return say("{0} of '{1}'", name, row.span.text.rstrip("; "))
-    joint, frame = row.loop.coordinate.rpartition(".")[0] or row.loop.around, row.loop.a
-    match gap_of(row.loop, row.part):
+    joint, frame = (row.loop.coordinate or row.loop.kept).rpartition(".")[0] or row.loop.around, row.loop.a
+    match gap_of(kinematics, row.loop, row.part):
         case "angle":
             return say("{0} the torque in {1}, on {2}", name, joint, frame)
         case "across":
