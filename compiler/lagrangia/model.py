@@ -277,8 +277,12 @@ class Model(Analysed, Swept):
 
     def telling_reactions(self, names: Sequence[str] = (REACTION,)) -> "Model":
         """The same, or where reactions are among these quantities and a scene in space lies in a plane, the scene in space."""
-        is_asked = any(REACTION in name for name in names)
-        return self._in(replace(self.formulas, in_space=True)) if is_asked and self.compilation.graph.lies_in_plane else self
+        return self.in_space if any(REACTION in name for name in names) else self
+
+    @property
+    def in_space(self) -> "Model":
+        """The same, or where a scene in space lies in a plane, the scene in space, as it is written on paper."""
+        return self._in(replace(self.formulas, in_space=True)) if self.compilation.graph.lies_in_plane else self
 
     def _in(self, formulas: Formulas) -> "Model":
         if formulas not in self._others:

@@ -19,6 +19,22 @@ def test_multipliers_are_forces_and_torques_of_the_cut_joint(tmp_path: Path) -> 
     assert all(f"the force along ${axis}$ in far, on " in told for axis in "xyz") and "the torque in far, on " in told
 
 
+def test_a_four_bar_in_a_tilted_plane_is_written_in_space(tmp_path: Path) -> None:
+    """It runs with the equations of its plane, which have other coordinates: starts and positions of rest were of these."""
+    scene = tmp_path / "tilted.lag"
+    scene.write_text("""model Tilted
+      World world(gravity = {0, 0, -9.81});
+      Frame plane;
+      Revolute O(a = plane, phi(start = 1)), A, B, C(a = shift(plane, {1, 0, 0}));
+      Bar one(m = 1, L = 0.4, a = O.b), two(m = 1, L = 1, a = A.b), three(m = 1, L = 0.7, a = C.b);
+    equation
+      plane = turn(world, 0.5, {1, 0.3, 0});
+      connect(one.b, A.a); connect(two.b, B.a); connect(three.b, B.b);
+    end Tilted;""")
+    assert main(["export", "--to", "modelica", str(scene), "-o", str(tmp_path / "tilted.mo")]) == 0
+    assert "Real phi_B(start = " in (tmp_path / "tilted.mo").read_text()
+
+
 def test_angles_of_a_ball_joint_that_closes_a_loop_are_refused(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["equations", "--angles", "zxz", str(EXAMPLES / "spatial_four_bar.lag")]) == WRONG
     assert "equations by angles of a loop that a ball joint closes ('far.S')" in capsys.readouterr().err

@@ -139,6 +139,7 @@ def _modelica(model: "Model", target: str, names: Mapping[str, str], force: bool
     from lagrangia.paper.sheet import Request, written_book
 
     book = written_book(model.path, Request(names=names, is_forced=force), model.model, model.structural, has_quaternions=True)
+    model = model.in_space
     c = model.compilation
     freedom = find_freedom(c.kinematics, c.motion, c.constraints, c.initial, c.functions.table)
     remarks = [*_remarks(model, target), *(f"left out: {what}" for what in freedom.repeated if freedom.dependent)]

@@ -35,6 +35,7 @@ from lagrangia.paper.phrases import spoken
 from lagrangia.paper.symbolic import SymbolicScene, build_symbolic
 from lagrangia.paper.sympy_script import write_script
 from lagrangia.paper.textbook import letters_of, name_symbols, presentation_of
+from lagrangia.run.formulas import Formulas
 from lagrangia.run.request import check_values
 
 ALL_FORMS = (*FORMS, *NUMBERED, "linear", "worked", "exercise")
@@ -231,7 +232,7 @@ def start_of(parameters: Given, path: Path, model: str | None = None, structural
              "name one: --about tip.theta=0.5")
     from lagrangia.study.analysis import Study
 
-    compilation = compile_file(path, model, structural, given=parameters)
+    compilation = compile_file(path, model, structural, formulas=Formulas(in_space=True), given=parameters)
     study = Study(compilation, check_values(compilation.scene), None)
     return Begin(study.start[0], study.reach, study.is_angle, study.is_preferred)
 
