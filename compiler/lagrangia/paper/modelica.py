@@ -15,7 +15,7 @@ import re
 from collections.abc import Callable, Iterable, Mapping
 
 import sympy as sp
-from sympy.printing.precedence import precedence
+from sympy.printing.precedence import PRECEDENCE, precedence
 from sympy.printing.str import StrPrinter
 
 from lagrangia.algebra.with_sympy import Expr, exact_throughout, slope
@@ -29,6 +29,7 @@ _RESERVED = set("""algorithm and annotation block break class connect connector 
     impure in initial inner input loop model not operator or outer output package parameter partial protected public pure record
     redeclare replaceable return stream then true type when while within time Real Integer Boolean String""".split())
 _CLOSING = 10.0  # 1/s
+_MOST = 2**53  # beyond, not all integers are doubles
 _NAMES = {"Abs": "abs", "ceiling": "ceil"}
 _LOGARITHMS = (sp.asinh, sp.acosh, sp.atanh)  # which Modelica has not
 
@@ -158,6 +159,10 @@ def _quoted(words: str) -> str:
     return f" {_text(words)}" if words else ""
 
 
+def _is_long(x: Expr) -> bool:
+    return bool(max(abs(x.p), x.q) > _MOST)
+
+
 class _Printer(StrPrinter):  # type: ignore[misc]
     """Modelica's operators and functions."""
 
@@ -171,7 +176,17 @@ class _Printer(StrPrinter):  # type: ignore[misc]
             return f"(1/{base})"
         return f"{base}^{e.exp}" if e.exp.is_Integer and e.exp > 0 else f"{base}^({self._print(e.exp)})"
 
+    def _print_Rational(self, e: Expr) -> str:
+        """Products of numbers that were rounded are fractions of integers that no tool reads."""
+        return repr(float(e)) if _is_long(e) else str(super()._print_Rational(e))
+
+    def _print_Integer(self, e: Expr) -> str:
+        return repr(float(e)) if _is_long(e) else str(super()._print_Integer(e))
+
     def _print_Mul(self, e: Expr) -> str:
+        coefficient, rest = e.as_coeff_Mul()
+        if coefficient.is_Rational and _is_long(coefficient):
+            return f"{float(coefficient)!r}*{self.parenthesize(rest, PRECEDENCE['Mul'])}"
         return re.sub(r"\*\*", "^", str(super()._print_Mul(e)))
 
     def _print_Function(self, e: Expr) -> str:
