@@ -8,7 +8,7 @@ from functools import cached_property, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
-from lagrangia.base.checked_values import names
+from lagrangia.base.checked_values import by_name, names
 from lagrangia.base.diagnostics import EngineWarning, Interrupted, RunError, fail
 from lagrangia.run.cache import find_scene, keep_scene
 from lagrangia.run.engines import Engine, divided, load_engine
@@ -176,7 +176,8 @@ class Model(Analysed, Swept):
         InputWarnings name inputs without values, tables of inputs that end before the run, and parameters given in vain.
         """
         request = Request(start, stop, tolerance, interval, at, solver, max_step, max_steps, parameters, initial, inputs)
-        warn_of_given(self, request, later=controllers or ())
+        by_input = by_name("controllers", controllers)
+        warn_of_given(self, request, later=by_input)
         if from_ is not None:
             from lagrangia.study.steady_start import begun
 
@@ -185,7 +186,7 @@ class Model(Analysed, Swept):
         if controllers is not None or every:
             from lagrangia.study.controlled import simulate_controlled
 
-            return simulate_controlled(self, request, controllers or {}, every)
+            return simulate_controlled(self, request, by_input, every)
         return self.run(request)
 
     def start(self, *, parameters: Given = None, initial: Given = None, inputs: Given = None, start: float | None = None,
@@ -250,7 +251,7 @@ class Model(Analysed, Swept):
 
     def fitting(self, parameters: Given) -> "Model":
         """This model, or the same scene in the formulas that these parameters need: it may have other coordinates."""
-        return self.suited(check_values(self.scene, parameters)) if parameters else self
+        return self.suited(check_values(self.scene, parameters)) if by_name("parameters", parameters) else self
 
     def suited(self, values: Values) -> "Model":
         """The same for checked values."""

@@ -158,7 +158,7 @@ IDLE = """model Idle
 
 
 @needs_compiler
-@pytest.mark.parametrize("command", ["check", "simulate", "modes", "export"])
+@pytest.mark.parametrize("command", ["check", "simulate", "modes", "export", "equations", "explain"])
 def test_warnings_are_silenced_by_code_or_taken_for_errors(command: str, capsys: pytest.CaptureFixture[str]) -> None:
     more = ["--to", "python", "-o", "made.py"] if command == "export" else []
     file = write(IDLE % "")

@@ -46,7 +46,7 @@ def test_letters_that_stand_nowhere_are_told(capsys) -> None:
     bar = str(ALL[0].with_name("suspended_bar.lag"))
     assert main(["equations", bar, "--names", "W=tau,D=sigma"]) == 0
     told = capsys.readouterr()
-    assert "warning: --names W=tau has no effect: 'W' stands nowhere on this page" in told.err and "D=sigma" not in told.err
+    assert "warning[L0224]: --names W=tau has no effect: 'W' stands nowhere" in told.err and "D=sigma" not in told.err
     assert main(["equations", bar, "--names", "W=tau,D=sigma", "--form", "worked"]) == 0
     assert capsys.readouterr().err == ""
 

@@ -2,7 +2,7 @@
 
 import math
 import operator
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from lagrangia.base.diagnostics import fail
@@ -56,9 +56,18 @@ def a_count_within(what: str, value: Any, least: int, most: int) -> int:
 
 def numbers(what: str, given: Any) -> list[float]:
     """Raises LagError L0702."""
-    if isinstance(given, str | bytes | Mapping) or not isinstance(given, Iterable):
+    found = None if isinstance(given, str | bytes | Mapping) else _listed(given)
+    if found is None:
         fail("L0702", f"the {what} must be a sequence of numbers, not {given!r}"[:200])
-    return [a_number(what, value) for value in given]
+    return [a_number(what, value) for value in found]
+
+
+def _listed(given: Any) -> list[Any] | None:
+    """What is in it; None where nothing can be, as in an array of no dimension, which says that it can be iterated over."""
+    try:
+        return list(given)
+    except TypeError:
+        return None
 
 
 def an_array(what: str, given: Any) -> "NDArray[np.float64]":
@@ -77,10 +86,10 @@ def an_array(what: str, given: Any) -> "NDArray[np.float64]":
 
 def names(what: str, given: Any) -> tuple[str, ...]:
     """A text alone is one name. Raises LagError L0702."""
-    found = (given,) if isinstance(given, str) else tuple(given) if isinstance(given, Iterable) else None
+    found = [given] if isinstance(given, str) else _listed(given)
     if found is None or not all(isinstance(name, str) for name in found):
         fail("L0702", f"the {what} must be names, not {given!r}"[:200])
-    return found
+    return tuple(found)
 
 
 def a_frequency(value: Any) -> float:

@@ -47,9 +47,14 @@ def load_model(options: Namespace, given: list[tuple[str, str]], outputs: tuple[
 
 
 def tell(options: Namespace, model: Model, texts: Iterable[str]) -> None:
-    """Warnings, but those whose code the model or the command line allows, and none under --quiet. Raises LagError L0710 where
-    --strict is given, which takes them for errors: these are told."""
-    allowed = {*model.scene.notes["allowed"], *allowed_codes(options)}
+    """Warnings, but those whose code the model or the command line allows. Raises LagError L0710."""
+    tell_texts(options, [text for text in texts if text.removeprefix("warning[")[:5] not in model.scene.notes["allowed"]])
+
+
+def tell_texts(options: Namespace, texts: Iterable[str]) -> None:
+    """Warnings, but those whose code the command line allows, and none under --quiet. Raises LagError L0710 where --strict is
+    given, which takes them for errors: these are told."""
+    allowed = allowed_codes(options)
     told = [text for text in texts if text.removeprefix("warning[")[:5] not in allowed]
     for text in told if options.strict or not getattr(options, "quiet", False) else ():
         print(text, file=sys.stderr)

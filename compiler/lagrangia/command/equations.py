@@ -1,6 +1,5 @@
 """`lag equations`: options -> Request -> page."""
 
-import sys
 from argparse import Namespace
 from pathlib import Path
 
@@ -14,6 +13,7 @@ from lagrangia.command.arguments import (
     names_once,
     open_parameters,
     part_structural,
+    tell_texts,
 )
 from lagrangia.run.request import Request as Drawn
 
@@ -34,8 +34,9 @@ def equations_command(options: Namespace) -> int:
         print(told)
         return 0 if is_right else 1
     text = write_equations(options.file, request, options.model, structural)
-    for letter in text.idle:
-        print(f"warning: --names {letter}={names[letter]} has no effect: '{letter}' stands nowhere on this page", file=sys.stderr)
+    vain = [f"warning[L0224]: --names {letter}={names[letter]} has no effect: '{letter}' stands nowhere on this page"
+            for letter in text.idle]
+    tell_texts(options, [*text.warnings, *vain])
     if options.output in (None, "-"):
         print(text)
     else:

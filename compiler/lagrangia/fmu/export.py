@@ -99,7 +99,7 @@ def export_fmus(
     tell: Callable[[str], None] | None,
 ) -> list[Path]:
     """One archive for each version, from one description of the scene. Raises LagError."""
-    versions = VERSIONS if fmi == "both" else read_choice(fmi, VERSIONS, "version of FMI")
+    versions = VERSIONS if isinstance(fmi, str) and fmi == "both" else read_choice(fmi, VERSIONS, "version of FMI")
     kinds = _possible(model, read_choice(kind, KINDS, "kind of FMU"))
     chosen = read_platforms(platforms)
     (asked,) = read_choice(engine, ENGINES, "engine of an FMU")

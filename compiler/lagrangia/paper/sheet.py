@@ -104,7 +104,10 @@ def write_equations(path: Path, request: Request, model: str | None = None, stru
     with deep_recursion():
         scene = build_symbolic(kinematics, constraints, request.form == "linear", request.angles)
         begin = cache(lambda: start_of(request.parameters, path, model, structural, request.angles))
-        return _written(kinematics, scene, request, begin, rates_jump(kinematics, constraints))
+        found = _written(kinematics, scene, request, begin, rates_jump(kinematics, constraints))
+    flat = kinematics.graph.model
+    found.warnings = tuple(warning.render() for warning in flat.warnings if warning.code not in flat.allowed)
+    return found
 
 
 def written_book(path: Path, request: Request, model: str | None = None, structural: Mapping[str, Any] | None = None,

@@ -70,4 +70,5 @@ def _called(reader: str) -> str:
 
 def all_names(*groups: Iterable[str] | None) -> list[str]:
     """Once each; what is given for names and is none, the run refuses."""
-    return list(dict.fromkeys(name for group in groups if isinstance(group, Iterable) for name in group if isinstance(name, str)))
+    known = (group for group in groups if isinstance(group, Mapping | list))
+    return list(dict.fromkeys(name for group in known for name in group if isinstance(name, str)))

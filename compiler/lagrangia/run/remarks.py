@@ -5,6 +5,7 @@ import warnings
 from collections.abc import Collection, Iterable, Mapping
 from typing import Any, Protocol
 
+from lagrangia.base.checked_values import by_name
 from lagrangia.base.diagnostics import InputWarning
 from lagrangia.run.overridden import all_names, may_be_overridden, overridden_remarks
 from lagrangia.run.request import Experiment, Request, check_values, plan
@@ -50,6 +51,8 @@ def warn_of_given(model: Told, request: Request, more: Iterable[str] = (), later
     """The same in Python, as InputWarnings at the line that called who calls this, but those that the model allows; inputs may be
     a list of those of several runs. Raises LagError for a request that is none."""
     scene, found = model.scene, dict[str, None]()
+    by_name("parameters", request.parameters)
+    by_name("start values", request.initial)
     if scene.inputs:  # else what is given all the same the run refuses
         experiment = plan(scene, request)
         for given in request.inputs if isinstance(request.inputs, list) else [request.inputs]:

@@ -254,6 +254,8 @@ def _input_table(scene: Scene, inputs: Any, report: Report) -> tuple[Sequence[fl
         columns = {name: numbers(f"values of the input '{name}'", given) for name, given in by_name("inputs", inputs[1]).items()}
     else:
         columns = {name: [a_number(f"input '{name}'", value)] for name, value in by_name("inputs", inputs).items()}
+    if not times:
+        fail("L0703", "the table of inputs has no times")
     for name, column in columns.items():
         if name not in names:
             _unknown("input", name, names, report)
@@ -266,6 +268,8 @@ def _input_table(scene: Scene, inputs: Any, report: Report) -> tuple[Sequence[fl
     columns = complete_rates(scene, times, columns) if scene.pieces else columns
     full = [columns.get(p.name, [p.value or 0.0] * len(times)) for p in scene.inputs]
     for known, column in zip(scene.inputs, full, strict=True):
+        if not column:  # as was told
+            continue
         for value in filter(math.isfinite, dict.fromkeys((min(column), max(column)))):
             _require_possible("input", known, value, report)
     return times, [column[row] for row in range(len(times)) for column in full if row < len(column)]

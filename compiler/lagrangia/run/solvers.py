@@ -46,9 +46,9 @@ def applicable(scene: Scene) -> tuple[str, ...]:
 
 def number_of(name: str, scene: Scene) -> Solver:
     """The run time's number of the solver `name`. Raises LagError L0704 when there is none, or none for this scene."""
-    if name == AUTO:
+    if isinstance(name, str) and name == AUTO:
         return Solver.AUTO
-    if name not in WAYS:
+    if not isinstance(name, str) or name not in WAYS:
         known = [AUTO, *WAYS, *CASADI]
         fail("L0704", f"there is no solver '{name}'", None, *filter(None, [suggest(str(name), known)]),
              f"the solvers are {', '.join(known)}")

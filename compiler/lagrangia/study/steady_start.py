@@ -28,7 +28,8 @@ def begun(model: Any, start_from: "str | Mapping[str, float]", parameters: Any, 
     LagError, RunError."""
     if isinstance(start_from, str) and start_from != "steady":
         return start_at_rest(model, start_from, parameters, guesses, inputs, time)
-    return start_steady(model, by_name("from_", {} if start_from == "steady" else start_from), parameters, guesses, inputs, time)
+    rates = {} if isinstance(start_from, str) else by_name("from_", start_from)
+    return start_steady(model, rates, parameters, guesses, inputs, time)
 
 
 def start_steady(model: Any, rates: Mapping[str, float], parameters: Any, guesses: Mapping[str, float] | None, inputs: Any,

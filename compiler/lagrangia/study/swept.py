@@ -6,6 +6,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
+from lagrangia.base.checked_values import by_name
+from lagrangia.base.diagnostics import fail
 from lagrangia.run.engines import Engine
 from lagrangia.run.remarks import warn_of_given
 from lagrangia.run.request import Request
@@ -88,6 +90,8 @@ class Swept(ABC):
         """Cycles of a quantity, "y" or "y, from=2", by ASTM E1049: (cycles, 3) of range, mean (SI units) and count, 1 or 1/2."""
         from lagrangia.study.measuring import take_cycles
 
+        if not isinstance(quantity, str):
+            fail("L0702", f"rainflow takes a quantity, as \"y\" or \"y, from=2\", not {quantity!r}"[:200])
         warn_of_given(self, request := Request(**asked))
         return take_cycles(self, quantity, request)
 
@@ -104,5 +108,6 @@ class Swept(ABC):
 
         starts = [c.name for x, known in ((q0, self.scene.coordinates), (v0, self.scene.rates)) if x is not None for c in known]
         later = () if u is None else [known.name for known in self.scene.inputs]
-        warn_of_given(self, Request(), [*p, *starts] if p else (), later)
+        given = by_name("parameters", p)
+        warn_of_given(self, Request(), [*given, *starts] if given else (), later)
         return roll_out(self, q0, v0, p, u, times, tolerance=tolerance, solver=solver, jobs=jobs)

@@ -2,10 +2,11 @@
 
 import math
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import NoReturn
 
+from lagrangia.base.checked_values import names
 from lagrangia.base.cutting import cut_list, split_list
 from lagrangia.base.diagnostics import fail, suggest
 from lagrangia.base.records import dataclass
@@ -55,9 +56,7 @@ class Measure:
 
 def read_measures(given: str | Sequence[str]) -> list[Measure]:
     """A text alone is a list as on the command line. Raises LagError L0711."""
-    if not isinstance(given, Iterable):
-        fail("L0711", f"measures are a sequence of texts, not {given!r}"[:200])
-    measures = [read_measure(text) for text in (split_list(given) if isinstance(given, str) else given)]
+    measures = [read_measure(text) for text in (split_list(given) if isinstance(given, str) else names("measures", given))]
     texts = [measure.text for measure in measures]
     if twice := [text for text in texts if texts.count(text) > 1]:
         fail("L0711", f"{twice[0]} is measured twice")

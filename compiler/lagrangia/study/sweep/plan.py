@@ -357,7 +357,7 @@ def _values(name: _Name, value: Any) -> "tuple[np.ndarray | Distribution, bool]"
     else:
         try:
             found = np.asarray(value, dtype=np.float64)
-        except (TypeError, ValueError):
+        except (TypeError, ValueError, OverflowError):
             fail("L0712", f"the values of '{name.name}' must be numbers, not {type(value).__name__}: {value!r}"[:200])
         if found.ndim == 0 or (found.ndim == 1 and len(name.elements) > 1):
             found, is_alone = found[np.newaxis], True

@@ -309,7 +309,7 @@ def columns_of_runs(given: Any) -> "dict[str, np.ndarray]":
         try:
             is_complex = np.iscomplexobj(given[name])
             found[name] = np.asarray(given[name], dtype=np.complex128 if is_complex else np.float64)
-        except (TypeError, ValueError):
+        except (TypeError, ValueError, OverflowError):
             fail("L0713", f"the table of runs: the column '{name}' holds something else than numbers")
         if is_complex:
             fail("L0713", f"the table of runs: the column '{name}' holds complex numbers")
