@@ -215,5 +215,7 @@ def test_products_of_matrices_are_bounded(scene: Write) -> None:
         scene(body.format(60) + "parameter Real k[60] = A*(A*(A*x)); " + ends)
     named = "parameter Real y[{0}] = A*x; parameter Real z[{0}] = A*y; parameter Real k[{0}] = A*z; "
     scene((body + named).format(60) + ends)
+    with pytest.raises(lag.LagError, match=r"L0209.*products .* more than 300000 operations"):
+        scene(body.format(60) + "parameter Real k[60, 60] = A*A; " + ends.replace("k[1]", "k[1, 1]"))
     for product in ("A*(A*(A*x))", "A^3*x", "[1, 0.5; 0.25, 1]^100*(x - x)"):
         scene(body.format(2) + f"parameter Real k[2] = {product}; " + ends)

@@ -12,8 +12,10 @@ from lagrangia.language.mentions import children, nodes
 from lagrangia.language.tree import Array, Binary, Call, Flat, Number, Unary
 
 _MOST_ELEMENTS = 100_000
+_LARGE = 10_000  # multiplications of a product that are counted among a model's operations
 _WRITTEN_OUT = "products of matrices, one within the other, are written out to"
 _NAME_IT = "give what stands inside a name of its own: parameter Real y[n] = A*x, or Real y[n] = A*x; and write A*y"
+_BY_VECTORS = "products with vectors take fewer: y = A*x and A*y in place of A*A*x, each with a name of its own"
 _PLAIN = {".+": "+", ".-": "-", ".*": "*", "./": "/", ".^": "^"}
 EACH = frozenset(_PLAIN)  # operators that act on element after element
 
@@ -56,6 +58,8 @@ def product(left: Flat, right: Flat, size: Size, span: Span, work: Work) -> Flat
              "the columns of the first are as many as the rows of the second; of element after element the product is .*")
     rows = [_items(left, size)] if len(a) == 1 else rows_of(left, size)
     columns = [_items(right, size)] if len(b) == 1 else list(zip(*rows_of(right, size), strict=True))
+    if len(rows) * len(columns) * a[-1] > _LARGE:
+        work.spend(2 * len(rows) * len(columns) * a[-1], span, "products of matrices are written out to", _BY_VECTORS)
     work.spend(_repeated(rows, columns), span, _WRITTEN_OUT, _NAME_IT)
     found = [[_inner(row, column, span) for column in columns] for row in rows]
     if len(a) == 1:
