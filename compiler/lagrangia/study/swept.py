@@ -87,7 +87,8 @@ class Swept(ABC):
         return {measure.text: float(sweep[measure.text][0]) for measure in sweep.job.measures}
 
     def rainflow(self, quantity: str, **asked: Any) -> "np.ndarray":
-        """Cycles of a quantity, "y" or "y, from=2", by ASTM E1049: (cycles, 3) of range, mean (SI units) and count, 1 or 1/2."""
+        """Cycles of a quantity, "y" or "y, from=2", by ASTM E1049: (cycles, 3) of range, mean (SI units) and count, 1 or 1/2.
+        Raises LagError, RunError, Interrupted."""
         from lagrangia.study.measuring import take_cycles
 
         if not isinstance(quantity, str):
