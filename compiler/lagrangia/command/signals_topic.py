@@ -10,7 +10,7 @@ States
 A variable with an equation for its rate is a first-order state: filters, motors, controllers, friction with bristles. It is in
 all solvers, FMUs of both kinds, sweeps, lag equilibrium, linearize and response; z(start = 1, fixed = true), initial equations,
 --initial z=1 and reinit(z, 0) in a `when` hold as of a rate. Forces may read der(z), which is the right-hand side.
-The equation is solved for der(z), and may read positions, rates, time, inputs and other states.
+The equation is solved for der(z), as T*der(z) = u - z, and may read positions, rates, time, inputs and other states.
 
 In the library   FirstOrder, SecondOrder, Integrator, Limiter, RateLimiter, Sensor; PI and PID with limits, whose integral does
                  not wind up; DCMotor between two frames; chirp(time, f0, f1, duration); Hysteresis(low = 19, high = 21, off = 1,

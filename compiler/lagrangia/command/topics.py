@@ -72,9 +72,10 @@ with <, <=, > or >= (positions, velocities, time), and go together with and, or,
 (`lag simulate` says so of contacts).
 
 reinit(rate, value)   the rate is that of anything that the motion decides: der(x) of a position, a distance or an angle,
-                      frame.v[1], frame.w, or a variable bound to one; value may read pre(rate), all as before the event. It is
-                      reached by impulses L on what is reset, M dv = sum_j (dx_j/dq)^T L_j: constraints, joints and other
-                      coordinates answer. Several in one `when`, or of events at the same moment, are found together.
+                      frame.v[1], frame.w, of sums and multiples of these (b.w - a.w), or a variable bound to one; value may
+                      read pre(rate), all as before the event. It is reached by impulses L on what is reset,
+                      M dv = sum_j (dx_j/dq)^T L_j: constraints, joints and other coordinates answer. Several in one `when`,
+                      or of events at the same moment, are found together.
 Contacts              where the rate of the condition itself is turned back or stopped, as der(gap) by -e*pre(der(gap)) when
                       gap < 0. They push and never pull, one impact brings about the next (Newton's cradle), and bounces too
                       small to be told from none come to rest: a force that only pushes holds them, until the motion leaves.
