@@ -5,6 +5,7 @@ from collections.abc import Callable
 import pytest
 
 import lagrangia as lag
+from lagrangia.base.diagnostics import LagError
 
 Write = Callable[[str], lag.Model]
 
@@ -50,3 +51,54 @@ def test_the_unit_of_a_result_that_branches_give(scene: Write) -> None:
     algorithm if x > 0[m] then y := 3[N]; else y := 2[N/m]*x; end if; end f;
     model M Block b(m = 1, base = world, s(start = 1)); AppliedForce a(at = b.center, force = {f(b.s), 0[N]}); end M;""")
     assert model.simulate(stop=1, interval=1)["b.s"][-1] == pytest.approx(2.5, abs=1e-12)
+
+
+LOGIC = """function inside "whether x lies within"
+  input Real x; input Real low; input Real high; output Boolean y;
+algorithm
+  y := x > low and x < high;
+end inside;
+function pick
+  input Boolean on; input Real a; input Real b; output Real y;
+  protected Boolean c, d = false, e[2];
+algorithm
+  c := not on;
+  e := {c, d};
+  if a > 5 then d := e[1] or d; else d := false; end if;
+  y := if d then a else b;
+  c := true;
+  if not c then y := 0; end if;
+end pick;
+function odd input Integer n; output Boolean y; algorithm y := mod(n, 2) == 1; end odd;
+model M
+  parameter Boolean is_odd = odd(3);
+  Prismatic s(a = world, s(start = 1));
+  PointMass m(m = if is_odd then 1 else 2, center = s.b);
+  Spring k(k = 3, a = world, b = m.center) if odd(5);
+  AppliedForce f(at = m.center, force = {if inside(s.s, -0.5, 0.5) then -2 else pick(s.s > 0.7, 6, -1), 0});
+equation
+  assert(not inside(s.s, 100, 200), "too far");
+  when inside(s.s, -0.2, 0.2) then reinit(s.v, 1.2*pre(s.v)); end when;
+end M;
+"""
+
+
+@pytest.mark.parametrize("solver", ["auto", "erk", "implicit"])
+def test_truths_that_move_are_given_to_functions_and_by_them(scene: Callable[[str], lag.Model], solver: str) -> None:
+    """As the same conditions written out: all events are found, also those of a `when`."""
+    plain = LOGIC.replace("if inside(s.s, -0.5, 0.5) then", "if s.s > -0.5 and s.s < 0.5 then").replace(
+        "pick(s.s > 0.7, 6, -1)", "(if not s.s > 0.7 then 6 else -1)").replace(
+        "when inside(s.s, -0.2, 0.2)", "when s.s > -0.2 and s.s < 0.2")
+    runs = [scene(text).simulate(at=[2.0, 6.0], solver=solver, tolerance=1e-10) for text in (LOGIC, plain)]
+    assert runs[0]["s.s"] == pytest.approx(runs[1]["s.s"], abs=1e-8)
+    assert runs[0]["s.v"] == pytest.approx(runs[1]["s.v"], abs=1e-8)
+
+
+def test_what_is_no_truth_is_no_boolean(scene: Callable[[str], lag.Model]) -> None:
+    for wrong, code in (("y := x;", "L0302"), ("y := x > 0; y := y + 1;", "L0302")):
+        with pytest.raises(LagError, match=code):
+            assert scene(LOGIC.replace("y := x > low and x < high;", wrong)).scene
+    with pytest.raises(LagError, match="L0302"):
+        assert scene(LOGIC.replace("pick(s.s > 0.7, 6, -1)", "pick(s.s, 6, -1)")).scene
+    with pytest.raises(LagError, match="jumps there"):
+        assert scene(LOGIC.replace("when inside(s.s, -0.2, 0.2)", "when 2*(if s.s < 0 then 1 else -1) > 1")).scene

@@ -186,6 +186,13 @@ class CasadiAlgebra:
         self.index.asked.add("choice")
         if isinstance(a, float | int) and isinstance(b, float | int):
             return float(_COMPARE[operator](a, b))
+        if isinstance(b, float | int) and (chosen := _chosen(a)) is not None:  # as the choice says: it changes with that alone
+            condition, *numbers = chosen
+            here, there = (self.compare(operator, x, b) for x in numbers)
+            if isinstance(here, float) and isinstance(there, float):
+                return here if here == there else condition if here else self.logic("not", condition)
+            return self.logic("or", self.logic("and", condition, here),
+                              self.logic("and", self.logic("not", condition), there))
         if is_zero(b) or is_zero(a):
             a, b = _of_sign(a), _of_sign(b)
         if operator in ("==", "<>") and is_zero(b) and isinstance(a, ca.SX):
@@ -349,6 +356,20 @@ class CasadiAlgebra:
             self.modes.append(mode)
             self.index.modes.append(mode)
         return self.index.symbols[key]
+
+
+def _chosen(x: Scalar) -> tuple[ca.SX, Scalar, Scalar] | None:
+    """The condition and both values of a choice among numbers, one of which may be a choice again."""
+    if not isinstance(x, ca.SX) or x.op() != ca.OP_ADD:
+        return None
+    then, otherwise = x.dep(0), x.dep(1)
+    if then.op() != ca.OP_IF_ELSE_ZERO or otherwise.op() != ca.OP_IF_ELSE_ZERO or otherwise.dep(0).op() != ca.OP_NOT:
+        return None
+    if not ca.is_equal(otherwise.dep(0).dep(0), then.dep(0), 9):
+        return None
+    values = [float(part.dep(1)) if part.dep(1).is_constant() else part.dep(1) for part in (then, otherwise)]
+    is_known = all(isinstance(value, float) or _chosen(value) is not None for value in values)
+    return (then.dep(0), values[0], values[1]) if is_known else None
 
 
 def _without_sign(x: ca.SX) -> ca.SX:

@@ -156,7 +156,8 @@ def _some(table: ClassTable, declaration: Declaration) -> str:
     sizes = [size.value for size in dimensions if isinstance(size, Number)]
     if base is None or len(sizes) < len(dimensions):
         return ""
-    return f"fill(1, {', '.join(f'{size:g}' for size in sizes)})" if sizes else "1"
+    one = "true" if base.builtin == "Boolean" else "1"
+    return f"fill({one}, {', '.join(f'{size:g}' for size in sizes)})" if sizes else one
 
 
 def _stand_ins(table: ClassTable, file: str, own: Sequence[ClassDefinition], used: set[str]) -> Iterator[ClassDefinition]:

@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 
 from lagrangia.algebra.duals import Scalar, rate_of, value_of
 from lagrangia.algebra.scalars import symbols_in
+from lagrangia.algebra.with_casadi import operations_in
 from lagrangia.base.diagnostics import fail
 from lagrangia.base.records import dataclass
 from lagrangia.constraints.parameters import usual_parameters
@@ -46,6 +47,7 @@ from lagrangia.language.tree import Binary, Flat, Number, Unary
 KICK, CONTACT, ONE_WAY = range(3)  # LAG_KICK, ...
 _SAME = 1e-9  # relative difference of what is the same but for rounding
 _NONE = ca.SX(0, 1)
+_CONDITIONS = {ca.OP_LT, ca.OP_LE, ca.OP_EQ, ca.OP_NE, ca.OP_IF_ELSE_ZERO}
 Numbers = NDArray[np.float64]
 
 
@@ -153,7 +155,14 @@ class _Event:
         if not _is_comparison(node):
             return g
         truth = self._expression(value(node))
-        return 2 * truth - 1 if self._jumps_alone(g, truth) else g
+        if not self._jumps_alone(g, truth):
+            return g
+        unfolded = _unfolded(truth)
+        if unfolded is None and ca.depends_on(truth, self.kinematics.algebra.state) and operations_in(g) & _CONDITIONS:
+            fail("L0225", "this comes true where other conditions change, and jumps there", node.span.within(self.when.span),
+                 "write these conditions themselves, as x > 0 and x < 1, or name one of two numbers by them: if x > 0 then 1 "
+                 "else 0")
+        return 2 * truth - 1 if unfolded is None else unfolded
 
     def _jumps_alone(self, g: ca.SX, truth: ca.SX) -> bool:
         """Whether a comparison changes at time events and at jumps alone: at these its sides may be equal for a while."""
@@ -255,6 +264,29 @@ class _Event:
         known = ca.vertcat(q, v, symbols.time, p)
         others = [x for x in ca.symvar(ca.vertcat(*results)) if not ca.depends_on(x, known)]
         return ca.Function("look", [v, ca.vertcat(q, symbols.time, *others), p], results), numbers
+
+
+def _unfolded(truth: ca.SX) -> ca.SX | None:
+    """The level of a condition that others make, as algebras put them together: continuous, as what they compare is. None where
+    it is another one."""
+    parts = [truth.dep(k) for k in range(truth.n_dep())]
+    match truth.op():
+        case ca.OP_LT | ca.OP_LE:
+            return None if operations_in(parts[1] - parts[0]) & _CONDITIONS else parts[1] - parts[0]
+        case ca.OP_NOT:
+            inner = _unfolded(parts[0])
+            return None if inner is None else -inner
+        case ca.OP_SUB if parts[0].is_constant() and float(parts[0]) == 1:
+            inner = _unfolded(parts[1])
+            return None if inner is None else -inner
+        case ca.OP_SUB if parts[0].op() == ca.OP_ADD and parts[1].op() == ca.OP_MUL:
+            both, choose = [parts[0].dep(k) for k in range(2)], ca.fmax
+        case ca.OP_MUL:
+            both, choose = parts, ca.fmin
+        case _:
+            return 2 * truth - 1 if truth.is_symbolic() else None
+    levels = [_unfolded(part) for part in both]
+    return None if any(level is None for level in levels) else choose(*levels)
 
 
 def _turns_back(look: ca.Function, p: Numbers, random: "np.random.Generator") -> bool:

@@ -1,6 +1,6 @@
 """User functions -> FlatFunctions: lists of assignments to numbers, loops unrolled and branches merged into if expressions."""
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Set
 from dataclasses import replace
 
 from lagrangia.base.diagnostics import Span, fail
@@ -53,6 +53,7 @@ from lagrangia.language.tree import (
     WhileBlock,
     Whole,
 )
+from lagrangia.language.truths import number_of, truth_of
 from lagrangia.language.units_written import read_unit
 
 _MOST_PASSES = 10_000  # of one while loop
@@ -219,7 +220,9 @@ class _Builder:
         if is_plain:
             last = self.current[outputs[0].name]
             function = self._function(name, cells, tuple(steps), last)
-            return Built(inputs, {outputs[0].name: name}, {name: function} | self.gaps, tuple(self.asserted))
+            truths = frozenset({name} if outputs[0].name in self.truths else ())
+            made = {name: function} | self.gaps
+            return Built(inputs, {outputs[0].name: name}, made, tuple(self.asserted), truths | self.truths)
         stem = self.stem
         functions, named = dict(self.gaps), {}
         for output_name, tree in results.items():
@@ -227,7 +230,8 @@ class _Builder:
                 full = f"{stem}.{leaf}"
                 functions[full] = self._function(full, cells, _needed(steps, self.current[leaf]), self.current[leaf])
             named[output_name] = _renamed(tree, stem)
-        return Built(inputs, named, functions, tuple(self.asserted))
+        truths = frozenset((*self.truths, *(f"{stem}.{leaf}" for leaf in self.truths)))
+        return Built(inputs, named, functions, tuple(self.asserted), truths)
 
     def _function(self, name: str, inputs: tuple[str, ...], steps: tuple[tuple[str, Flat], ...], output: str) -> FlatFunction:
         return FlatFunction(name, inputs, self.units, steps, output, self.definition.name_span)
@@ -241,7 +245,7 @@ class _Builder:
             self._statement(clause, {}, steps)
 
     def _local(self) -> "_LocalNames":
-        return _LocalNames(self.names, self.trees, self.current, self.constants, self._assert)
+        return _LocalNames(self.names, self.trees, self.current, self.constants, self.truths, self._assert)
 
     def _assert(self, one: Assertion) -> None:
         """That something holds at this place of the algorithm, where it is reached."""
@@ -350,7 +354,7 @@ class _Builder:
                 self._statement(part, iterators, steps, in_branch)
         fail("L0209", f"a loop of more than {_MOST_PASSES} passes", clause.span)
 
-    def _assign(self, leaf: str, value: Flat, steps: list[tuple[str, Flat]], place: str) -> None:
+    def _assign(self, leaf: str, value: Flat, steps: list[tuple[str, Flat]], place: str, is_merged: bool = False) -> None:
         self.constants.pop(leaf, None)
         if leaf in self.whole and (known := fold(value)) is not None:
             self.constants[leaf] = Boolean(known, value.span) if isinstance(known, bool) else (
@@ -358,6 +362,8 @@ class _Builder:
         self.names.work.spend(_STATEMENT + sum(1 for _ in nodes(value)), value.span)
         if leaf not in self.truths:
             refuse_no_number(value)
+        elif not is_merged:  # of numbers already
+            value = number_of(value)
         steps.append((place, value))
         self.given.add(place)
         self.current[leaf] = place
@@ -389,7 +395,7 @@ class _Builder:
             if places != [old, old] and self.given.issuperset(places):
                 taken, other = (Local(place, span) for place in places)
                 constant = self.constants.get(name)
-                self._assign(name, IfExpression(condition, taken, other, span), steps, self._fresh(name))
+                self._assign(name, IfExpression(condition, taken, other, span), steps, self._fresh(name), is_merged=True)
                 if constant is not None:
                     self.constants[name] = constant
 
@@ -417,11 +423,11 @@ class _LocalNames(Names):
     """Name resolution inside a function: its own variables, and the functions and constants of the kernel."""
 
     def __init__(self, names: Names, trees: Mapping[str, Tree], current: Mapping[str, str], constants: Mapping[str, Flat],
-                 asserts: Callable[[Assertion], None]) -> None:
+                 truths: Set[str], asserts: Callable[[Assertion], None]) -> None:
         super().__init__(names.table, names.report, names.define, work=names.work, made=names.made,
                          lookups=names.lookups, make_package=names.make_package,
                          packages=names.packages, space=names.space)
-        self.trees, self.current, self.constants, self.asserts = trees, current, constants, asserts
+        self.trees, self.current, self.constants, self.truths, self.asserts = trees, current, constants, truths, asserts
 
     def require(self, one: Assertion, cells: Mapping[str, Flat], span: Span, scope: Scope) -> None:
         """Of a function that is called here: it has to hold here, too."""
@@ -480,4 +486,5 @@ class _LocalNames(Names):
         return super().resolve(node, scope)
 
     def _leaf(self, leaf: str, span: Span) -> Flat:
-        return self.constants.get(leaf) or Local(self.current[leaf], span)
+        local = Local(self.current[leaf], span)
+        return self.constants.get(leaf) or (truth_of(local) if leaf in self.truths else local)

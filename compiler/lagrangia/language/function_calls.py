@@ -26,6 +26,7 @@ from lagrangia.language.tree import (
     Result,
     WhileBlock,
 )
+from lagrangia.language.truths import number_of, truth_of
 
 
 class OwnCalls(Protocol):
@@ -60,9 +61,7 @@ class OwnCalls(Protocol):
         given = _arranged(call, own.name, inputs)
         values = {name: self.flatten(node, scope) for name, node in given.items() if not self._record(inputs[name])}
         for name, value in values.items():
-            base = self.table.base_type(inputs[name].type_name, inputs[name].type_span)
-            if base is not None and base.builtin in ("Real", "Integer"):
-                refuse_no_number(value)
+            self._refuse_other(inputs[name], value)
         shapes = {name: shape_of(values[name], self.size) if name in values else (
                       self._record_shape(given[name], inputs[name], scope)) for name in inputs if name in given}
         constants = _constants(own, inputs, values)
@@ -72,6 +71,7 @@ class OwnCalls(Protocol):
         for name, tree in built.inputs.items():
             named |= zip(leaves_of(tree), self._cells(given[name], values.get(name), tree, scope, f"'{name}' of {own.name}"),
                          strict=True)
+        named = {leaf: number_of(value) if leaf in built.truths else value for leaf, value in named.items()}
         cells = tuple(named.values())
         for assertion in built.assertions:
             self.require(assertion, named, call.span, scope)
@@ -81,7 +81,20 @@ class OwnCalls(Protocol):
         found = outputs[output]
         for name in way:
             found = part_of(found, name, call.span)
-        return flat_of(found, lambda function: Call(function, cells, (), call.span), call.span)
+
+        def result(function: str) -> Flat:
+            made = Call[Flat](function, cells, (), call.span)
+            return truth_of(made) if function in built.truths else made
+
+        return flat_of(found, result, call.span)
+
+    def _refuse_other(self, declaration: Declaration, value: Flat) -> None:
+        """Raises LagError L0302 for what is no number where an input is one, and for no condition where it is Boolean."""
+        base = self.table.base_type(declaration.type_name, declaration.type_span)
+        if base is not None and base.builtin in ("Real", "Integer"):
+            refuse_no_number(value)
+        elif base is not None and base.builtin == "Boolean":
+            number_of(value)
 
     def own_of(self, node: Expression) -> tuple[Call[Expression], ClassDefinition, int] | None:
         """The call of a function of people's own that an expression is a result of, the function, and which result."""

@@ -3,7 +3,7 @@
 An array is a tuple of its elements; a record has a tree for each of its parts, which is an array where the record is one.
 """
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence, Set
 from typing import Literal, TypeAlias
 
 from lagrangia.base.diagnostics import Span, fail, suggest
@@ -53,12 +53,14 @@ class Assertion:
 
 @dataclass(frozen=True)
 class Built:
-    """A function for what is given: its results' trees have names of `functions`, which take the leaves of `inputs`."""
+    """A function for what is given: its results' trees have names of `functions`, which take the leaves of `inputs`; `truths`:
+    those of leaves and functions that stand for what is true or false (truths.py)."""
 
     inputs: Mapping[str, Tree]
     outputs: Mapping[str, Tree]
     functions: Mapping[str, FlatFunction]
     assertions: tuple[Assertion, ...] = ()
+    truths: Set[str] = frozenset()
 
 
 def leaves_of(tree: Tree) -> Iterator[str]:
