@@ -31,7 +31,10 @@ def test_what_differs_is_told_with_time_and_size(project: Path, capsys: pytest.C
     told = capsys.readouterr().out
     assert "FAILED TestSmallStretch" in told and "block.s differs by 0.0001 at t = 0.5 s" in told and "0 passed, 1 failed" in told
     assert main(["test", "--tolerance", "1e-2"]) == 0
+    capsys.readouterr()
     assert main(["test", "--update"]) == 0
+    told = capsys.readouterr().out
+    assert "updated TestSmallStretch" in told and "1 updated, 0 failed" in told
     assert main(["test", "--tolerance", "1e-9"]) == 0
     assert "der(block.s)" in table.read_text()
 

@@ -33,11 +33,11 @@ def test_command(options: Namespace) -> int:
                 wrong += 1
                 said, warned = render_all(error.diagnostics, sys.stdout.isatty()), []
             passed, failed = passed + (not said), failed + bool(said)
-            took = f"{time.perf_counter() - begin:.2f} s"
-            print(f"{'FAILED' if said else 'passed'} {model} ({file}, {took})", *warned, *([said] if said else []), sep="\n")
+            took, how = f"{time.perf_counter() - begin:.2f} s", "FAILED" if said else "updated" if options.update else "passed"
+            print(f"{how} {model} ({file}, {took})", *warned, *([said] if said else []), sep="\n")
     if not passed + failed:
         fail("L0001", "there is nothing to test", None, f"the names of models that test begin with {_PREFIX}")
-    print(f"{passed} passed, {failed} failed")
+    print(f"{passed} {'updated' if options.update else 'passed'}, {failed} failed")
     return 2 if wrong else 1 if failed else 0
 
 
