@@ -201,9 +201,3 @@ def test_what_is_wrong_is_told(tmp_path: Path, line: str, told: str) -> None:
 def test_solvers_that_know_no_attitudes_are_refused(tmp_path: Path, solver: str) -> None:
     with pytest.raises(LagError, match="attitude"):
         scene(tmp_path, HEAVY).simulate(stop=1, solver=solver)
-
-
-def test_what_knows_no_attitudes_is_refused(tmp_path: Path) -> None:
-    model = scene(tmp_path, HEAVY)
-    with pytest.raises(LagError, match="a start in steady motion where an attitude is a coordinate"):
-        model.simulate(stop=1, from_="steady")
