@@ -81,7 +81,7 @@ def stopping_pendulum(end: float) -> tuple[float, Vector]:
             return float(y[1])
         stops.terminal, stops.direction = True, -sign  # type: ignore[attr-defined]
         found = solve_ivp(lambda _, y, s=sign: [y[1], pendulum(y[0], y[1], s)[0]], (t, end), y, "DOP853", rtol=1e-12, atol=1e-13,
-                          events=stops)
+                          max_step=0.02, events=stops)
         t, y = found.t[-1], found.y[:, -1]
         if found.status == 1:
             y[1] = 0.0
