@@ -19,7 +19,8 @@ gravity with a third component, or one of the words below. Nothing is declared; 
             the axes of `center`; one number is that about z, of a body that turns about no other axis. Bar (along x), Disc, Ring,
             Cylinder, Cone (about z), Ball, Box(size = {a, b, c}) reckon theirs
   loads     AppliedForce(force = {Fx, Fy, Fz}), BodyForce, AppliedTorque(torque = {Mx, My, Mz}) in the world's axes, TorquePair;
-            of one's own: energy work M on f.attitude. A motor in a hinge: energy work tau on hinge.phi
+            of one's own: energy work M on f.attitude. A motor in a hinge: energy work tau on hinge.phi. Two components where
+            space has three are told (L0306), but in shift(a, {x, y}) and in components, which may be written for the plane
   springs   between points as in the plane; of torsion with the angle of a hinge: TorsionSpring(k = 2, twist = hinge.phi)
   friction  of joints as in the plane; SlidingFriction(a = plane, b = foot, normal = ...) acts against the slip in the plane of
             a's x and y axes, and holds up to the same force in any direction of it. A joint keeps b there, as PlanarJoint

@@ -25,7 +25,7 @@ from lagrangia.base.diagnostics import LagError, Span, fail
 from lagrangia.base.table_data import TableData
 from lagrangia.frames.arrays import array_of, map_scalars, need_vectors, zip_scalars
 from lagrangia.frames.elements import Elements, whole
-from lagrangia.frames.expression_forms import sum_of_squares
+from lagrangia.frames.expression_forms import refuse_division, sum_of_squares
 from lagrangia.frames.planar import cross, turned_vector
 from lagrangia.frames.table_values import lines_value, plane_value, table_of_points, table_value
 from lagrangia.language.consequences import name_of_constraint, side_of
@@ -170,7 +170,7 @@ class Evaluator:
             case "/":
                 divisor = _number(b, node.right.span)
                 if isinstance(divisor, float | int) and divisor == 0:
-                    fail("L0217", "division by zero", node.span)
+                    refuse_division(node, self.model)
                 self.algebras[0].note_divisor(base_of(divisor))
                 return map_scalars(lambda x: x / divisor, a)
         a, b = _number(a, node.left.span), _number(b, node.right.span)

@@ -55,6 +55,7 @@ from lagrangia.language.names import Names
 from lagrangia.language.other_starts import with_other_starts
 from lagrangia.language.overrides import override_tree
 from lagrangia.language.samplers import check_held, declare_held
+from lagrangia.language.short_vectors import find_short_vectors
 from lagrangia.language.space_values import fitted, is_inertia, least_of
 from lagrangia.language.spaces import Found, FoundSpaceError
 from lagrangia.language.stamps import stamp
@@ -166,7 +167,8 @@ class _Flattening:
         for check in (refuse_states_elsewhere, check_held, check_delays):
             check(model, self.report)
         self.report.raise_errors()
-        found = (d for look in (find_unread, find_idle, find_without_effect) for d in look(model, root, self.table).diagnostics)
+        looks = (find_unread, find_idle, find_without_effect, find_short_vectors)
+        found = (d for look in looks for d in look(model, root, self.table).diagnostics)
         warnings = (*self.report.diagnostics, *found)
         return with_moving_inputs(with_other_starts(replace(model, warnings=warnings)))
 
