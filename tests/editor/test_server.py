@@ -125,6 +125,19 @@ def test_completion_in_texts_that_are_being_written(client: Client) -> None:
     assert "phi" in labels(client.at("completion", uri, half, "bar.center.", 11))
 
 
+def test_completion_where_the_end_of_a_class_lacks(client: Client) -> None:
+    """Nothing was proposed there, after a second."""
+    text = SCENE.replace("end Swing;\n", "")
+    uri, (found,) = client.open("endless.lag", text)
+    assert "ends too early" in found["message"] and "center" in labels(client.at("completion", uri, text, "bar.center", 4))
+    others = (text.replace("  output", "model Part\n  output"), text + "end Swang;\n", text + "  leg.hip = bar.",
+              text.replace("equation\n", "  Real z = bar.\nequation\n"))
+    for version, other in enumerate(others, 2):
+        assert client.change(uri, other, version)[0]
+        assert "center" in labels(client.at("completion", uri, other, "bar.\n" if "bar.\n" in other else "bar.center", 4))
+
+
+
 DRIVE = """model Drive
   Rotational.Inertia i(J = 1, w(start = 3)), j(J = 2);
 equation

@@ -17,11 +17,15 @@ from lagrangia.language.component_library import library_classes
 from lagrangia.language.dimensions import check_dimensions
 from lagrangia.language.flat import FlatModel
 from lagrangia.language.kept_components import KeptComponents
-from lagrangia.language.syntax import parse
+from lagrangia.language.reader import Word
+from lagrangia.language.syntax import _Nodes, parse
 from lagrangia.language.tree import ClassDefinition, Syntax
 
 Read = Callable[[Path], Source]
 _LACKS_A_VALUE = "L0211"
+_ENDS_EARLY = "L0105"
+_OPENING = re.compile(r"^[ \t]*(?:\w+[ \t]+)*?(?:model|function|record|package|connector|block|class)[ \t]+(?:extends\s+)?"
+                      r"[^\W\d]\w*\b(?!\s*=)", re.MULTILINE)
 _CLOSING = re.compile(r"\bend\s+(?!if\b|for\b|when\b|while\b)[^\W\d]\w*\s*;")
 _MOST_MENDED = 8  # statements that are left out
 
@@ -97,24 +101,43 @@ def _is_open(found: Diagnostic) -> bool:
     return "needs a value" not in found.message
 
 
+class _AnyEnd(_Nodes):
+    """Of a class that ends by another name, as where an inner one lacks its end."""
+
+    def _check_end(self, name: Word, end_name: Word) -> None:
+        pass
+
+
+def _tolerant(source: Source) -> Syntax:
+    return parse(source, _AnyEnd)
+
+
 def _index_of_mended(path: Path, source: Source, read: Read) -> Index | None:
-    """Of a text with errors: without the statements that hold them."""
-    text = source.text
+    """Of a text with errors: with the ends that lack, and without the statements that hold them."""
+    text, is_ended = source.text, False
     for _ in range(_MOST_MENDED):
         try:
-            syntax, imported = read_files(path, _in_place(path, Source(source.name, text), read))
+            syntax, imported = read_files(path, _in_place(path, Source(source.name, text), read), _tolerant)
             return Index(syntax, build_class_table(library_classes(), [syntax, *imported], Packages(syntax).find))
         except LagError as error:
-            places = [d.span for d in error.diagnostics if d.span is not None and d.span.source.name == source.name]
-            shorter = without_statements(text, places)
-            if shorter == text:
+            here = [d for d in error.diagnostics if d.span is not None and d.span.source.name == source.name]
+            lacks_end = not is_ended and any(d.code == _ENDS_EARLY for d in here)
+            is_ended |= lacks_end
+            other = text + _ends(text) if lacks_end else without_statements(text, [d.span for d in here if d.span is not None])
+            if other == text:
                 break
-            text = shorter
+            text = other
     try:
-        syntax = parse(Source(source.name, text))  # it may be what it imports that is wrong
+        syntax = _tolerant(Source(source.name, text))  # it may be what it imports that is wrong
         return Index(syntax, build_class_table(library_classes(), [syntax]))
     except LagError:
         return None
+
+
+def _ends(text: str) -> str:
+    """What closes the classes that are open where a text ends."""
+    plain = without_texts(text)
+    return "\nend it;" * max(0, len(_OPENING.findall(plain)) - len(_CLOSING.findall(plain)))
 
 
 def _in_place(path: Path, source: Source, read: Read) -> Read:

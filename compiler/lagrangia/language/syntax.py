@@ -173,12 +173,14 @@ class _Nodes(_ExpressionNodes):
         inherited = Extends(made.name, arguments or (), self._span(name))
         return replace(made, elements=(inherited, *made.elements), prefixes=made.prefixes | {"extends"})
 
-    def class_definition(self, meta: Place, children: list[Any]) -> ClassDefinition:
-        prefixes, is_partial, (kind, name, *rest) = _head([c for c in children if isinstance(c, Word)])
-        end_name = rest[-1]
+    def _check_end(self, name: Word, end_name: Word) -> None:
         if str(end_name) != str(name):
             self.report.error("L0106", f"'{name}' ends as '{end_name}'", self._span(end_name), f"write: end {name};",
                               label=f"expected {name}")
+
+    def class_definition(self, meta: Place, children: list[Any]) -> ClassDefinition:
+        prefixes, is_partial, (kind, name, *rest) = _head([c for c in children if isinstance(c, Word)])
+        self._check_end(name, rest[-1])
         description = rest[0] if len(rest) > 1 else None
         elements: list[Declaration | Extends] = []
         classes: list[ClassDefinition] = []
