@@ -55,3 +55,10 @@ def test_a_share_of_bearings_is_not(case: str, scene: Write) -> None:
 def test_a_displacement_that_is_none_is_told(equation: str, is_told: bool, scene: Write) -> None:
     warnings = scene(f"model M {TWO} equation {equation} end M;").warnings
     assert any("L0224" in warning and "virtual(x) is 0 here" in warning for warning in warnings) == is_told
+
+
+def test_what_components_of_the_library_say_virtually_is_theirs(scene: Write) -> None:
+    """Axles that stand still turn about nothing."""
+    model = scene("model M Revolute r[2](each a = world); Disc d[2](each m = 1, each r = 1, center = {r[1].b, r[2].b}); "
+                  "Gear g(r_a = 1, r_b = 2, a = r[1].b, b = r[2].b, carrier = world); end M;")
+    assert model.warnings == []

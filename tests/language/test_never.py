@@ -36,6 +36,14 @@ def test_what_never_comes_is_told(condition: str, scene: Write) -> None:
     assert said.startswith("this event never comes")
 
 
+def test_no_event_comes_before_the_start(scene: Write) -> None:
+    text = SCENE.replace("STATED", 'equation when time < -1 then terminate("x"); end when; assert(time > -2, "x");')
+    early, held = scene(text).compilation.flat.warnings
+    assert "never true" in early.message and early.hints == ("the run begins at 0 s and ends at StopTime = 5 s",)
+    assert held.message == "this holds whatever happens: 'time > -2'"
+    assert told(scene(text.replace("StopTime = 5", "StartTime = -3"))) == []
+
+
 def test_a_stop_time_counts_where_it_is_stated(scene: Write) -> None:
     """One of 1 s had been taken for none."""
     text = SCENE.replace("STATED", 'equation when time > 1 then terminate("x"); end when;')

@@ -36,7 +36,11 @@ VAIN = {
         "'t' does nothing: its two ends are one",
     "Rotational.Inertia i(J = 1); Rotational.SpringDamper t(c = 1, d = 1, flange_a = i.flange_a, flange_b = i.flange_b);":
         "'t' does nothing: its two ends are one",
-    "energy work 0 on b.s;": "a force of 0", "energy for i in 3:1 loop potential i*b.s*1[N]; end for;": "this loop has no pass",
+    "energy work 0 on b.s;": "a force of 0",
+    "AppliedForce f(at = b.center, force = {0, 0});": "'f' does nothing",
+    "Force z = -0*b.s*2[N/m]; ForcePair f(a = world, b = b.center, force = z);": "'f' does nothing",
+    "energy potential 0*b.s;": "an energy of 0",
+    "energy for i in 3:1 loop potential i*b.s*1[N]; end for;": "this loop has no pass",
     "energy if false then potential b.s*1[N]; end if;": "this condition is false",
     "coordinate Length x; equation x = b.s; 2*x = 2*b.s; energy kinetic 1[kg]*der(x)^2/2;": "this equation removes nothing",
     "model T end T; T t;": "nothing uses 't'",

@@ -41,6 +41,8 @@ def export_fmu_command(options: Namespace) -> int:
         raise RunError(f"the C compiler refused\n{error}") from None
     for path in written:
         print(_summary(model, path))
+        if path.suffix.lower() != ".fmu":
+            _tell(f"'{path}' is an FMU: importers, as lag simulate, know these by names that end in .fmu")
     return 0
 
 

@@ -85,7 +85,7 @@ def build_scene(
         event_kind=functions.event_kinds, initial_places=_initial_places(initial), lost=_lost_starts(model, initial),
         notes=_notes(motion, tapes)
         | {"form": functions.form.why if functions.form else "", "thresholds": [*functions.thresholds]}
-        | _freedom(kinematics, motion, constraints, is_still) | _told(kinematics, constraints, initial)
+        | _freedom(kinematics, motion, constraints, is_still) | _told(kinematics, constraints, initial, functions)
         | ({"guards": tell_guards(model, functions.guarding)} if model.guards else {}),
         refused={**functions.refused, **({"conservative": no_momenta} if no_momenta else {}), **_refusals(kinematics)},
     ))
@@ -275,7 +275,8 @@ def _freedom(kinematics: Kinematics, motion: Motion, constraints: Constraints, i
             "balanced": sorted(row.balanced for row in constraints.all_rows if row.balanced)}
 
 
-def _told(kinematics: Kinematics, constraints: Constraints, initial: InitialConditions) -> dict[str, object]:
+def _told(kinematics: Kinematics, constraints: Constraints, initial: InitialConditions, functions: Functions
+          ) -> dict[str, object]:
     """As text: the scene outlives the source it points at."""
     model = kinematics.graph.model
     contacts = [_called(model, when) for when in model.whens]
@@ -284,7 +285,8 @@ def _told(kinematics: Kinematics, constraints: Constraints, initial: InitialCond
     idle, jumping = find_idle_statements(kinematics.graph, lines), find_jumping_energies(kinematics)
     found = (*model.warnings, *lines, *idle.diagnostics, *find_idle_equations(constraints).diagnostics, *jumping.diagnostics,
              *tell_unlooked(kinematics).diagnostics, *odd.diagnostics, *find_idle_starts(kinematics).diagnostics,
-             *find_several_starts(kinematics, initial).diagnostics, *find_idle_displacements(kinematics, constraints).diagnostics)
+             *find_several_starts(kinematics, initial, functions.table).diagnostics,
+             *find_idle_displacements(kinematics, constraints).diagnostics)
     told = [warning.render() for warning in found if warning.code not in model.allowed]
     files = sorted({lookup.path for lookup in model.lookups})
     inertias = [v.name for v in model.variables.values() if v.is_inertia and v.kind == "parameter"]

@@ -4,6 +4,8 @@ Which one a run takes is the nearest to where the search begins. That is what wa
 the values in question, and this is nearer to it; else the choice was nobody's.
 """
 
+from collections.abc import Mapping
+
 import casadi as ca
 import numpy as np
 
@@ -12,7 +14,7 @@ from lagrangia.algebra.scalars import symbols_in
 from lagrangia.base.diagnostics import Report
 from lagrangia.constraints.assemblies import Search
 from lagrangia.constraints.assembly import Assembly, begin
-from lagrangia.constraints.initial import FIXED, GUESS, InitialConditions, initial_function, start_function
+from lagrangia.constraints.initial import FIXED, GUESS, InitialConditions
 from lagrangia.constraints.vanishing_sums import only_touches
 from lagrangia.frames.kinematics import Kinematics
 from lagrangia.language.flat import rate_of
@@ -21,8 +23,9 @@ _MOST_VALUES = 60  # coordinates of scenes that are looked at
 _NEARER, _CLOSED, _MOVED = 0.9, 1e-9, 1e-3
 
 
-def find_several_starts(kinematics: Kinematics, initial: InitialConditions) -> Report:
-    """L0609, with the parameters as declared. Nothing is looked for where no exact start is left to be followed by others."""
+def find_several_starts(kinematics: Kinematics, initial: InitialConditions, table: Mapping[str, ca.Function]) -> Report:
+    """L0609, with the parameters as declared, for starts as runs find them by the functions of `table`. Nothing is looked for
+    where no exact start is left to be followed by others."""
     report, n, positions = Report(), len(initial.fixed) // 2, initial.n_positions
     _tell_touching(kinematics, initial, report)
     stated = _stated(kinematics, initial)
@@ -31,7 +34,6 @@ def find_several_starts(kinematics: Kinematics, initial: InitialConditions) -> R
     is_asked = [asked and _bends(kinematics, initial, of_rates) for of_rates, asked in enumerate(is_asked)]
     if not any(is_asked) or n > _MOST_VALUES:
         return report
-    table = {"initial": initial_function(kinematics, initial), "start": start_function(kinematics, initial)}
     assembly = begin(kinematics, initial, table)
     if not stated and not np.abs(assembly.equations(assembly.guess)[0][:positions]).max() > _CLOSED:
         return report  # it stands as it is drawn

@@ -5,7 +5,7 @@ all motions that the constraints allow, q' = S w, Lagrange's equations are those
 gear, whose axles one carrier holds. Else its force does work, or holds something else.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 
 import casadi as ca
 import numpy as np
@@ -19,7 +19,7 @@ from lagrangia.constraints.rows import Constraints, Row
 from lagrangia.frames.kinematics import Kinematics
 from lagrangia.language.flat import Equation
 from lagrangia.language.mentions import reached
-from lagrangia.language.tree import Call
+from lagrangia.language.tree import Call, Flat
 
 _NOTHING = 1e-8
 
@@ -56,8 +56,9 @@ def find_idle_displacements(kinematics: Kinematics, constraints: Constraints) ->
     """L0224 for equations of people's own with virtual(x) of what nothing displaces, or that cancel."""
     report, told = Report(), set[int]()
     for row in constraints.all_rows:
-        is_own = row.equation is not None and not row.span.source.name.startswith(LIBRARY)
-        if is_own and row.is_holonomic and id(row.equation) not in told and _says_virtual(kinematics, row):
+        if row.equation is None or not row.is_holonomic or id(row.equation) in told:
+            continue
+        if any(not node.span.source.name.startswith(LIBRARY) for node in _virtuals(kinematics, [row.equation])):
             parts = [part for part in constraints.all_rows if part.equation is row.equation]
             told.add(id(row.equation))
             if _has_idle_displacement(kinematics, parts):
@@ -95,9 +96,14 @@ def _says_virtual(kinematics: Kinematics, row: Row) -> bool:
 
 
 def _mentions_virtual(kinematics: Kinematics, equations: Iterable[Equation]) -> bool:
+    return next(_virtuals(kinematics, equations), None) is not None
+
+
+def _virtuals(kinematics: Kinematics, equations: Iterable[Equation]) -> Iterator[Flat]:
+    """Where the equations, or the variables that they name, say virtual(x)."""
     sides = [side for equation in equations for side in (equation.left, equation.right)]
     bindings = {name: v.binding for name, v in kinematics.graph.model.variables.items()}
-    return any(isinstance(node, Call) and node.function == "virtual" for node in reached(sides, bindings))
+    return (node for node in reached(sides, bindings) if isinstance(node, Call) and node.function == "virtual")
 
 
 def _varied(kinematics: Kinematics, q: ca.SX, here: ca.SX) -> Kinematics:

@@ -11,7 +11,7 @@ from lagrangia.language.flat import Energy, FlatModel, Work
 from lagrangia.language.folding import fold
 from lagrangia.language.frame_attributes import is_velocity
 from lagrangia.language.mentions import children, nodes, reached
-from lagrangia.language.tree import Binary, Call, Flat, FrameRef, Ref
+from lagrangia.language.tree import Array, Binary, Call, Flat, FrameRef, Ref, Unary
 
 Statement = Energy | Work
 
@@ -146,8 +146,8 @@ def _grounded(graph: ComponentGraph) -> set[str]:
 def _idle(statement: Statement, model: FlatModel, bindings: Mapping[str, Flat | None], grounded: set[str]) -> str:
     """What it would have to speak of, to do anything; "" where it does."""
     value = statement.value if isinstance(statement, Energy) else statement.position
-    if isinstance(statement, Work) and fold(statement.force) == 0:
-        return "a force of 0"
+    if _vanishes(statement.force if isinstance(statement, Work) else value, bindings, set()):
+        return "a force of 0" if isinstance(statement, Work) else "an energy of 0"
     needs_rates = isinstance(statement, Energy) and statement.kind != "potential"
     moves = False
     for node in reached([value], bindings):
@@ -158,6 +158,22 @@ def _idle(statement: Statement, model: FlatModel, bindings: Mapping[str, Flat | 
             return ""
         needs_rates &= not is_rate
     return "no rate" if moves else "nothing that moves"
+
+
+def _vanishes(node: Flat, bindings: Mapping[str, Flat | None], others: set[str]) -> bool:
+    """Whether a number, or each of a vector's components, is 0 as it is written. `others` are variables that are not."""
+    match node:
+        case Array(items):
+            return all(_vanishes(item, bindings, others) for item in items)
+        case Unary("-", operand) | Binary("/", operand, _) | Call("rotate", (operand, _)):
+            return _vanishes(operand, bindings, others)
+        case Binary("*", left, right):
+            return _vanishes(left, bindings, others) or _vanishes(right, bindings, others)
+        case Ref(name, ()) if name not in others and (binding := bindings.get(name)) is not None:
+            if not _vanishes(binding, bindings, others):
+                others.add(name)
+            return name not in others
+    return fold(node) == 0
 
 
 def _carries(component: str, model: FlatModel) -> bool:

@@ -140,7 +140,7 @@ def all_classes(classes: tuple[ClassDefinition, ...]) -> IteratorType[ClassDefin
 def class_named(table: ClassTable, name: str, span: Span) -> ClassDefinition | None:
     """None for builtin types and names that nobody knows."""
     try:
-        return table.lookup(name, span)
+        return table.found(name, span)  # not lookup: what might be meant in its place takes long to find
     except LagError:
         return None
 

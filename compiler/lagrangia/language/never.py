@@ -7,7 +7,7 @@ from itertools import combinations
 from lagrangia.base.diagnostics import Report
 from lagrangia.language.elsewhen import exclude
 from lagrangia.language.events import COMPARED, parts_of
-from lagrangia.language.flat import FlatModel
+from lagrangia.language.flat import Experiment, FlatModel
 from lagrangia.language.mentions import nodes
 from lagrangia.language.tree import Binary, Boolean, Call, Flat, Number, Ref, Time, Unary
 
@@ -30,19 +30,23 @@ def find_never(model: FlatModel, report: Report, code: str) -> None:
         can_be_true, can_be_false = bounding.truth(condition)
         if can_be_true and can_be_false:
             continue
-        late = any(isinstance(node, Time) for node in nodes(condition)) and model.experiment.ends
-        hints = [f"the run ends at StopTime = {model.experiment.stop:g} s"] if late else []
         why = "is never true" if not can_be_true else "is true from the start on"
-        report.warning(code, f"this event never comes: '{condition.span.text}' {why}", span, *hints or ["leave it out"])
+        report.warning(code, f"this event never comes: '{condition.span.text}' {why}", span, _advice(condition, model.experiment))
     for guard in model.guards:
         if guard.kind != "end" and not bounding.truth(guard.condition)[1]:
             report.warning(code, f"this holds whatever happens: '{guard.condition.span.text}'", guard.span, "leave it out")
 
 
+def _advice(condition: Flat, run: Experiment) -> str:
+    if not any(isinstance(node, Time) for node in nodes(condition)):
+        return "leave it out"
+    return f"the run begins at {run.start:g} s" + (f" and ends at StopTime = {run.stop:g} s" if run.ends else "")
+
+
 class _Bounding:
     def __init__(self, model: FlatModel) -> None:
         self.model = model
-        self.stop = model.experiment.stop if model.experiment.ends else math.inf
+        self.start, self.stop = model.experiment.start, model.experiment.stop if model.experiment.ends else math.inf
 
     def truth(self, node: Flat) -> tuple[bool, bool]:
         """Whether a condition can be true, and whether it can be false."""
@@ -75,7 +79,7 @@ class _Bounding:
             case Number(value):
                 return value, value
             case Time():
-                return -math.inf, self.stop
+                return self.start, self.stop
             case Ref(name, ()):
                 variable = self.model.variables[name]
                 if variable.kind == "variable" and variable.binding is not None and not variable.shape:
