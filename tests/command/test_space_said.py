@@ -43,6 +43,8 @@ def test_parts_of_attitudes_are_no_quantities(tmp_path: Path, capsys: pytest.Cap
     kept = model.simulate_many(parameters={"b.m": [1, 2]}, outputs=["max(b.center.x)"], stop=1, interval=0.5, keep=True)
     columns = [column.name for column in lag.load(file).simulate(stop=1).columns]
     part = columns.index("b.center.S.s[1]")
+    alone = model.simulate(stop=1)
+    assert np.isnan(alone["b.center.S.s[1]"]).all() and np.isfinite(alone["b.center.S[1]"]).all()
     assert np.isnan(kept.trajectories[:, :, part]).all()
     assert np.isfinite(kept.trajectories[:, :, columns.index("b.center.z")]).all()
 

@@ -97,9 +97,13 @@ class Trajectory:
         return [column.name for column in self.columns]
 
     def __getitem__(self, name: str) -> "np.ndarray":
-        """Raises LagError L0701 for a name the scene does not know."""
+        """NaN for the parts of an attitude, whose quaternion tells. Raises LagError L0701 for a name the scene does not know."""
+        import numpy as np
+
         if not isinstance(name, str):
             fail("L0701", f"a quantity is asked for by its name, not by {name!r}"[:200], None, "run.names lists some")
+        if name in self.scene.turned:  # against attitudes that move along as steps were taken
+            return np.full(len(self.rows), np.nan)
         if name in self.names:
             return self.rows[:, self.names.index(name)]
         slot = self.scene.slot(name)
