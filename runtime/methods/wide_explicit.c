@@ -107,11 +107,11 @@ static int load(void *self, int lane, LagRun *run)
     return 1;
 }
 
-static void show(void *self, int lane, LagRun *run, int is_whole)
+static void show(void *self, int lane, LagRun *run, LagShown shown)
 {
     LagWideExplicit *s = self;
     LagExplicit *own = run->methods.self;
-    lag_wide_steps_show(&s->lanes, lane, run, is_whole);
+    lag_wide_steps_show(&s->lanes, lane, run, shown);
     run->step = s->step[lane];
     s->lanes.energy[lane] = energy_weight(run);
     for (int i = 0; i < s->lanes.model->n_power; ++i) {
@@ -119,7 +119,7 @@ static void show(void *self, int lane, LagRun *run, int is_whole)
         run->motion.doubt += *lost;
         *lost = 0;
     }
-    if (!is_whole)
+    if (shown < LAG_SHOWN_DENSE)
         return;
     for (int i = 0; i <= s->tableau->stages; ++i)
         lag_wide_take(s->k[i], lane, own->k[i], s->lanes.size);

@@ -38,19 +38,18 @@ void lag_wide_steps_load(LagWideSteps *s, int lane, const LagRun *run)
     s->in_vain[lane] = s->missed[lane] = 0;
 }
 
-void lag_wide_steps_show(LagWideSteps *s, int lane, LagRun *run, int is_whole)
+void lag_wide_steps_show(LagWideSteps *s, int lane, LagRun *run, LagShown shown)
 {
     LagMotion *m = &run->motion;
     m->t = m->t_end = s->t[lane];
     m->t_old = s->t_old[lane];
     lag_wide_take(s->y, lane, m->y, s->size);
     lag_wide_attitudes_show(s, lane, run);
-    if (is_whole || s->model->n_roots > 0)
-        lag_wide_take(s->old, lane, m->other, s->size);
     run->statistics.steps = (int64_t)s->steps[lane];
     run->statistics.tolerance_missed = (int32_t)s->missed[lane];
-    if (!is_whole)
+    if (shown == LAG_SHOWN_STATE)
         return;
+    lag_wide_take(s->old, lane, m->other, s->size);
     lag_wide_take(s->carry, lane, m->carry, s->size);
     lag_wide_scale_store(&s->scale, lane, &run->scale);
 }

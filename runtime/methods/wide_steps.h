@@ -29,6 +29,10 @@ typedef struct {
                                                                            * they were none, for rounding */
 } LagWideSteps;
 
+/* How much of a lane its run is given: the present state; that before its latest step and units of error, too; all that dense output
+ * asks for. */
+typedef enum { LAG_SHOWN_STATE, LAG_SHOWN_STEP, LAG_SHOWN_DENSE } LagShown;
+
 /* A way of making them: `self` begins with LagWideSteps. */
 typedef struct {
     int32_t solver; /* of a run whose dense output tells of its steps */
@@ -41,8 +45,8 @@ typedef struct {
     /* The motion in the lane, which is where that of the run is, has come into the segment that the run is in. */
     void (*enter)(void *self, int lane, LagRun *run);
 
-    /* The lane's state, and that of its latest step, as if the run had made it; `is_whole`: with what dense output asks for. */
-    void (*show)(void *self, int lane, LagRun *run, int is_whole);
+    /* The lane's state, and that of its latest step, as if the run had made it. */
+    void (*show)(void *self, int lane, LagRun *run, LagShown shown);
 
     /* Tries a step in each lane. */
     void (*step)(void *self);
@@ -54,7 +58,7 @@ void lag_wide_steps_layout(LagWideSteps *steps, const LagRun *like, LagArena *ar
 
 /* What all ways do when a motion comes, and when it is looked at. */
 void lag_wide_steps_load(LagWideSteps *steps, int lane, const LagRun *run);
-void lag_wide_steps_show(LagWideSteps *steps, int lane, LagRun *run, int is_whole);
+void lag_wide_steps_show(LagWideSteps *steps, int lane, LagRun *run, LagShown shown);
 
 /* A vector of one motion, in and out. */
 static inline void lag_wide_place(double *wide, int lane, const double *one, int count)

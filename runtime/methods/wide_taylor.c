@@ -52,9 +52,14 @@ static void plan(LagWideTaylor *s, const LagRun *like)
 
 /* -------- motions come and go */
 
+/* They follow from modes and parameters: each lane has runs of its own, and those of the same parameters have the same. */
 static void place_numbers(LagWideTaylor *s, int lane, LagRun *run)
 {
     LagTaylor *own = &run->methods.taylor;
+    const int are_known = s->lanes.model->n_modes == 0 && s->numbers_of[lane] == run->parameters_version;
+    if (are_known)
+        return;
+    s->numbers_of[lane] = run->parameters_version;
     const double *in[] = {run->d, run->c};
     lag_call(&s->lanes.model->series, in, (double *[]){own->numbers}, own->work);
     lag_wide_place(s->series.numbers, lane, own->numbers, s->lanes.model->series.out_size[0]);
@@ -142,15 +147,15 @@ static void show_turned(const LagWideTaylor *s, int lane, double *jets)
     }
 }
 
-static void show(void *self, int lane, LagRun *run, int is_whole)
+static void show(void *self, int lane, LagRun *run, LagShown shown)
 {
     LagWideTaylor *s = self;
     LagMotion *m = &run->motion;
     LagTaylor *own = &run->methods.taylor;
-    lag_wide_steps_show(&s->lanes, lane, run, is_whole);
+    lag_wide_steps_show(&s->lanes, lane, run, shown);
     run->step = s->lanes.length[lane];
     s->lanes.energy[lane] = energy_weight(run);
-    if (!is_whole)
+    if (shown < LAG_SHOWN_DENSE)
         return;
     own->begun = own->old_top = 0;
     for (int i = 0; i < s->lanes.size; ++i) {

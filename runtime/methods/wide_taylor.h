@@ -18,6 +18,7 @@ typedef struct {
     double last, before_last; /* as in LagTaylor */
     double faint;             /* units that the last coefficients of short steps may be worth */
     LagWideSeries series;     /* its line is that of the states made last */
+    int numbers_of[LAG_ABREAST]; /* the parameters that what is constant was made of: LagRun.parameters_version */
     double *weight;           /* 2 n: 1 / units */
     double *slope;            /* of inputs */
     double own[LAG_ABREAST];  /* the orders of the steps that are tried */

@@ -167,6 +167,7 @@ static void apply_parameters(LagRun *run)
     double *events[] = {run->event_a, run->event_b};
     lag_call(&run->model->hoist, in, &run->c, run->work);
     lag_call(&run->model->events, in, events, run->work);
+    ++run->parameters_version;
 }
 
 LagStatus lag_run_set_parameters(LagRun *run, const double *given, const double *mask)

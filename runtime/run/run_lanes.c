@@ -6,6 +6,7 @@
 
 #include "methods/taylor.h"
 #include "methods/wide_explicit.h"
+#include "methods/wide_roots.h"
 #include "methods/wide_taylor.h"
 #include "numbers/extremes.h"
 #include "run/advance.h"
@@ -32,6 +33,7 @@ struct LagRunLanes {
     LagWideSteps *steps;
     LagWideTaylor taylor;
     LagWideExplicit explicit;
+    LagWideRoots roots;
     int may_turn;  /* others go on where stability rules */
     int are_shared; /* inputs */
     int is_guarded; /* each step is looked at */
@@ -132,12 +134,14 @@ static int open(LagRunLanes *s, const LagSettings *settings)
             return 0;
     const LagRun *like = run_in(s, 0);
     s->method->layout(s->steps, like, &arena);
+    lag_wide_roots_layout(&s->roots, like->model, &arena);
     s->block = calloc(arena.used + LAG_CACHE_LINE, sizeof(double));
     if (!s->block)
         return 0;
     arena.base = lag_at_cache_line(s->block);
     arena.used = 0;
     s->method->layout(s->steps, like, &arena);
+    lag_wide_roots_layout(&s->roots, like->model, &arena);
     return 1;
 }
 
@@ -146,7 +150,7 @@ LagRunLanes *lag_lanes_new(LagBatch *batch)
     const LagModel *model = batch->model;
     LagSettings settings = batch->alone.run->settings;
     const int is_wanted = batch->sweep.in_lanes && is_asked(&settings) && takes_one_run(&batch->sweep);
-    if (!is_wanted || !fits(model, &settings))
+    if (!is_wanted || !fits(model, &settings) || !lag_wide_roots_serve(model))
         return NULL;
     LagRunLanes *s = calloc(1, sizeof *s);
     if (!s)
@@ -236,7 +240,7 @@ static void set_due(LagRunLanes *s, int lane)
     const LagFollower *f = &s->follower[lane];
     if (s->method->ends_at_rows)
         s->steps->stop[lane] = lag_min(f->next, lag_min(f->run->segment_end, f->run->settings.t_stop));
-    s->due[lane] = f->n_pending > 0 || s->is_guarded || s->batch->model->n_roots > 0 ? -INFINITY : lag_min(f->next, s->steps->stop[lane]);
+    s->due[lane] = f->n_pending > 0 || s->is_guarded ? -INFINITY : lag_min(f->next, s->steps->stop[lane]);
 }
 
 /* Other inputs are in force from the present time of the lane on, or other modes. */
@@ -253,14 +257,16 @@ static LagStatus enter_segment(LagRunLanes *s, int lane)
     if (status != LAG_OK)
         return status;
     s->method->enter(s->steps, lane, run);
+    lag_wide_roots_enter(&s->roots, lane, run);
     return f->n_pending > 0 ? lag_follow_enter(f, run->motion.t) : LAG_OK;
 }
 
 /* The run that was put into the lane goes on there. */
 static int settle_in(LagRunLanes *s, int lane)
 {
-    const LagRun *run = run_in(s, lane);
+    LagRun *run = run_in(s, lane);
     const int is_over = run->segment_over || lag_run_time(run) >= s->steps->stop[lane];
+    lag_wide_roots_enter(&s->roots, lane, run);
     const LagStatus status = is_over ? enter_segment(s, lane) : LAG_OK;
     s->glance[lane] = run->statistics.steps + GLANCE;
     s->look[lane] = FIRST_LOOK;
@@ -329,15 +335,15 @@ static LagStatus end_row(LagRunLanes *s, int lane)
     return LAG_OK;
 }
 
-static LagStatus watch(LagRunLanes *s, int lane, int is_shown)
+static LagStatus watch(LagRunLanes *s, int lane, LagShown shown)
 {
     LagFollower *f = &s->follower[lane];
     LagStatus status = end_row(s, lane);
     if (status != LAG_OK)
         return status;
     const int open = lag_follow_glance(f);
-    if (open && !is_shown)
-        s->method->show(s->steps, lane, f->run, 1);
+    if (open && shown < LAG_SHOWN_DENSE)
+        s->method->show(s->steps, lane, f->run, LAG_SHOWN_DENSE);
     return lag_follow_watch(f, open);
 }
 
@@ -348,12 +354,13 @@ static int attend(LagRunLanes *s, int lane)
     const double t = s->steps->t[lane];
     const int glances = s->steps->steps[lane] >= (double)s->glance[lane], is_over = t >= s->batch->sweep.t_stop;
     const int has_event = !is_over && t >= s->steps->stop[lane];
-    const int is_shown = glances || s->is_guarded || is_over || t > f->next || (has_event && s->batch->model->n_modes > 0);
+    const int is_dense = s->is_guarded || t > f->next || (has_event && s->batch->model->n_modes > 0);
+    const LagShown shown = is_dense ? LAG_SHOWN_DENSE : glances || is_over ? LAG_SHOWN_STEP : LAG_SHOWN_STATE;
     LagStatus status = LAG_OK;
-    s->method->show(s->steps, lane, f->run, is_shown);
+    s->method->show(s->steps, lane, f->run, shown);
     if (s->is_guarded)
         lag_guards_watch(f->run);
-    if (f->run->guards.broken || lag_roots_suspect(f->run))
+    if (f->run->guards.broken)
         return end_run(s, lane, LAG_PAUSED);
     if (glances) {
         lag_account_glance(f->run);
@@ -364,7 +371,7 @@ static int attend(LagRunLanes *s, int lane)
     if (t >= f->next)
         status = lag_follow_visit(f, t);
     if (status == LAG_OK && f->n_pending > 0)
-        status = watch(s, lane, is_shown);
+        status = watch(s, lane, shown);
     if (status != LAG_OK || is_over)
         return end_run(s, lane, status);
     if (has_event && (status = enter_segment(s, lane)) != LAG_OK)
@@ -398,13 +405,17 @@ static int step(LagRunLanes *s)
 {
     LagWideSteps *steps = s->steps;
     s->method->step(steps);
+    if (s->batch->model->n_roots > 0)
+        lag_wide_roots_look(&s->roots, steps);
     s->counts[LAG_LANES_ROOM] += LAG_ABREAST;
     for (int lane = 0; lane < LAG_ABREAST; ++lane) {
         if (s->job[lane] < 0)
             continue;
         ++s->counts[LAG_LANES_STEPS];
         int goes_on = 1;
-        if (steps->taken[lane] > 0) {
+        if (steps->taken[lane] > 0 && s->roots.suspect[lane] > 0) {
+            goes_on = end_run(s, lane, LAG_PAUSED);
+        } else if (steps->taken[lane] > 0) {
             if (steps->t[lane] >= s->due[lane] || steps->steps[lane] >= (double)s->glance[lane])
                 goes_on = attend(s, lane);
         } else if (steps->in_vain[lane] > PATIENCE) {

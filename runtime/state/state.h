@@ -82,6 +82,7 @@ struct LagRun {
     int doubtful;         /* so many evaluations are made the way that bears dependent constraints */
     int segment_over;     /* an event was reached: the next step begins a new segment */
     int silent_table;     /* the table that says nothing in this segment; -1: none */
+    int parameters_version; /* how often they were set */
     int inputs_version;   /* of the table of inputs that is in force in this segment */
     double segment_end;   /* time of the next event */
     double other_end;     /* the same, but for those of what is read late */

@@ -13,7 +13,7 @@
 #include "steps/turns.h"
 
 /* Of the larger one at the ends of a step, what lies under a root comes near to 0 within it: there the distance is a tenth. */
-static const double NEAR = 0.01, HALF = 0.5, SUSPECT = 0.1; /* the last one by a parabola */
+static const double NEAR = 0.01, HALF = 0.5, SUSPECT = LAG_ROOTS_SUSPECT;
 enum { LOOKS = 5 };
 
 void lag_roots_layout(LagRoots *s, const LagModel *model, int size, LagArena *arena)
@@ -78,6 +78,14 @@ static int is_suspect(const LagRun *run, int i)
     return fmin(a + ra / 2 * (ra / (ra - rb)), b - rb / 2 * (rb / (rb - ra))) < SUSPECT * fmax(a, b);
 }
 
+void lag_roots_look(LagRun *run)
+{
+    LagRoots *s = &run->roots;
+    look_at(run, run->motion.t, run->motion.y, s->g, s->rate);
+    s->known = run->statistics.steps;
+    s->events = run->statistics.events;
+}
+
 /* The beginning is mostly the end of the step before. */
 static void look_at_ends(LagRun *run)
 {
@@ -89,9 +97,7 @@ static void look_at_ends(LagRun *run)
     lag_swap(&s->rate, &s->rate_old);
     if (!is_known)
         look_at(run, m->t_old, m->other, s->g_old, s->rate_old);
-    look_at(run, m->t, m->y, s->g, s->rate);
-    s->known = statistics->steps;
-    s->events = statistics->events;
+    lag_roots_look(run);
 }
 
 /* The share of the latest step at which it came near; 0: it did not. */
@@ -103,16 +109,6 @@ static double approach(LagRun *run)
     for (int i = 0; i < run->model->n_roots && x == 0; ++i)
         x = is_suspect(run, i) ? nearest(run, i) : 0;
     return x;
-}
-
-int lag_roots_suspect(LagRun *run)
-{
-    if (run->model->n_roots > 0)
-        look_at_ends(run);
-    for (int i = 0; i < run->model->n_roots; ++i)
-        if (is_suspect(run, i))
-            return 1;
-    return 0;
 }
 
 int lag_roots_pass(LagRun *run)

@@ -10,6 +10,9 @@
 #include "state/settings.h"
 #include "base/status.h"
 
+/* What is told of a step by a parabola through its ends: of the larger one there. */
+#define LAG_ROOTS_SUSPECT 0.1
+
 typedef struct {
     double *g, *rate, *g_old, *rate_old, *g_in, *rate_in; /* n_roots: at both ends of a step, and inside it */
     double *state;  /* size */
@@ -35,8 +38,8 @@ LagStatus lag_roots_leave(LagRun *run);
  * steps as short as their errors ask for; the first of them is taken. */
 LagStatus lag_roots_watch(LagRun *run);
 
-/* Whether the latest step may have come near to where something under a root is 0: not looked at closely. */
-int lag_roots_suspect(LagRun *run);
+/* Looks at what is under the roots at present: g and rate. */
+void lag_roots_look(LagRun *run);
 
 /* Whether something under a root was much less at some place of the latest step than at an end. */
 int lag_roots_pass(LagRun *run);

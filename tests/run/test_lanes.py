@@ -361,3 +361,25 @@ end Thrown;""")
     found, _, lanes = advanced(suited, job, values)
     alone, _, none = advanced(suited, replace(job, sweep=replace(job.sweep, in_lanes=False)), values)
     assert none == Lanes() and lanes.runs == 11 and found == pytest.approx(alone, abs=2e-8)
+
+
+PASSING = """model Passing
+  input Length X;
+  PointMass bob(m = 1, center(y(start = -1.5)));
+  energy potential 15[N/m]*(sqrt((bob.center.x - X)^2 + bob.center.y^2) - 1[mm])^2;
+end Passing;
+"""
+
+
+def test_a_run_that_passes_by_what_is_under_a_root_is_made_alone() -> None:
+    """Forces turn so quickly where a spring has next to no length that series see nothing of it: inputs tell where that is."""
+    model, measures, place = lag.loads(PASSING), read_measures("final(bob.center.x), final(bob.center.y)"), 0.5
+    starts = place + np.concatenate([np.linspace(1e-4, 0.02, 5), np.linspace(1.2, 2, 7)])
+    inputs = np.array([0.0, 1.0, 2.0]), {"X": [place] * 3}
+    request = Request(stop=2.0, tolerance=1e-3, initial={"bob.center.x": starts}, inputs=inputs)
+    suited, job = model.prepared_for(measures, request, Design())
+    values = job.variations.values(0, job.runs)
+    found, _, lanes = advanced(suited, job, values)
+    assert (lanes.runs, lanes.alone) == (11, 1)
+    alone = advanced(suited, replace(job, sweep=replace(job.sweep, in_lanes=False)), values)[0]
+    assert [one.tobytes() == other.tobytes() for one, other in zip(found, alone, strict=True)] == [True, *[False] * 11]

@@ -50,7 +50,8 @@ class Ledger:
         last = first + len(outcomes)
         self.entered += int((self.outcomes["kind"][first:last] == Ending.NOT_RUN).sum())
         self.results[first:last] = results
-        self.outcomes[first:last] = outcomes
+        whole = f"V{outcomes.itemsize}"  # NumPy copies records field by field
+        self.outcomes.view(whole)[first:last] = outcomes.view(whole)
 
     def missing(self) -> list[tuple[int, int]]:
         """What is still to be run of those that are wanted: first <= k < last."""
