@@ -39,10 +39,8 @@ class RuntimeHook(BuildHookInterface):
     """`initialize` builds; wheels take what lies beside the module, with a tag of the platform."""
 
     def dependencies(self) -> list[str]:
-        """What the parser needs; zig, where this machine has no C compiler."""
-        if self.target_name != "wheel":
-            return []
-        return ["lark>=1.2", "orjson>=3.9", *([] if prebuilt().find_command() else ["ziglang>=0.13"])]
+        """Zig, where this machine has no C compiler. What the parser needs, pyproject.toml requires: pip installs once then."""
+        return ["ziglang>=0.13"] if self.target_name == "wheel" and not prebuilt().find_command() else []
 
     def initialize(self, version: str, build_data: dict[str, Any]) -> None:
         if self.target_name != "wheel":

@@ -49,6 +49,24 @@ def test_a_processor_gets_what_it_can_run(tmp_path: Path, monkeypatch: pytest.Mo
 
 
 @pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
+def test_files_are_compiled_together_where_no_name_is_that_of_another(tmp_path: Path) -> None:
+    texts = {
+        "a": "#define WIDE(x) (x)\nstatic const double NEAR = 1, FAR = 2 * NEAR;\nstatic int step(int n) { return n; }",
+        "b": "enum { FAR = 3 };",  # FAR of a
+        "c": "static double place[2];\nstatic int walk(int step) { int FAR = step; return FAR; }",  # names inside are its own
+        "d": "typedef struct { int place; } Place;\nstatic int WIDE(int n);",  # a macro of a
+        "e": "/* static int step; */ static double place[2];",  # C takes two for one where nothing is given
+    }
+    files = [tmp_path / f"{name}.c" for name in texts]
+    for file, text in zip(files, texts.values(), strict=True):
+        file.write_text(text)
+    assert {"".join(file.stem for file in unit) for unit in prebuilt.units(files)} == {"ac", "bde"}
+    runtime = data_folder("runtime")
+    made = prebuilt.units(prebuilt.sources(runtime))
+    assert sorted(file for unit in made for file in unit) == prebuilt.sources(runtime)
+    assert len(made) <= 30
+
+
 def test_what_is_built_is_found_and_only_then(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """With sources of one function: all of them take a quarter of a minute."""
     sources = tmp_path / "runtime"

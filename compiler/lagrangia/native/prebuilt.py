@@ -36,6 +36,7 @@ FMI_VERSIONS = ("2", "3") if sys.platform != "win32" else ()  # of FMUs for whic
 _FMI = ("cosimulation", "evaluations", "exchange", "image", "life", "log", "partial", "saved", "settle", "states", "stored",
         "values")
 _OF_VERSION = ("-fvisibility=default",)  # the files of a version define the functions of the standard, and no others
+_TOGETHER = 8  # files compiled as one
 _WIDEST = ("avx512f", "avx512dq", "avx512vl")
 # What is compiled for, by name, the best first: the flags, and what a processor has to tell of itself. Instructions of three
 # operands and wide registers take a tenth off the time of series, half or more off that of states evaluated abreast.
@@ -154,15 +155,16 @@ def build(runtime: Path, folder: Path, command: Sequence[str]) -> None:
     import tempfile
     from concurrent.futures import ThreadPoolExecutor
 
-    files = sorted(sources(runtime), key=lambda file: -file.stat().st_size)
     folder.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(prefix="lagrangia-") as temporary, ThreadPoolExecutor(os.cpu_count()) as pool:
         work = Path(temporary)
 
-        def compiled(kind: str, file: Path, *flags: str) -> str:
-            made = str(work / f"{kind}-{file.stem}.o")
+        def compiled(kind: str, unit: Sequence[Path], *flags: str) -> str:
+            source = work / f"{kind}-{unit[0].stem}.c"
+            source.write_text("".join(f'#include "{file.as_posix()}"\n' for file in unit), encoding="utf-8")
+            made = str(source.with_suffix(".o"))
             _run([*command, *FLAGS, *flags_of(kind), _level(kind), *_portable(command, runtime), *flags, f"-I{runtime}", "-c",
-                  str(file), "-o", made], work)
+                  str(source), "-o", made], work)
             return made
 
         def linked(name: str, objects: "Sequence[Future[str]]", *flags: str) -> None:
@@ -170,16 +172,54 @@ def build(runtime: Path, folder: Path, command: Sequence[str]) -> None:
             _run([*command, *FLAGS, "-shared", *flags, *(item.result() for item in objects), "-o", str(fresh), *LIBRARIES], work)
             shutil.move(fresh, folder / fresh.name)
 
-        objects = {kind: [pool.submit(compiled, kind, file) for file in files] for kind in _wanted()}
+        together = units(sources(runtime))
+        objects = {kind: [pool.submit(compiled, kind, unit) for unit in together] for kind in _wanted()}
         told = (f"-I{runtime / 'standard'}", f'-DLAG_BUILD="{digest(runtime)}"')
-        glue = {version: [pool.submit(compiled, "any", file, *told, *_OF_VERSION)
-                          for file in sorted((runtime / "fmi").glob(f"fmi{version}*.c"))] for version in FMI_VERSIONS}
-        shared = [pool.submit(compiled, "any", file, *told) for file in (runtime / "fmi").glob("*.c") if file.stem in _FMI]
+        glue = {version: [pool.submit(compiled, "any", unit, *told, *_OF_VERSION)
+                          for unit in units(sorted((runtime / "fmi").glob(f"fmi{version}*.c")))] for version in FMI_VERSIONS}
+        shared = [pool.submit(compiled, "any", unit, *told)
+                  for unit in units([file for file in sorted((runtime / "fmi").glob("*.c")) if file.stem in _FMI])]
         for kind, made in objects.items():
             linked(kind, made)
         for version, made in glue.items() if shared else ():
             linked(f"fmu{version}", [*objects["any"], *shared, *made], *_exported(work))
     (folder / "digest").write_text(digest(runtime) + "\n")
+
+
+def units(files: Sequence[Path]) -> list[list[Path]]:
+    """Files that may be compiled as one, the largest units first: no name of one, outside its functions, is that of another.
+
+    Compilers start once and read headers once for each unit; what a file defines for itself is still its own. A unit has no more
+    files than _TOGETHER, so that all processors have work.
+    """
+    made: list[tuple[list[Path], set[str], set[str]]] = []
+    for file in files:
+        words, own, macros = _names(file.read_text(encoding="utf-8"))
+        for unit, others, theirs in made:
+            if len(unit) < _TOGETHER and not own & others and not macros & words and not theirs & words:
+                break
+        else:
+            made.append(([], set(), set()))
+            unit, others, theirs = made[-1]
+        unit.append(file)
+        others |= own
+        theirs |= macros
+    return sorted((unit for unit, _, _ in made), key=lambda unit: -sum(file.stat().st_size for file in unit))
+
+
+def _names(text: str) -> tuple[set[str], set[str], set[str]]:
+    """Of a C file: all its words, what it defines outside of functions, and its macros."""
+    import re
+
+    text = re.sub(r"/\*.*?\*/", " ", text, flags=re.S)
+    words, macros = set(re.findall(r"\w+", text)), set(re.findall(r"^\s*#\s*define\s+(\w+)", text, re.M))
+    text = re.sub(r"^\s*#(?:.*\\\n)*.*", "", text, flags=re.M)
+    inside = " ".join(re.findall(r"\benum\b[^{;]*({[^}]*})", text))
+    for ends in (r"{[^{}]*}", r"\([^()]*\)"):
+        while (shorter := re.sub(ends, lambda found: "[" if found[0][0] == "(" else "]", text)) != text:
+            text = shorter
+    defined = re.findall(r"([A-Za-z_]\w*)\s*(?=[]\[=;,])", re.sub(r"=[^,;]*", "=", text))
+    return words, {*defined, *re.findall(r"([A-Za-z_]\w*)\s*(?=[=,}])", inside)} - {"enum", "struct", "union"}, macros
 
 
 def _portable(command: Sequence[str], runtime: Path) -> tuple[str, ...]:
