@@ -6,6 +6,8 @@
  * more with every value measured by its size, and last with all of them alike: where a guess is far off, moving it little is the
  * long way.
  *
+ * Where all equations together lead nowhere, they are solved block by block (blocks.c).
+ *
  * Where no solution is found, what nobody guessed is tried elsewhere, at last the guesses, too: a link that points the wrong way
  * may keep its loop from closing although all guesses are near.
  *
@@ -31,11 +33,13 @@ void lag_assembly_layout(LagAssembly *s, LagArena *arena)
 {
     const size_t unknowns = s->model->n_initial > 0 ? 2 * (size_t)lag_start_size(s->model) : 0;
     lag_newton_layout(&s->newton, s->model, arena);
+    lag_blocks_layout(&s->blocks, s->model, arena);
     s->reach = lag_take(arena, unknowns);
     s->guess = lag_take(arena, unknowns);
     s->found = lag_take(arena, unknowns);
     s->kept = lag_take(arena, unknowns);
     s->best = lag_take(arena, unknowns);
+    s->apart = lag_take(arena, unknowns);
     s->lean = lag_take(arena, unknowns);
 }
 
@@ -185,13 +189,15 @@ static void approach(LagAssembly *s, const double *p, double *x, double *work)
     }
 }
 
-/* Moves what is as free as `least`, all else held. Returns 1 when that is enough; 0 where all or nothing may move. */
+/* Moves what is as free as `least`, all else held, at last block by block. Returns 1 when that is enough; 0 where all or nothing may
+ * move; what the blocks reached is `kept`. */
 static int follow_by(LagAssembly *s, const double *p, const int *fixed, int least, int way, double *x, double *work)
 {
     LagNewton *newton = &s->newton;
     double *scale = s->lean;
     int free = 0, others = 0;
     copy(s, newton->scale, scale);
+    copy(s, x, s->kept);
     for (int j = 0; j < 2 * lag_start_size(s->model); ++j) {
         const int is_free = fixed[j] >= least;
         free |= is_free && scale[j] > 0;
@@ -202,6 +208,11 @@ static int follow_by(LagAssembly *s, const double *p, const int *fixed, int leas
     if (free && others) {
         lag_newton_measure(newton, p, fixed, x, way, work);
         worst = lag_newton_solve(newton, p, MOST_RETURNS, 0, x, work);
+        if (worst >= 0 && lag_blocks_find(&s->blocks, newton) > 1
+            && lag_blocks_solve(&s->blocks, newton, p, fixed, way, MOST_RETURNS, 0, s->kept, work) < 0) {
+            copy(s, s->kept, x);
+            worst = -1;
+        }
     }
     copy(s, scale, newton->scale);
     return worst < 0;
@@ -219,7 +230,8 @@ static int follow(LagAssembly *s, const double *p, const int *fixed, int way, do
 /* The first `active` equations, and the unknowns first .. last-1 that may move. */
 static void choose(LagAssembly *s, const int *fixed, int active, int first, int last)
 {
-    s->newton.active = active;
+    for (int i = 0; i < s->model->n_initial; ++i)
+        s->newton.active[i] = i < active;
     for (int j = 0; j < 2 * lag_start_size(s->model); ++j)
         s->newton.scale[j] = j < first || j >= last || fixed[j] == LAG_START_FIXED ? 0 : s->reach[j];
 }
@@ -250,12 +262,18 @@ static int solve(LagAssembly *s, const double *p, const int *fixed, int active, 
     copy(s, x, s->found);
     if (follow(s, p, fixed, first > 0 ? LAG_METRIC_MASS : LAG_METRIC_UNITS, x, work))
         return -1;
+    copy(s, s->kept, s->apart);
     copy(s, first > 0 ? s->found : x, first > 0 ? x : s->found);
     int worst = 0;
-    for (; way < LAG_METRIC_WAYS && worst >= 0; ++way) {
+    for (int next = way; next < LAG_METRIC_WAYS && worst >= 0; ++next) {
         copy(s, s->found, x);
-        lag_newton_measure(newton, p, fixed, first == 0 ? s->guess : x, way, work);
+        lag_newton_measure(newton, p, fixed, first == 0 ? s->guess : x, next, work);
         worst = lag_newton_solve(newton, p, iterations, pushes, x, work);
+    }
+    for (int next = way; next < LAG_METRIC_WAYS && worst >= 0 && lag_blocks_find(&s->blocks, newton) > 1; ++next) {
+        copy(s, s->apart, x);
+        worst = lag_blocks_solve(&s->blocks, newton, p, fixed, next, iterations, pushes, x, work);
+        lag_newton_measure(newton, p, fixed, first == 0 ? s->guess : x, next, work);
     }
     if (worst < 0)
         approach(s, p, x, work);

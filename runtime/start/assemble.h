@@ -4,14 +4,17 @@
 
 #include "base/arena.h"
 #include "model/model.h"
+#include "start/blocks.h"
 #include "start/newton.h"
 
 typedef struct {
     const LagModel *model;
     LagNewton newton;
+    LagBlocks blocks;
     double *reach;                /* n, here and in newton.h, is lag_start_size; 2 n: natural size of a value */
     double *guess;                /* 2 n */
     double *found, *kept, *best;  /* 2 n: states to come back to: of a solution, of a step, of an assembly */
+    double *apart;                /* 2 n: where blocks of equations have come to, each by itself, guesses held */
     double *lean;                 /* 2 n: a step */
 } LagAssembly;
 

@@ -45,6 +45,7 @@ void lag_newton_layout(LagNewton *s, const LagModel *model, LagArena *arena)
     s->z = lag_take(arena, unknowns);
     s->gradient = lag_take(arena, unknowns);
     s->pivot = (int *)lag_take(arena, equations);
+    s->active = (int *)lag_take(arena, equations);
     s->scratch.a = lag_take(arena, equations * equations);
     s->scratch.b = lag_take(arena, equations);
     s->scratch.y = lag_take(arena, equations);
@@ -97,7 +98,7 @@ void lag_newton_measure(LagNewton *s, const double *p, const int *fixed, const d
     const int n = lag_start_size(s->model);
     lag_metric_set(&s->positions, x, p, fixed, s->scale, way, work);
     lag_metric_set(&s->rates, x, p, fixed + n, s->scale + n, way, work);
-    for (int i = 0; i < s->active; ++i) {
+    for (int i = 0; i < s->model->n_initial; ++i) {
         const double length = measure_gradient(s, s->general, i, s->step);
         s->weight[i] = isfinite(length) ? length : 0;
     }
@@ -113,7 +114,7 @@ static void scale_equations(LagNewton *s)
             row[j] = s->jacobian[i + j * equations] * s->scale[j];
             length2 += row[j] * row[j];
         }
-        s->length[i] = i >= s->active ? INFINITY : fmax(sqrt(length2), s->general_length[i]);
+        s->length[i] = !s->active[i] ? INFINITY : fmax(sqrt(length2), s->general_length[i]);
         if (!(s->length[i] > 0))
             s->length[i] = 1;
         for (int j = 0; j < unknowns; ++j)
@@ -151,8 +152,8 @@ static int unsatisfied(LagNewton *s, double size, int worst)
 {
     if (!(size <= SATISFIED))
         return worst;
-    for (int i = 0; i < s->active; ++i) {
-        if (is_void(s, i)) {
+    for (int i = 0; i < s->model->n_initial; ++i) {
+        if (s->active[i] && is_void(s, i)) {
             s->g[i] = NAN;
             return i;
         }
@@ -175,8 +176,10 @@ static int measure_equations(LagNewton *s)
 {
     const int rows = moving(s);
     int count = 0;
-    for (int i = 0; i < s->active; ++i) {
+    for (int i = 0; i < s->model->n_initial; ++i) {
         double *column = s->transposed + count * rows;
+        if (!s->active[i])
+            continue;
         const double length = measure_gradient(s, s->jacobian, i, column), unit = fmax(length, s->weight[i]);
         if (!(length > 0 && isfinite(unit)))
             continue;

@@ -22,7 +22,7 @@ typedef struct {
     double trusted; /* positions that are no angles may go so far at once */
     double part;    /* of the correction, that was not cut off */
     int *pivot;
-    int active; /* so many equations are looked at */
+    int *active;    /* n_initial: whether an equation is looked at */
     LagLeastSquares scratch;
     LagMetric positions, rates;
 } LagNewton;

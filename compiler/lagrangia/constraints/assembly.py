@@ -11,6 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lagrangia.algebra.orthogonal import Vector, independent_columns
+from lagrangia.base.records import dataclass
+from lagrangia.constraints.blocks import blocks, solve_blocks
 from lagrangia.constraints.initial import (
     FIXED,
     FREE,
@@ -49,6 +51,15 @@ def assembled(kinematics: Kinematics, initial: InitialConditions) -> tuple[Vecto
         known = kinematics.assembled = initial, begin(kinematics, initial, table).assemble()
     start, failed = known[1]
     return start.copy(), failed
+
+
+@dataclass(frozen=True)
+class Followed:
+    """Where values that follow guesses have come to, all together and block by block, and whether all equations hold."""
+
+    x: Vector
+    apart: Vector
+    is_solved: bool
 
 
 class Assembly:
@@ -133,16 +144,29 @@ class Assembly:
 
     def _solve(self, active: int, first: int, last: int, x: Vector, ways: tuple[Way, ...] = tuple(Way)) -> tuple[Vector, int]:
         scale = self._scale(first, last)
-        found, is_solved = self._follow(active, scale, x, Way.MASS if first > 0 else Way.UNITS)
-        if is_solved:
-            return found, -1
-        x = found if first == 0 else x
+        limits = (_MOST_ITERATIONS, _MOST_PUSHES) if len(ways) > 1 else (_FEW_ITERATIONS, 0)
+        followed = self._follow(active, scale, x, Way.MASS if first > 0 else Way.UNITS)
+        if followed.is_solved:
+            return followed.x, -1
+        x = followed.x if first == 0 else x
+        measured = self.guess if first == 0 else x
         for way in ways:
-            newton = Newton(self.equations, self.general, active, scale, self.fixed, self.guess if first == 0 else x, way)
-            found, worst = newton.solve(x, *((_MOST_ITERATIONS, _MOST_PUSHES) if len(ways) > 1 else (_FEW_ITERATIONS, 0)))
+            newton = self._newton(active, scale, measured, way)
+            found, worst = newton.solve(x, *limits)
             if worst < 0:
                 return self._approach(newton, found), worst
+        apart = blocks(self.general, np.arange(active), scale)
+        for way in ways if len(apart) > 1 else ():
+            found, worst = solve_blocks(apart, self.equations, self.general, scale, self.fixed, followed.apart, way, *limits)
+            if worst < 0:
+                newton = self._newton(active, scale, measured if first == 0 else found, way)
+                newton.evaluate(found)
+                newton.scale_equations()
+                return self._approach(newton, found), worst
         return found, worst
+
+    def _newton(self, active: int, scale: Vector, x: Vector, way: Way) -> Newton:
+        return Newton(self.equations, self.general, np.arange(active), scale, self.fixed, x, way)
 
     def _scale(self, first: int, last: int) -> Vector:
         """The sizes of what may move."""
@@ -152,22 +176,26 @@ class Assembly:
     def _follow_guesses(self, x: Vector) -> Vector | None:
         """All equations by what nobody guessed: rates, or where these do not do, positions as well."""
         for first, way in ((self.n, Way.MASS), (0, Way.UNITS)):
-            found, is_solved = self._follow(self.equations.initial.numel_out(0), self._scale(first, 2 * self.n), x, way)
-            if is_solved:
-                return found
+            followed = self._follow(self.equations.initial.numel_out(0), self._scale(first, 2 * self.n), x, way)
+            if followed.is_solved:
+                return followed.x
         return None
 
-    def _follow(self, active: int, scale: Vector, x: Vector, way: Way) -> tuple[Vector, bool]:
-        """Moves what nobody guessed, the guesses held, first what moves no mass; whether that is enough."""
-        found, is_solved = self._follow_by(active, scale, x, LOOSE, way)
-        return (found, True) if is_solved else self._follow_by(active, scale, x, FREE, way)
+    def _follow(self, active: int, scale: Vector, x: Vector, way: Way) -> "Followed":
+        """Moves what nobody guessed, the guesses held, first what moves no mass."""
+        followed = self._follow_by(active, scale, x, LOOSE, way)
+        return followed if followed.is_solved else self._follow_by(active, scale, x, FREE, way)
 
-    def _follow_by(self, active: int, scale: Vector, x: Vector, least: int, way: Way) -> tuple[Vector, bool]:
+    def _follow_by(self, active: int, scale: Vector, x: Vector, least: int, way: Way) -> "Followed":
         free = np.where(self.fixed >= least, scale, 0.0)
         if not free.any() or (free == scale).all():
-            return x, False
-        x, worst = Newton(self.equations, self.general, active, free, self.fixed, x, way).solve(x, _MOST_RETURNS, 0)
-        return x, worst < 0
+            return Followed(x, x, False)
+        found, worst = self._newton(active, free, x, way).solve(x, _MOST_RETURNS, 0)
+        apart = blocks(self.general, np.arange(active), free) if worst >= 0 else []
+        if len(apart) < 2:
+            return Followed(found, x, worst < 0)
+        solved, worst = solve_blocks(apart, self.equations, self.general, free, self.fixed, x, way, _MOST_RETURNS, 0)
+        return Followed(solved if worst < 0 else found, solved, worst < 0)
 
     def _approach(self, newton: Newton, x: Vector) -> Vector:
         for _ in range(_MOST_LEANS if newton.distance2(self.guess, x) > 0 else 0):

@@ -75,21 +75,21 @@ class General:
 
 
 class Newton:
-    """The first `active` equations, solved by moving the values with a scale."""
+    """The equations numbered `active`, solved by moving the values with a scale."""
 
     def __init__(
-        self, equations: Equations, general: General, active: int, scale: Vector, fixed: NDArray[np.int_], x: Vector,
+        self, equations: Equations, general: General, active: NDArray[np.int_], scale: Vector, fixed: NDArray[np.int_], x: Vector,
         way: Way,
     ) -> None:
         n = equations.n
         self.equations, self.active, self.scale, self.n = equations, active, scale, n
-        self.general_length = general.length[:active]
-        longest = _STEEPEST * (general.length + np.abs(general.g))[:active]
+        self.general_length = general.length[active]
+        longest = _STEEPEST * (general.length + np.abs(general.g))[active]
         self.longest = np.where(longest > 0, longest, np.inf)
         halves = (slice(0, n), slice(n, 2 * n))
         self.metrics = [Metric(equations.momenta, x[:n], fixed[half], scale[half], way) for half in halves]
         self.middle = self.metrics[0].order.size
-        weight = np.linalg.norm(self._measured(general.jacobian[:active]), axis=1)
+        weight = np.linalg.norm(self._measured(general.jacobian[active]), axis=1)
         self.weight = np.where(np.isfinite(weight), weight, 0.0)
 
     def solve(self, x: Vector, most_iterations: int, most_pushes: int) -> tuple[Vector, int]:
@@ -113,7 +113,8 @@ class Newton:
             pushes += 1
             x = x + np.concatenate([_PUSH * self.scale[: self.n] * pattern(self.n, 0), np.zeros(self.n)])
             self.evaluate(x)
-        return x, self._unsatisfied(size, worst)
+        failed = self._unsatisfied(size, worst)
+        return x, int(self.active[failed]) if failed >= 0 else failed
 
     def _unsatisfied(self, size: float, worst: int) -> int:
         """-1, or an equation that does not hold at the place evaluated last, as 0/0 holds for nothing."""
@@ -135,7 +136,7 @@ class Newton:
     def evaluate(self, x: Vector) -> None:
         """Residuals and slopes at x, kept."""
         g, jacobian = self.equations(x)
-        self.g, self.jacobian = g[: self.active], jacobian[: self.active]
+        self.g, self.jacobian = g[self.active], jacobian[self.active]
 
     def scale_equations(self) -> None:
         """Divides the slopes by the size of each equation, at this place or in general."""

@@ -1,0 +1,124 @@
+/* A row of many loops closes loop by loop: all together are cut as the worst one is, and halved until the sum of all falls.
+ *
+ * A block takes the equation with the fewest values that no block before it owns; these it owns, and with it go all equations
+ * that speak of nothing else. Where those are more than its values, it grows by the next equation. So an equation speaks of values
+ * of its own block and of earlier ones alone (a block triangular form): what has been solved stays solved.
+ */
+#include "start/blocks.h"
+
+#include <string.h>
+
+void lag_blocks_layout(LagBlocks *s, const LagModel *model, LagArena *arena)
+{
+    const size_t equations = (size_t)model->n_initial, unknowns = equations > 0 ? 2 * (size_t)lag_start_size(model) : 0;
+    s->block = (int *)lag_take(arena, equations);
+    s->owner = (int *)lag_take(arena, unknowns);
+    s->scale = lag_take(arena, unknowns);
+}
+
+/* Whether equation i speaks of value j, which may move, at the general position. */
+static int speaks(const LagNewton *newton, int i, int j)
+{
+    return newton->scale[j] > 0 && newton->general[i + j * newton->model->n_initial] != 0;
+}
+
+/* How many values of equation i are owned by a block from `least` on; -1 is owned by none. */
+static int owned(const LagBlocks *s, const LagNewton *newton, int i, int least)
+{
+    int count = 0;
+    for (int j = 0; j < 2 * lag_start_size(newton->model); ++j)
+        count += speaks(newton, i, j) && (least < 0 ? s->owner[j] < 0 : s->owner[j] >= least);
+    return count;
+}
+
+/* The equation without a block that speaks of the fewest values that nobody owns; -1 where all have one. */
+static int next_equation(const LagBlocks *s, const LagNewton *newton)
+{
+    int next = -1, fewest = 0;
+    for (int i = 0; i < newton->model->n_initial; ++i) {
+        if (!newton->active[i] || s->block[i] >= 0)
+            continue;
+        const int count = owned(s, newton, i, -1);
+        if (next < 0 || count < fewest) {
+            next = i;
+            fewest = count;
+        }
+    }
+    return next;
+}
+
+/* Gives the block the values of equation i that nobody owns. Returns their number. */
+static int take_values(LagBlocks *s, const LagNewton *newton, int i)
+{
+    int count = 0;
+    for (int j = 0; j < 2 * lag_start_size(newton->model); ++j) {
+        if (speaks(newton, i, j) && s->owner[j] < 0) {
+            s->owner[j] = s->count;
+            ++count;
+        }
+    }
+    return count;
+}
+
+/* Gives the block all equations that speak of owned values alone. Returns the number of those that anything moves. */
+static int take_equations(LagBlocks *s, const LagNewton *newton)
+{
+    int count = 0;
+    for (int i = 0; i < newton->model->n_initial; ++i) {
+        if (!newton->active[i] || s->block[i] >= 0 || owned(s, newton, i, -1) > 0)
+            continue;
+        s->block[i] = s->count;
+        count += owned(s, newton, i, 0) > 0;
+    }
+    return count;
+}
+
+int lag_blocks_find(LagBlocks *s, const LagNewton *newton)
+{
+    int values = 0, equations = 0;
+    s->count = 0;
+    for (int i = 0; i < newton->model->n_initial; ++i)
+        s->block[i] = -1;
+    for (int j = 0; j < 2 * lag_start_size(newton->model); ++j)
+        s->owner[j] = -1;
+    for (int i = next_equation(s, newton); i >= 0; i = next_equation(s, newton)) {
+        values += take_values(s, newton, i);
+        equations += take_equations(s, newton);
+        if (equations > values)
+            continue;
+        ++s->count;
+        values = equations = 0;
+    }
+    s->count += equations > 0;
+    return s->count;
+}
+
+/* The equations and values of a block alone. */
+static void choose(const LagBlocks *s, LagNewton *newton, int block)
+{
+    for (int i = 0; i < newton->model->n_initial; ++i)
+        newton->active[i] = s->block[i] == block;
+    for (int j = 0; j < 2 * lag_start_size(newton->model); ++j)
+        newton->scale[j] = s->owner[j] == block ? s->scale[j] : 0;
+}
+
+int lag_blocks_solve(LagBlocks *s, LagNewton *newton, const double *p, const int *fixed, int way, int most_iterations,
+                     int most_pushes, double *x, double *work)
+{
+    const size_t size = 2 * (size_t)lag_start_size(newton->model) * sizeof *s->scale;
+    int failed = -1;
+    memcpy(s->scale, newton->scale, size);
+    for (int block = 0; block < s->count; ++block) {
+        choose(s, newton, block);
+        lag_newton_measure(newton, p, fixed, x, way, work);
+        const int worst = lag_newton_solve(newton, p, most_iterations, most_pushes, x, work);
+        failed = failed < 0 ? worst : failed;
+    }
+    for (int i = 0; i < newton->model->n_initial; ++i)
+        newton->active[i] = s->block[i] >= 0;
+    memcpy(newton->scale, s->scale, size);
+    if (failed >= 0)
+        return failed;
+    lag_newton_measure(newton, p, fixed, x, way, work);
+    return lag_newton_solve(newton, p, most_iterations, 0, x, work);
+}
