@@ -272,6 +272,16 @@ class Model(Analysed, Swept):
         """The scene with all its parameters open: no number is compiled in."""
         return self._in(replace(self.formulas, is_general=True, massless=None)) if self._has_numbers else self
 
+    def opened(self, parameters: Given, where: str) -> "Model":
+        """In formulas that hold whatever `where` ("an FMU") sets, from these parameters on. Raises LagError L0704."""
+        values = check_values(self.scene, parameters)
+        suited = self.general._suited(lambda: [(values.parameters, values.mask)], evaluate, is_open=True)
+        told = suited.scene.notes["balanced"]
+        if unknown := [name for name in self.suited(values).scene.notes["balanced"] if name not in told]:
+            fail("L0704", f"the coordinate '{unknown[0]}' moves no mass while parameters are as declared, and {where} lets them "
+                 "change", None, "write `final` before these, as PointMass knot(final m = 0), Prismatic p(final along = {1, 0})")
+        return suited.completed()
+
     @property
     def _has_numbers(self) -> bool:
         return any(p.compiled is not None and not p.locked for p in self.scene.parameters)
@@ -418,14 +428,9 @@ class Model(Analysed, Swept):
         """
         from lagrangia.fmu.export import export_fmus
 
-        values = check_values(self.scene, parameters)
+        suited = self.opened(parameters, "an FMU")
         warn_of_vain(self, parameters)
-        suited = self.general._suited(lambda: [(values.parameters, values.mask)], evaluate, is_open=True)
-        told = suited.scene.notes["balanced"]
-        if unknown := [name for name in self.suited(values).scene.notes["balanced"] if name not in told]:
-            fail("L0704", f"the coordinate '{unknown[0]}' moves no mass while parameters are as declared, and an FMU lets them "
-                 "change", None, "write `final` before these, as PointMass knot(final m = 0), Prismatic p(final along = {1, 0})")
-        return export_fmus(suited.completed(), path, fmi, kind, platforms, sources, parameters, info, engine, arrays, tell)
+        return export_fmus(suited, path, fmi, kind, platforms, sources, parameters, info, engine, arrays, tell)
 
     def functions(self, *, given: str | Iterable[str] = ()) -> "dict[str, casadi.Function]":
         """CasADi Functions of t, q, v, u, p: M, h, rhs, energies, outputs, jacobian.

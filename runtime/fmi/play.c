@@ -14,6 +14,7 @@
 #include "fmi/instance.h"
 #include "fmi/opening.h"
 
+#include "model/attitude_places.h"
 #include "model/function.h"
 #include "state/state.h"
 
@@ -30,7 +31,7 @@ struct LagPlayer {
     char message[LONGEST_MESSAGE];
     double *values;  /* of all variables with numbers, by reference */
     double *drawing; /* of the drawing, then its work */
-    double *given;   /* inputs, then held values */
+    double *given;   /* inputs, references of attitudes, held values */
     unsigned int *references;
     size_t n_values;
     double *inputs; /* times[rows], then rows of all inputs; NULL: they are held */
@@ -88,7 +89,7 @@ LagPlayer *lag_play_new(unsigned char *image)
         player->n_values += (size_t)lag_fmu_count(fmu, group);
     player->values = calloc(player->n_values + 1, sizeof *player->values);
     player->references = calloc(player->n_values + 1, sizeof *player->references);
-    player->given = calloc((size_t)(fmu->model->n_inputs + fmu->model->n_held) + 1, sizeof *player->given);
+    player->given = calloc((size_t)(fmu->model->n_inputs + 4 * fmu->model->n_attitudes + fmu->model->n_held) + 1, sizeof *player->given);
     player->drawing = calloc(drawing_size(player) + played(player)->drawing.n_work + 1, sizeof *player->drawing);
     for (size_t i = 0; player->references && i < player->n_values; ++i)
         player->references[i] = (unsigned int)i;
@@ -201,16 +202,19 @@ static void give(LagPlayer *player)
     const LagModel *m = s->model;
     for (int i = 0; i < m->n_inputs; ++i)
         player->given[i] = s->u[i];
+    double *held = player->given + m->n_inputs;
+    for (int i = 0; i < 4 * m->n_attitudes; ++i)
+        *held++ = s->run->d[lag_attitude_mode(m->attitudes, i / 4) + i % 4];
     for (int i = 0; i < m->n_held; ++i)
-        player->given[m->n_inputs + i] = s->run->d[m->held[i]];
+        *held++ = s->run->d[m->held[i]];
 }
 
 const double *lag_play_drawing(LagPlayer *player, const double *q)
 {
-    const LagInstance *s = player->instance;
-    const double *x = s->x;
+    LagInstance *s = player->instance;
     if (!s->run)
         return NULL;
+    const double *x = lag_instance_plain(s, s->x);
     const double *in[] = {&s->vital.t, q ? q : x, x + s->model->n, player->given, lag_run_parameters(s->run)};
     double *out[] = {player->drawing};
     give(player);

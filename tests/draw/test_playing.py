@@ -2,8 +2,6 @@
 
 import json
 import re
-import shutil
-import subprocess
 from collections.abc import Callable
 from pathlib import Path
 
@@ -11,6 +9,7 @@ import numpy as np
 import pytest
 
 import lagrangia as lag
+from helpers.pages import computed, heard, needs_browser, needs_node
 from lagrangia.base.folders import data_folder
 from lagrangia.command.cli import FAILED, WRONG, main
 from lagrangia.draw.drawing import figures_of, states_of
@@ -23,31 +22,12 @@ from lagrangia.play.player import play_scene
 from lagrangia.run.request import Request, check_values
 
 EXAMPLES = data_folder("models") / "examples"
-BROWSER = shutil.which("chromium") or shutil.which("chromium-browser")
-NODE = shutil.which("node")
 SCENES = ["double_pendulum", "bouncing_ball", "four_bar", "suspended_bar", "stick_slip", "rough_road", "dc_motor_stick_slip"]
-needs_node = pytest.mark.skipif(wasm.zig() is None or NODE is None, reason="needs zig and Node.js")
-needs_browser = pytest.mark.skipif(wasm.zig() is None or BROWSER is None, reason="needs zig and Chromium")
-HEADLESS = """
-const html = require("fs").readFileSync(process.argv[1], "utf8");
-const D = JSON.parse(html.match(/<script id="data" type="application\\/json">(.*?)<\\/script>/s)[1]);
-const own = html.match(/<script>\\s*"use strict";(.*)<\\/script>/s)[1].split("const D = JSON")[0];
-const made = "const m = await Machine.made(D.program, D.image, D.sizes, D.inputs)";
-const script = `return (async () => { ${own}; ${made}; ${process.argv[2]} })()`;
-new Function("D", script)(D).then(told => console.log(JSON.stringify(told)));
-"""
 
 
 def written(model: lag.Model, page: Path, **asked) -> Path:
     play_scene(model, page, Request(**asked), {})
     return page
-
-
-def computed(page: Path, script: str) -> dict:
-    """What a script finds in the page's machine `m`, without its browser."""
-    done = subprocess.run([str(NODE), "-e", HEADLESS, str(page), script], capture_output=True, text=True, timeout=60, check=False)
-    assert done.returncode == 0, done.stderr
-    return json.loads(done.stdout)
 
 
 def written_for(scene: str, page: Path) -> lag.Model:
@@ -64,7 +44,7 @@ def test_digits_are_those_of_the_run(scene: str, tmp_path: Path) -> None:
     told = computed(tmp_path / "x.html", """
         if (!m.begin(D.given, D.tolerance, D.stop) || !m.step(0.3) || !m.step(1 - m.values()[0])) return m.message;
         return [...m.values()];""")
-    run = model.simulate(at=[0.0, 1.0], stop=model.scene.stop)
+    run = model.opened(None, "a page").simulate(at=[0.0, 1.0], stop=model.scene.stop)
     ours = np.array(told[: 1 + 2 * model.scene.n])
     assert np.allclose(ours, run.rows[-1][: len(ours)], rtol=1e-12, atol=1e-12)
     energies = told[1 + 4 * model.scene.n + len(model.scene.outputs) :]
@@ -147,8 +127,18 @@ def test_states_are_told_by_their_names(tmp_path: Path) -> None:
     assert names.count("motor.i") == 2 and not any("integral" in name for name in names)
     told = computed(tmp_path / "x.html", """m.begin(D.given, D.tolerance, D.stop); m.step(1);
         return D.curves.map(c => m.values()[c.ref] * c.scale);""")
-    run = model.simulate(at=[0.0, 1.0], stop=model.scene.stop)
+    run = model.opened(None, "a page").simulate(at=[0.0, 1.0], stop=model.scene.stop)
     assert told[2:] == pytest.approx([run[name][-1] for name in ("motor.i", "control.I", "load_speed")], abs=1e-9)
+
+
+@needs_node
+def test_numbers_that_a_scene_has_compiled_in_are_open_in_a_page(tmp_path: Path) -> None:
+    """Gravity to the side is 0, and costs the run nothing; its slider acts (it changed nothing, without a word)."""
+    model = written_for("pendulum", tmp_path / "x.html")
+    told = computed(tmp_path / "x.html", """const ref = D.controls.find(c => c.name === "world.gravity[1]").ref;
+        m.begin([[ref, 5]], D.tolerance, D.stop); m.step(1); return m.values()[1];""")
+    run = model.simulate(at=[0.0, 1.0], stop=model.scene.stop, parameters={"world.gravity[1]": 5.0})
+    assert told == pytest.approx(run["hinge.phi"][-1], abs=1e-8)
 
 
 @needs_node
@@ -190,22 +180,6 @@ def test_what_was_asked_for_is_where_the_page_begins(tmp_path: Path) -> None:
     assert told == pytest.approx(model.simulate(at=[0.0, 1.0], stop=model.scene.stop, **asked)["hinge.phi"][-1], abs=1e-12)
 
 
-LISTEN = """<script>
-const report = told => {
-  const p = document.createElement("pre");
-  p.id = "heard"; p.textContent = JSON.stringify(told); document.body.append(p);
-};
-const pull = (x, y) => {
-  const box = $("scene").getBoundingClientRect(), at = box.left + box.width / 2 + (x - view.x(box.width / 2)) * view.k;
-  drag({ clientX: at, clientY: box.top + box.height / 2 - (y - view.y(box.height / 2)) * view.k });
-};
-setInterval(() => {}, 1);  // virtual time does not wait for what is compiled, but passes no faster than its tasks
-lagrangia.ready.then(() => {
-  const values = [];
-  @SCRIPT@
-  report({values, faults: window.faults, message: lagrangia.message});
-}).catch(e => report({faults: [String(e)]}));
-</script></body>"""
 PLAY = """values.push(lagrangia.go(1), lagrangia.time, lagrangia.value("hinge.phi"));
   const press = key => document.dispatchEvent(new KeyboardEvent("keydown", {key}));
   press("ArrowRight"); values.push(lagrangia.time); press("r"); values.push(lagrangia.time);
@@ -219,21 +193,6 @@ PULL = """held = D.frames.reduce((a, b) => rows[a[0] + 1] > rows[b[0] + 1] ? a :
   const [x, y] = place_of(held, rows);
   for (let i = 1; i <= 4; i++) pull(x - 0.03 * i, y + 0.001 * i);
   values.push(x, place_of(held, rows)[0], now[1], now[2], now[3]); lagrangia.go(0.5); values.push(lagrangia.time);"""
-
-
-def heard(page: Path, script: str) -> dict:
-    """What a page tells of itself, which takes another attempt where it was looked at before it had compiled."""
-    watched = "<head><script>window.faults = []; onerror = e => faults.push(e); " \
-              "onunhandledrejection = e => faults.push(String(e.reason));</script>"
-    text = page.read_text().replace("<head>", watched)
-    page.write_text(text.replace("</body>", LISTEN.replace("@SCRIPT@", script)))
-    command = [str(BROWSER), "--headless", "--no-sandbox", "--disable-gpu", f"--user-data-dir={page.parent}/profile",
-               "--virtual-time-budget=20000", "--dump-dom", page.as_uri()]
-    for _ in range(8):
-        dom = subprocess.run(command, capture_output=True, text=True, timeout=60, check=True).stdout
-        if found := re.search(r'<pre id="heard">(.*?)</pre>', dom):
-            return json.loads(found[1])
-    raise AssertionError(dom[-1000:])
 
 
 @needs_browser

@@ -89,7 +89,6 @@ def test_poses_are_those_of_the_run(zoo: Path) -> None:
     (["draw", "flat.lag", "--view=1,2"], "this one lies in the plane"),
     (["draw", "zoo.lag", "--view=1"], "an azimuth and an elevation from -90 to 90"),
     (["draw", "zoo.lag", "--view=1,inf"], "an azimuth and an elevation from -90 to 90"),
-    (["play", "zoo.lag", "-o", "x.html"], "not supported yet: pages that compute"),
     (["draw", "wrong.lag"], "'ball' is drawn in space, and this scene lies in the plane"),
 ])
 def test_what_is_not_there_is_told(zoo: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str],

@@ -44,6 +44,12 @@ def turn_of(quaternion: Quaternion) -> tuple[float, float, float]:
     return 4 * x / (1 + real), 4 * y / (1 + real), 4 * z / (1 + real)
 
 
+def quaternion_of(turn: Sequence[float]) -> tuple[float, ...]:
+    """The unit quaternion of s, the inverse of turn_of; NaN for a turn that is not given."""
+    square = sum(x * x for x in turn) / 16
+    return (1 - square) / (1 + square), *(x / 2 / (1 + square) for x in turn)
+
+
 def _read(text: str) -> Quaternion:
     call = _CALL.fullmatch(text)
     if call is None or call[1] not in _READERS:

@@ -38,5 +38,5 @@ Small motion is in small turns tip.S.s[1] to [3] about the turned axes (rad), th
              where the body spins so about its own axes and these stay: upright, of a top. Regular precession is not that, as
              the axes of the body go round: it is steady by hinges, a Universal and a Revolute. lag simulate --plot F --linear
              shows small motion beside the run, in quaternions.
-Not supported yet: pages that compute, kinetic energies of der(S) that are no rigid body's, --angles of a loop that a ball joint
+Not supported yet: kinetic energies of der(S) that are no rigid body's, --angles of a loop that a ball joint
 closes."""

@@ -51,9 +51,11 @@ turned by dragging, shifted by two fingers or with shift, zoomed by the wheel or
 
 `lag play` writes one HTML file that computes, from the same tape by the same run time, compiled to WebAssembly: sliders for
 parameters, start values and inputs, parts that can be dragged to where the motion starts, events at their exact times, and the
-digits of `lag simulate` at the same --tolerance. Inputs of -u FILE.csv go on over time, until their slider is moved. Space runs,
-the right arrow steps, R goes back to the start; + - T N D as above. Without -o it is opened at once. It needs zig, once for each
-version of the run time: pip install ziglang.
+digits of `lag simulate` at the same --tolerance, by formulas that hold for all that sliders set. Inputs of -u FILE.csv go on over
+time, until their slider is moved. Space runs, the right arrow steps, R goes back to the start; + - T N D as above. Scenes in
+space are turned, shifted and zoomed as in the page of `lag animate`, where in the plane parts are dragged; three sliders turn
+each attitude from where it starts. Without -o it is opened at once. It needs zig, once for each version of the run time:
+pip install ziglang.
 """
 
 

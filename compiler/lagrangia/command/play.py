@@ -21,7 +21,7 @@ def play_command(options: Namespace) -> int:
     model, request = load_asked(options)
     tell_inputs(options, model, plan(model.scene, request), request.inputs)
     target = options.output or _temporary(options.file.stem)
-    failure = play_scene(model.completed(), target, request, named_pairs(options.names or "", "--names"),
+    failure = play_scene(model, target, request, named_pairs(options.names or "", "--names"),
                          names_once(options.trace, "--trace"))
     print(f"written to {target}")
     if options.output is None:

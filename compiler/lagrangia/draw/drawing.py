@@ -19,7 +19,6 @@ from lagrangia.draw.tikz import write_tikz
 from lagrangia.draw.values import States
 from lagrangia.language.dimensions import check_dimensions
 from lagrangia.language.flat import Figure
-from lagrangia.language.space_limits import refuse_in_space
 from lagrangia.run.request import Request, check_values
 from lagrangia.run.scene import Scene
 from lagrangia.view.rows import moments
@@ -116,10 +115,8 @@ def _run_until(model: Drawable, asked: Request, end: float) -> tuple[Trajectory,
 
 
 def figures_of(model: Located) -> tuple[Figure, ...]:
-    """All figures of a scene of the plane, those of the library as well. Raises LagError."""
-    flat = flatten_file(model.path, model.model, model.structural, is_drawn=True)[1]
-    refuse_in_space(flat, "pictures")
-    return check_dimensions(flat).figures
+    """All figures of a scene, those of the library as well. Raises LagError."""
+    return check_dimensions(flatten_file(model.path, model.model, model.structural, is_drawn=True)[1]).figures
 
 
 def states_of(model: Drawable, run: Trajectory, values: "Values") -> States:

@@ -9,6 +9,7 @@ import numpy as np
 
 from lagrangia.base.records import dataclass
 from lagrangia.compile.pipeline import Compilation
+from lagrangia.draw.drawing import figures_of
 from lagrangia.draw.page import LINES
 from lagrangia.draw.raster import rasterise
 from lagrangia.draw.strokes import Stroke
@@ -18,7 +19,7 @@ from lagrangia.fmu.exportable import Exportable
 from lagrangia.fmu.states import state_columns
 from lagrangia.language.flat import Figure
 from lagrangia.run.input_pieces import held_at_first
-from lagrangia.solids.showing import all_figures_of, icon_of
+from lagrangia.solids.showing import icon_of
 
 _PIXELS, _MARGIN, _LINE = 128, 2, 1.5  # of the icon, at its borders, and of a line
 _MOST_FRAMES, _MOST_FIGURES = 400, 400  # shown in a picture
@@ -44,7 +45,7 @@ def draw_icon(model: Exportable, start: Sequence[float]) -> Icon:
     columns = ([scene.start], q, start[-scene.n :] if scene.n else (), [*(known.value or 0.0 for known in scene.inputs), *kept],
                parameters)
     states = States(*(np.array(column, dtype=float).reshape(-1, 1) for column in columns))
-    page = icon_of(model.compilation, _told_apart(all_figures_of(model)), states)
+    page = icon_of(model.compilation, _told_apart(figures_of(model)), states)
     if not page.paths:  # a scene of energies alone, whose components have no drawing: a box, as of any block
         page = replace(page, paths=(Stroke(_BOX, 0, "normal", "none", True),))
     scale = (_PIXELS - 2 * _MARGIN) / max(page.width, page.height)

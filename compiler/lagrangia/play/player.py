@@ -10,6 +10,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from lagrangia.base.attitude_values import quaternion_of
 from lagrangia.base.diagnostics import RunError, fail
 from lagrangia.base.result_files import write_text
 from lagrangia.draw.animation import speed_of, written
@@ -21,10 +22,14 @@ from lagrangia.fmu.tables import sizes_of
 from lagrangia.fmu.variable import Variable
 from lagrangia.fmu.variables import FmuModel, build_fmu_model
 from lagrangia.language.flat import Figure
+from lagrangia.play.space_stage import build_space_stage
 from lagrangia.play.stage import build_stage
 from lagrangia.play.wasm import build_wasm
 from lagrangia.run.request import Request, Values, check_values, plan
 from lagrangia.run.runtime import Solver
+from lagrangia.run.scene import Scene
+from lagrangia.solids.orbit import SEEN_BY_HAND, VECTORS
+from lagrangia.solids.showing import is_in_space
 from lagrangia.view.trajectory import Trajectory
 
 _LOOKS = 60  # moments of the motion from which the picture's sizes are taken
@@ -32,17 +37,23 @@ _MOST_SHOWN = 40  # quantities whose values are listed
 _DEGREE = 180.0 / math.pi
 _TURN, _RATE = math.pi, 10.0  # sliders of angles, and of rates of what is at rest, go so far
 _FIXED = 1  # LAG_START_FIXED of model.h
-_PARTS = ("player.css", "player.html", "figures.js", "machine.js", "player.js")
+_OWN = [Path(__file__).with_name(name) for name in ("player.css", "player.html", "machine.js")]
+_FLAT, _SPATIAL, _PLAYER, _PLANE, _SPACE = (Path(__file__).with_name(f"{name}.js")
+                                            for name in ("figures", "solids", "player", "plane", "space"))
 
 
 class Playable(Drawable, Exportable, Protocol):
     """What a page needs of a Model."""
+
+    def opened(self, parameters: Mapping[str, float] | None, where: str) -> "Playable":
+        """In formulas that hold whatever is set."""
 
 
 def play_scene(model: Playable, path: str | os.PathLike[str], request: Request, names: Mapping[str, str],
                traces: Sequence[str] = ()) -> RunError | None:
     """Writes the page; returns what stops the scene's run, which the page shows, too. Raises LagError (L0706 without zig), or
     RunError for what cannot start."""
+    model = model.opened(request.parameters, "a page")
     figures = figures_of(model)
     program = build_wasm()
     values = check_values(model.scene, request.parameters, request.initial, request.inputs)
@@ -65,7 +76,8 @@ def _page(model: Playable, request: Request, values: Values, run: Trajectory, fi
           traces: Sequence[str], program: bytes) -> str:
     scene = model.scene
     states = states_of(model, thinned(run, _LOOKS), values)
-    stage = build_stage(model.compilation, figures, states, names, traces)
+    in_space = is_in_space(model)
+    stage = (build_space_stage if in_space else build_stage)(model.compilation, figures, states, names, traces)
     described = build_fmu_model(model, request.parameters)
     image = write_played(described, _solver(described), stage.drawing)
     experiment = plan(scene, request)
@@ -73,13 +85,13 @@ def _page(model: Playable, request: Request, values: Values, run: Trajectory, fi
     size = float(np.max(np.subtract(stage.data["high"], stage.data["low"])))
     data = {**stage.data, **_shown(described), "controls": [*_given_inputs(described, values), *_controls(described, size)],
             "given": [*_given(described, values)],
-            "inputs": _inputs(values), "n": scene.n, "movable": [*_movable(described, size)], "is_looped": _is_looped(described),
-            "tolerance": experiment.tolerance, "start": scene.start,
+            "inputs": _inputs(values), "n": scene.n, "movable": [] if in_space else [*_movable(described, size)],
+            "is_looped": _is_looped(described), "tolerance": experiment.tolerance, "start": scene.start,
             "stop": experiment.stop, "window": length, "speed": speed_of(length),
             "program": _packed(program), "image": _packed(image),
             "sizes": {"n": scene.n, "values": 1 + max(v.reference for v in described.of(*_NUMBERS)),
                       "drawing": sum(stage.drawing.out_sizes)}}
-    parts = [Path(__file__).with_name(part) for part in _PARTS]
+    parts = [*_OWN, _SPATIAL, *VECTORS, _PLAYER, *SEEN_BY_HAND, _SPACE] if in_space else [*_OWN, _FLAT, _PLAYER, _PLANE]
     return written(parts, scene.description or scene.name, data)
 
 
@@ -108,28 +120,54 @@ def _shown(described: FmuModel) -> dict[str, Any]:
         unit, scale = _unit(variable)
         return {"name": name or variable.name, "ref": variable.reference, "unit": unit, "scale": scale}
 
-    n, signals = described.scene.n, described.scene.signals
-    states, outputs, energies = described.of("state"), described.of("output"), described.of("energy")
-    moving = [k for k in range(n) if states[k].name not in signals]
-    rates = [told(states[n + k], f"{states[k].name}'") for k in moving]
-    held = [told(states[n + k], signals[states[k].name]) for k in range(n) if k not in moving]
-    places, others = [told(states[k]) for k in moving], [told(v) for v in outputs]
+    scene = described.scene
+    signals, turned = scene.signals, scene.turned
+    positions, rates = _states(described)
+    outputs, energies = described.of("output"), described.of("energy")
+    moving = [told(v, v.name if name in turned else f"{name}'") for name, v in rates if name not in signals]
+    held = [told(v, signals[name]) for name, v in rates if name in signals]
+    places, others = [told(v) for v in positions if v.name not in signals], [told(v) for v in outputs]
     return {"curves": [*places, *held, *others][:MOST_CURVES],
             "energies": [told(energies[k], name) for k, name in ((0, "T"), (1, "V"), (3, "dissipated"))],
-            "shown": [*places, *rates, *held, *others][:_MOST_SHOWN] + [told(v) for v in energies]}
+            "shown": [*places, *moving, *held, *others][:_MOST_SHOWN] + [told(v) for v in energies]}
+
+
+def _states(described: FmuModel) -> tuple[tuple[Variable, ...], list[tuple[str, Variable]]]:
+    """Positions, with a quaternion for each attitude, and rates with the coordinates that they are of."""
+    states, scene = described.of("state"), described.scene
+    count = len(states) - scene.n
+    return states[:count], list(zip((c.name for c in scene.coordinates), states[count:], strict=True))
 
 
 def _controls(described: FmuModel, size: float) -> Iterator[dict[str, Any]]:
     """Sliders: parameters that are no consequence of others, start values."""
-    n = described.scene.n
     given = dict(zip((v.reference for v in described.of("parameter")), described.given, strict=True))
     for v in described.of("parameter"):
         if v.causality == "parameter":
             yield _control("parameter", v, given[v.reference], 1.0)
+    positions, _ = _states(described)
+    parts = {name for parts in _quaternions(described.scene).values() for name in parts}
     for k, v in enumerate(described.of("state")):
-        if v.initial != "calculated" and v.name not in described.scene.signals:
-            reach = _RATE if k >= n else _TURN if _unit(v)[1] != 1.0 else size
+        if v.initial != "calculated" and v.name not in described.scene.signals and v.name not in parts:
+            reach = _RATE if k >= len(positions) else _TURN if _unit(v)[1] != 1.0 else size
             yield _control("start", v, described.state_start[k], reach)
+    for name, own in _quaternions(described.scene).items():
+        found = [described.named(part) for part in own]
+        if all(v.initial != "calculated" for v in found):
+            yield from _turns(name, found, [described.state_start[positions.index(v)] for v in found])
+
+
+def _quaternions(scene: Scene) -> dict[str, list[str]]:
+    """The four parts of each attitude, by its name."""
+    return {name: [f"{name}[{k}]" for k in range(1, 5)] for name in scene.attitudes}
+
+
+def _turns(name: str, parts: Sequence[Variable], quaternion: Sequence[float]) -> Iterator[dict[str, Any]]:
+    """Sliders by which an attitude is turned from where it starts, rad about the axes of what it is counted against."""
+    for axis in "xyz":
+        yield {"kind": "start", "name": f"{name} about {axis}", "about": f"{parts[0].description}: turned from where it starts",
+               "refs": [v.reference for v in parts], "quaternion": list(quaternion), "unit": "deg", "scale": _DEGREE,
+               "value": 0.0, "low": -_TURN, "high": _TURN}
 
 
 def _inputs(values: Values) -> dict[str, Any] | None:
@@ -166,7 +204,14 @@ def _control(kind: str, variable: Variable, value: float, reach: float) -> dict[
 
 def _given(described: FmuModel, values: Values) -> Iterator[tuple[int, float]]:
     """Start values and inputs that were asked for; parameters are the scene's own already."""
-    for v, x in zip(described.of("state"), (*values.q, *values.v), strict=True):
+    scene = described.scene
+    asked = dict(zip((c.name for c in scene.coordinates), values.q, strict=True))
+    positions, rates = _states(described)
+    starts = [(v, asked[v.name]) for v in positions if v.name in asked]
+    for name, parts in _quaternions(scene).items():
+        turned = quaternion_of([asked[part] for part in scene.attitudes[name]])
+        starts += zip((described.named(part) for part in parts), turned, strict=True)
+    for v, x in (*starts, *zip((v for _, v in rates), values.v, strict=True)):
         if not math.isnan(x):
             yield v.reference, x
     if len(values.input_times) == 1:

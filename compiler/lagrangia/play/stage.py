@@ -31,10 +31,7 @@ class Stage:
 def build_stage(c: Compilation, figures: Sequence[Figure], states: States, names: Mapping[str, str],
                 traces: Sequence[str]) -> Stage:
     """The sizes of symbols, and where loose parts stand, are those that suit the motion of `states`. Raises LagError."""
-    for table in c.kinematics.algebra.index.tables:
-        if table.n > _MOST_KNOTS:
-            fail("L0901", f"not supported yet: a page that computes and draws a table of {table.n} rows", None,
-                 f"at most {_MOST_KNOTS}; lag animate shows one run")
+    require_short_tables(c)
     reel = build_reel(c, figures, states, names, traces)
     scenery = reel.scenery
     words = words_of(c, scenery, names)
@@ -52,6 +49,14 @@ def build_stage(c: Compilation, figures: Sequence[Figure], states: States, names
             "traces": ways, "frames": [_frame(scenery, frame) for frame in moving[:_MOST_HANDLES]], "symbol": scenery.symbol,
             "shortest": SHORTEST_ARM, "low": reel.low.tolist(), "high": reel.high.tolist()}
     return Stage(tape_of(build_drawn(c, figures, for_tape=True).function), data)
+
+
+def require_short_tables(c: Compilation) -> None:
+    """Raises LagError L0901 for one that no page draws."""
+    for table in c.kinematics.algebra.index.tables:
+        if table.n > _MOST_KNOTS:
+            fail("L0901", f"not supported yet: a page that computes and draws a table of {table.n} rows", None,
+                 f"at most {_MOST_KNOTS}; lag animate shows one run")
 
 
 def _figure(scenery: Scenery, k: int) -> dict[str, Any]:

@@ -7,12 +7,12 @@ from pathlib import Path
 import numpy as np
 
 from lagrangia.base.diagnostics import fail
-from lagrangia.draw.drawing import Drawable
+from lagrangia.draw.drawing import Drawable, figures_of
 from lagrangia.draw.modes_film import animate_mode, swaying, title_of
 from lagrangia.draw.values import States
 from lagrangia.solids.orbit import write_orbit
 from lagrangia.solids.seen import build_stage
-from lagrangia.solids.showing import View, all_figures_of, is_in_space, require_any_of, save_stage
+from lagrangia.solids.showing import View, is_in_space, require_any_of, save_stage
 from lagrangia.solids.stage import Stage, matrices
 from lagrangia.study.analysis import Study
 from lagrangia.study.modes import Modes
@@ -28,7 +28,7 @@ def animate_mode_of_any(model: Drawable, study: Study, modes: Modes, k: int, pat
     if not is_in_space(model):
         animate_mode(model, study, modes, k, path)
         return
-    figures = all_figures_of(model)
+    figures = figures_of(model)
 
     def stage_of(states: States) -> Stage:
         return build_stage(model.compilation, figures, states, {}, ())

@@ -2,70 +2,33 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
 
-import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from lagrangia.compile.functions import observer_of
 from lagrangia.compile.pipeline import Compilation
 from lagrangia.draw.names import label_all
-from lagrangia.draw.values import States, measure_of, root_of
-from lagrangia.frames.evaluation import scalars_of
+from lagrangia.draw.page import Words
+from lagrangia.draw.values import States, measure_of
 from lagrangia.frames.joints import component_of
-from lagrangia.frames.kinematics import Kinematics
-from lagrangia.frames.steps import Step
-from lagrangia.language.figures import CHOICES, WORDS
-from lagrangia.language.flat import Figure, places_of
-from lagrangia.language.tree import Call, Flat, FrameRef, String
+from lagrangia.language.flat import Figure
+from lagrangia.language.tree import String
+from lagrangia.solids.rows import Asked, Rows, build_rows
 from lagrangia.solids.shapes import Solid, across, arc, arrow, box, cylinder, dashpot, moved, sphere, turns_of
 from lagrangia.solids.stage import SHADES, Body, Caption, Line, Stage, quaternions
 
 Vector = NDArray[np.float64]
 _SYMBOLS_ACROSS = 14.0
-_OF_A_POSE = 12  # numbers: an origin, and a matrix by its rows
-_LONGEST_ARROW = 3.0  # symbols
+SHORTEST_ROD = 0.02  # symbols
+LONGEST_ARROW = 3.0  # symbols
 _MOST_LABELS = 40
-_SEGMENTS = 48  # of a circle that is a line
+SEGMENTS = 48  # of a circle that is a line
 _BODIES = ("circle", "box", "cuboid", "cylinder", "cone", "ball")
-_LOADS = ("force", "torque", "other")
-
-
-@dataclass
-class _Rows:
-    """Scalars, in the order in which they are asked for."""
-
-    kinematics: Kinematics
-    scalars: list[ca.SX] = field(default_factory=list)
-
-    def add(self, values: Sequence[ca.SX]) -> slice:
-        self.scalars += [ca.SX(x) for x in values]
-        return slice(len(self.scalars) - len(values), len(self.scalars))
-
-    def value(self, node: Flat) -> slice:
-        return self.add(scalars_of(self.kinematics.evaluator.value(node)))
-
-    def place(self, node: Flat) -> slice:
-        """Of a frame, or of a position, whose axes are the world's."""
-        pose = self._pose(node)
-        if pose is None:
-            return self.add([*scalars_of(self.kinematics.evaluator.value(node)), *np.eye(3).ravel()])
-        origin, axes = (self.kinematics.geometry.attribute_of(pose, name) for name in ("r", "R"))
-        return self.add([*origin, *(x for row in axes for x in row)])
-
-    def _pose(self, node: Flat) -> Any:
-        if isinstance(node, FrameRef) and not node.attribute:
-            return self.kinematics.pose(node.name, 0)
-        if not isinstance(node, Call) or node.function not in ("shift", "turn"):
-            return None
-        base, amount, *axis = node.arguments
-        step = Step(node.function, amount, False, axis[0] if axis else None)
-        return self.kinematics.step(step, self._pose(base), 0)
+LOADS = ("force", "torque", "other")
 
 
 @dataclass(frozen=True)
-class _Given:
+class Given:
     """A figure in numbers: `poses` (T, 3) and (T, 3, 3) of its places, `numbers` and `options` (T, n) each."""
 
     figure: Figure
@@ -112,53 +75,65 @@ class _Shown:
     lines: list[Line] = field(default_factory=list)
 
 
+@dataclass(frozen=True)
+class Looked:
+    """Figures at the moments of `states`: their rows and what these are there, `symbol` the size of symbols, m, `greatest` the
+    loads by their kinds, `grounded` the frames that stand for ever."""
+
+    rows: Rows
+    values: Vector
+    given: tuple[Given, ...]
+    symbol: float
+    greatest: Mapping[str, float]
+    grounded: set[str]
+
+    def place(self, frame: str) -> Vector:
+        """(T, 3), m."""
+        return _pose(self.values[:, self.rows.frames[frame]])[0]
+
+    @property
+    def up(self) -> Vector:
+        """The direction that points upwards on paper."""
+        return _upwards(self.values[0, self.rows.up])
+
+
+def look(c: Compilation, figures: Sequence[Figure], states: States) -> Looked:
+    """Raises LagError."""
+    rows = build_rows(c, figures)
+    function = rows.function
+    values = np.array(function(states.t, states.q, states.v, states.u, states.p), dtype=float)
+    values = values.reshape(function.numel_out(0), -1).T
+    sizes = [float(np.abs(values[0, at]).max()) for asked in rows.asked if asked.figure.word in _BODIES for at in asked.numbers]
+    largest = max((x for x in sizes if np.isfinite(x)), default=0.0)
+    symbol = _symbol([_pose(values[:, at])[0] for at in rows.frames.values()], largest)
+    grounded = _grounded(c)
+    given = tuple(_given(c, asked, values, symbol, grounded) for asked in rows.asked)
+    return Looked(rows, values, given, symbol, _greatest(given), grounded)
+
+
 def build_stage(c: Compilation, figures: Sequence[Figure], states: States, names: Mapping[str, str],
                 traces: Sequence[str]) -> Stage:
     """`traces` are names of frames, beside those that drawing sections ask for. Raises LagError."""
-    rows, lost = _Rows(c.kinematics), set(c.graph.unused_frames)
-    shown = [figure for figure in figures if not any(root_of(place) in lost for place in _places(figure))]
-    asked = [_ask(rows, figure) for figure in shown]
-    frames = {name: rows.place(FrameRef(name, "", (), c.flat.frames[name].span)) for name in c.flat.frames if name not in lost}
-    up = rows.add(_up(c.kinematics))
-    observe = observer_of(c.kinematics, c.motion, c.constraints, ca.densify(ca.vertcat(*rows.scalars)))
-    values = np.array(observe(states.t, states.q, states.v, states.u, states.p), dtype=float).reshape(len(rows.scalars), -1).T
-    places = {name: _pose(values[:, at]) for name, at in frames.items()}
-    sizes = [float(np.abs(values[0, at]).max()) for figure, (_, numbers, _) in zip(shown, asked, strict=True)
-             if figure.word in _BODIES for at in numbers]
-    symbol = _symbol([origins for origins, _ in places.values()], max((x for x in sizes if np.isfinite(x)), default=0.0))
-    grounded = _grounded(c)
-    given = [_given(c, figure, asks, values, symbol, grounded) for figure, asks in zip(shown, asked, strict=True)]
-    greatest = _greatest(given)
-    found = [SHOWN[g.figure.word](g, greatest) for g in given if g.poses and g.figure.word in SHOWN]
+    return stage_of(c, look(c, figures, states), states.t[0], names, traces)
+
+
+def stage_of(c: Compilation, looked: Looked, t: Vector, names: Mapping[str, str], traces: Sequence[str]) -> Stage:
+    """As build_stage, of what was looked at at these times."""
+    given = looked.given
+    found = [SHOWN[g.figure.word](g, looked.greatest) for g in given if g.poses and g.figure.word in SHOWN]
     ways = [(g.frames[0], g.poses[0][0]) for g in given if g.poses and g.figure.word == "trace"]
-    ways += [(name, places[name][0]) for name in traces]
-    rods = _rods(c, places, {g.figure.component for g in given}, grounded, symbol)
-    return Stage(states.t[0], tuple(body for one in found for body in one.bodies),
-                 (*(line for one in found for line in one.lines), *rods), tuple(_captions(c, given, names)), tuple(ways), symbol,
-                 _upwards(values[0, up]))
+    ways += [(name, looked.place(name)) for name in traces]
+    rods = [Line(np.stack([looked.place(a), looked.place(b)], axis=1), "thick") for a, b in rods_of(c, looked)]
+    named = [Caption(words, np.mean([origin for origin, _ in given[k].poses], axis=0)) for k, words in words_of(c, given, names)]
+    return Stage(t, tuple(body for one in found for body in one.bodies),
+                 (*(line for one in found for line in one.lines), *rods), tuple(named), tuple(ways), looked.symbol, looked.up)
 
 
-def _ask(rows: _Rows, figure: Figure) -> tuple[list[slice], list[slice], dict[str, slice]]:
-    takes = WORDS[figure.word].takes
-    kinds = [takes[min(k, len(takes) - 1)] for k in range(len(figure.arguments))]
-    numbers = [rows.value(node) for node, kind in zip(figure.arguments, kinds, strict=True) if kind not in ("place", "text")]
-    options = {name: rows.value(node) for name, node in figure.options.items() if name not in ("label", "of", *CHOICES)}
-    return [rows.place(place) for place in _places(figure)], numbers, options
-
-
-def _places(figure: Figure) -> list[Flat]:
-    takes = WORDS[figure.word].takes
-    return [place for k, node in enumerate(figure.arguments) if takes[min(k, len(takes) - 1)] == "place"
-            for place in places_of(node)]
-
-
-def _given(c: Compilation, figure: Figure, asked: tuple[list[slice], list[slice], dict[str, slice]], values: Vector,
-           symbol: float, grounded: set[str]) -> _Given:
-    places, numbers, options = asked
-    frames = tuple(root_of(place) for place in _places(figure))
-    return _Given(figure, frames, tuple(_pose(values[:, at]) for at in places),
-                  tuple(values[:, at] for at in numbers), {name: values[:, at] for name, at in options.items()},
-                  measure_of(c.flat, figure), symbol, bool(frames) and (not frames[0] or frames[0] in grounded))
+def _given(c: Compilation, asked: Asked, values: Vector, symbol: float, grounded: set[str]) -> Given:
+    frames = asked.frames
+    return Given(asked.figure, frames, tuple(_pose(values[:, at]) for at in asked.places),
+                 tuple(values[:, at] for at in asked.numbers), {name: values[:, at] for name, at in asked.options.items()},
+                 measure_of(c.flat, asked.figure), symbol, bool(frames) and (not frames[0] or frames[0] in grounded))
 
 
 def _pose(values: Vector) -> tuple[Vector, Vector]:
@@ -179,11 +154,6 @@ def _upwards(against_gravity: Vector) -> Vector:
     return against_gravity if np.isfinite(against_gravity).all() and against_gravity.any() else np.array([0.0, 0.0, 1.0])
 
 
-def _up(kinematics: Kinematics) -> Sequence[Any]:
-    """Against gravity, where there is any."""
-    return [-x for x in scalars_of(kinematics.symbols.values.get("world.gravity", (0.0, 0.0, 0.0)))]
-
-
 def _symbol(origins: Sequence[Vector], largest: float) -> float:
     """The size of symbols, m: by how far apart frames are, and by the largest size of a body."""
     points = np.concatenate(origins) if origins else np.zeros((0, 3))
@@ -192,48 +162,48 @@ def _symbol(origins: Sequence[Vector], largest: float) -> float:
     return reach / _SYMBOLS_ACROSS if reach > 0 else 0.1
 
 
-def _greatest(given: Sequence[_Given]) -> dict[str, float]:
+def _greatest(given: Sequence[Given]) -> dict[str, float]:
     """Of forces, of torques."""
     found: dict[str, float] = {}
     for g in given:
-        if g.measure in _LOADS:
+        if g.measure in LOADS:
             sizes = np.linalg.norm(g.numbers[0], axis=1)
             found[g.measure] = max(found.get(g.measure, 0.0), float(np.nanmax(sizes, initial=0.0)))
     return found
 
 
-def _rods(c: Compilation, places: Mapping[str, tuple[Vector, Vector]], drawn: set[str], grounded: set[str], symbol: float
-          ) -> list[Line]:
+def rods_of(c: Compilation, looked: Looked) -> list[tuple[str, str]]:
     """Frames that sit at a fixed place of another one, away from it, are held by a rod."""
     found = []
+    drawn = {g.figure.component for g in looked.given}
     for edge in c.graph.edges:
         own = component_of(edge.parent)
-        if not edge.is_rigid or edge.parent in grounded or (own == component_of(edge.child) and own in drawn):
+        if not edge.is_rigid or edge.parent in looked.grounded or (own == component_of(edge.child) and own in drawn):
             continue
-        ends = np.stack([places[edge.parent][0], places[edge.child][0]], axis=1)
-        if float(np.linalg.norm(ends[0, 1] - ends[0, 0])) > 0.02 * symbol:
-            found.append(Line(ends, "thick"))
+        if float(np.linalg.norm(looked.place(edge.child)[0] - looked.place(edge.parent)[0])) > SHORTEST_ROD * looked.symbol:
+            found.append((edge.parent, edge.child))
     return found
 
 
-def _captions(c: Compilation, given: Sequence[_Given], names: Mapping[str, str]) -> list[Caption]:
-    """Of figures with labels, but for those of coordinates."""
-    labelled = [g for g in given if ("label" in g.figure.options or g.figure.word == "text")
+def words_of(c: Compilation, given: Sequence[Given], names: Mapping[str, str]) -> list[tuple[int, Words]]:
+    """Of figures with labels, by their numbers, but for those of coordinates."""
+    labelled = [k for k, g in enumerate(given) if ("label" in g.figure.options or g.figure.word == "text")
                 and g.measure not in ("angle", "direction")]
-    labels = [g.figure.arguments[-1] if g.figure.word == "text" else g.figure.options["label"] for g in labelled]
+    figures = [given[k].figure for k in labelled]
+    labels = [figure.arguments[-1] if figure.word == "text" else figure.options["label"] for figure in figures]
     found = []
     seen = set()
-    for g, words in zip(labelled, label_all(c.flat, labels, names), strict=True):
-        if words is not None and words.plain not in seen and g.poses:
+    for k, words in zip(labelled, label_all(c.flat, labels, names), strict=True):
+        if words is not None and words.plain not in seen and given[k].poses:
             seen.add(words.plain)
-            found.append(Caption(words, np.mean([origin for origin, _ in g.poses], axis=0)))
+            found.append((k, words))
     return found if len(found) <= _MOST_LABELS else []
 
 
 # -------------------------------------------------------------------- words
 
 
-def _riding(g: _Given, solid: Solid, shade: str, place: int = 0) -> _Shown:
+def _riding(g: Given, solid: Solid, shade: str, place: int = 0) -> _Shown:
     """A solid in the axes of a frame."""
     origin, turns = g.poses[place]
     return _Shown([Body(solid, np.concatenate([origin, quaternions(turns)], axis=1), shade)])
@@ -243,42 +213,42 @@ def _turned(solid: Solid, axis: Vector) -> Solid:
     return moved(solid, np.zeros(3), across(axis)) if axis[:2].any() else solid
 
 
-def _circle(g: _Given, greatest: Mapping[str, float]) -> _Shown:
+def _circle(g: Given, greatest: Mapping[str, float]) -> _Shown:
     """A thin disc or, without a fill, a ring; a ball where it is a symbol."""
     radius = g.number(0)
     if radius is None:
         return _ball(g, greatest)
     if g.choice("fill", "none") == "none":
-        angles = np.linspace(0.0, 2 * np.pi, _SEGMENTS + 1)
+        angles = np.linspace(0.0, 2 * np.pi, SEGMENTS + 1)
         ring = radius * np.stack([np.cos(angles), np.sin(angles), 0 * angles], axis=1) @ across(g.axis).T
         return _Shown(lines=[_line_in(g, ring)])
     return _riding(g, _turned(cylinder(radius, 0.12 * radius), g.axis), g.shade)
 
 
-def _line_in(g: _Given, points: Vector) -> Line:
+def _line_in(g: Given, points: Vector) -> Line:
     origin, turns = g.poses[0]
     return Line(origin[:, None] + points @ turns.transpose(0, 2, 1), g.choice("style", "normal"))
 
 
-def _ball(g: _Given, greatest: Mapping[str, float]) -> _Shown:
+def _ball(g: Given, greatest: Mapping[str, float]) -> _Shown:
     radius = g.number(0)
     return _riding(g, sphere(0.25 * g.size if radius is None else radius), g.shade)
 
 
-def _cylinder(g: _Given, greatest: Mapping[str, float]) -> _Shown:
+def _cylinder(g: Given, greatest: Mapping[str, float]) -> _Shown:
     radius, height = g.number(0), g.number(1)
     solid = cylinder(0.15 * g.size if radius is None else radius, 0.5 * g.size if height is None else height)
     return _riding(g, _turned(solid, g.axis), g.shade)
 
 
-def _cone(g: _Given, greatest: Mapping[str, float]) -> _Shown:
+def _cone(g: Given, greatest: Mapping[str, float]) -> _Shown:
     """Its centre of mass, a quarter above its base, is where it stands."""
     radius, height = g.number(0) or 0.0, g.number(1) or 0.0
     return _riding(g, _turned(moved(cylinder(radius, height, 0.0), np.array([0.0, 0.0, height / 4])), g.axis),
                    g.shade)
 
 
-def _box(g: _Given, greatest: Mapping[str, float]) -> _Shown:
+def _box(g: Given, greatest: Mapping[str, float]) -> _Shown:
     """As high as it is deep; a slender one where its height was left out."""
     length, height = g.number(0), g.number(1)
     thick = height if height is not None else (0.25 if length is not None else 0.5) * g.size
@@ -288,54 +258,54 @@ def _box(g: _Given, greatest: Mapping[str, float]) -> _Shown:
     return _riding(g, solid if turn is None else moved(solid, np.zeros(3), turn), g.shade)
 
 
-def _cuboid(g: _Given, greatest: Mapping[str, float]) -> _Shown:
+def _cuboid(g: Given, greatest: Mapping[str, float]) -> _Shown:
     return _riding(g, box(*(g.number(k) or 0.0 for k in range(3))), g.shade)
 
 
-def _hatch(g: _Given, greatest: Mapping[str, float]) -> _Shown:
+def _hatch(g: Given, greatest: Mapping[str, float]) -> _Shown:
     """A plate, where it stands on the ground."""
     return _Shown() if not g.is_ground else _riding(g, box(0.8 * g.size, 0.8 * g.size, 0.1 * g.size), "grey")
 
 
-def _way(g: _Given, greatest: Mapping[str, float]) -> _Shown:
+def _way(g: Given, greatest: Mapping[str, float]) -> _Shown:
     """A line, a polyline, a rail."""
     return _Shown(lines=[Line(np.stack([origin for origin, _ in g.poses], axis=1), g.choice("style", "normal"))])
 
 
-def _polygon(g: _Given, greatest: Mapping[str, float]) -> _Shown:
+def _polygon(g: Given, greatest: Mapping[str, float]) -> _Shown:
     places = [origin for origin, _ in (*g.poses, g.poses[0])]
     return _Shown(lines=[Line(np.stack(places, axis=1), g.choice("style", "normal"))])
 
 
-def _arc(g: _Given, greatest: Mapping[str, float]) -> _Shown:
+def _arc(g: Given, greatest: Mapping[str, float]) -> _Shown:
     radius, begin, end = (float(g.numbers[k][0, 0]) for k in range(3))
-    angles = np.linspace(begin, end, _SEGMENTS)
+    angles = np.linspace(begin, end, SEGMENTS)
     return _Shown(lines=[_line_in(g, radius * np.stack([np.cos(angles), np.sin(angles), 0 * angles], axis=1))])
 
 
-def _zigzag(g: _Given, greatest: Mapping[str, float]) -> _Shown:
+def _zigzag(g: Given, greatest: Mapping[str, float]) -> _Shown:
     a, b = (origin for origin, _ in g.poses)
     ends = np.stack([a, b], axis=1)
     return _Shown(lines=[Line(ends, g.choice("style", "normal"), turns_of(a, b, g.symbol), 0.2 * g.symbol)])
 
 
-def _dashpot(g: _Given, greatest: Mapping[str, float]) -> _Shown:
+def _dashpot(g: Given, greatest: Mapping[str, float]) -> _Shown:
     a, b = (origin for origin, _ in g.poses)
     return _Shown(lines=[Line(points, g.choice("style", "normal")) for points in dashpot(a, b, g.symbol)])
 
 
-def _arrow(g: _Given, greatest: Mapping[str, float]) -> _Shown:
+def _arrow(g: Given, greatest: Mapping[str, float]) -> _Shown:
     """Of a load; directions of coordinates are told by no arrow in space."""
-    if g.measure not in (*_LOADS, "length") or g.numbers[0].shape[1] != 3:
+    if g.measure not in (*LOADS, "length") or g.numbers[0].shape[1] != 3:
         return _Shown()
-    scale = 1.0 if g.measure == "length" else _LONGEST_ARROW * g.symbol / (greatest.get(g.measure) or 1.0)
+    scale = 1.0 if g.measure == "length" else LONGEST_ARROW * g.symbol / (greatest.get(g.measure) or 1.0)
     at = g.poses[0][0]
     return _Shown(lines=[Line(arrow(at, at + scale * g.numbers[0], g.symbol), "thick")])
 
 
-def _curved_arrow(g: _Given, greatest: Mapping[str, float]) -> _Shown:
+def _curved_arrow(g: Given, greatest: Mapping[str, float]) -> _Shown:
     """Of a torque: about its axis, which a vector is in the world and a number has in its frame."""
-    if g.measure not in _LOADS:
+    if g.measure not in LOADS:
         return _Shown()
     origin, turns = g.poses[0]
     value = g.numbers[0]

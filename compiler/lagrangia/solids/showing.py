@@ -10,11 +10,11 @@ import numpy as np
 
 from lagrangia.base.diagnostics import fail
 from lagrangia.base.result_files import Target, write_text
-from lagrangia.compile.pipeline import Compilation, flatten_file
+from lagrangia.compile.pipeline import Compilation
 from lagrangia.draw.drawing import (
     Drawable,
-    Located,
     draw_scene,
+    figures_of,
     finished,
     moment_of,
     page_of,
@@ -39,7 +39,6 @@ from lagrangia.draw.frames import save_frames
 from lagrangia.draw.page import Page
 from lagrangia.draw.picture import draw_page
 from lagrangia.draw.values import States
-from lagrangia.language.dimensions import check_dimensions
 from lagrangia.language.flat import Figure
 from lagrangia.run.request import Request
 from lagrangia.solids.camera import Camera, page_at, usual
@@ -70,7 +69,7 @@ def draw_any(model: Drawable, path: str | os.PathLike[str] | None, request: Requ
         require_picture(path)
     model, states, failure = moment_of(model, request)
     elsewhere = names_elsewhere(model.compilation.flat, names)
-    stage = build_stage(model.compilation, all_figures_of(model), states, elsewhere, ())
+    stage = build_stage(model.compilation, figures_of(model), states, elsewhere, ())
     page = page_at(stage, 0, camera_of(stage, view), model.scene.description or model.scene.name)
     page = with_train(page, model.compilation.flat, names)
     if tell is not None and not page.paths and not page.labels:
@@ -84,13 +83,8 @@ def page_any(model: Drawable, request: Request, names: Mapping[str, str]) -> Pag
         return page_of(model, request, names)[0]
     model, states, _ = moment_of(model, request)
     elsewhere = names_elsewhere(model.compilation.flat, names)
-    stage = build_stage(model.compilation, all_figures_of(model), states, elsewhere, ())
+    stage = build_stage(model.compilation, figures_of(model), states, elsewhere, ())
     return with_train(page_at(stage, 0, usual(stage.up)), model.compilation.flat, names)
-
-
-def all_figures_of(model: Located) -> tuple[Figure, ...]:
-    """Those of any scene. Raises LagError."""
-    return check_dimensions(flatten_file(model.path, model.model, model.structural, is_drawn=True)[1]).figures
 
 
 def icon_of(c: Compilation, figures: Sequence[Figure], states: States) -> Page:
@@ -135,7 +129,7 @@ def stage_of(run: Trajectory, names: Mapping[str, str], traces: Sequence[str]) -
     shown = shown_by(run)
     require_traces(shown.model, traces)
     states = states_of(shown.model, run, shown.values)
-    return build_stage(shown.model.compilation, all_figures_of(shown.model), states, names, traces)
+    return build_stage(shown.model.compilation, figures_of(shown.model), states, names, traces)
 
 
 def save_stage(stage: Stage, text: str, path: Path, view: View | None, tell: Tell | None = None) -> None:
