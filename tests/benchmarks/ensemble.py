@@ -20,6 +20,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 import peer_mujoco
+import rollouts
 
 import lagrangia as lag
 from lagrangia.bench.heyoka_peer import translate
@@ -34,10 +35,12 @@ SCENE = FOLDER / "double_pendulum.lag"
 STOP, LANES = 5.0, 8
 # The coordinate whose start differs, from where to where; what MuJoCo calls the scene.
 SCENES = {"double_pendulum": ("elbow.phi", 0.1, 1.0, "double pendulum"), "spring_pendulum": ("bob.center.x", 0.1, 0.5, ""),
-          "cart_pole": ("hinge.phi", 0.1, 0.4, ""), "chain": ("hinge[1].phi", 0.5, 1.0, ""), "four_bar": ("O.phi", 0.5, 0.7, ""),
+          "cart_pole": ("hinge.phi", 0.1, 0.4, ""), "pushed_cart": ("hinge.phi", 0.1, 0.4, ""),
+          "chain": ("hinge[1].phi", 0.5, 1.0, ""), "four_bar": ("O.phi", 0.5, 0.7, ""),
           "stick_slip": ("block.s", 0.0, 0.1, ""), "bouncing_ball": ("y.s", 1.2, 1.4, "")}
 TOLERANCES = {"ours": (1e-3, 1e-5, 1e-6, 1e-8, 1e-10, 1e-12), "heyoka": (1e-5, 1e-6, 1e-8, 1e-10, 1e-12, 1e-14, 2.3e-16),
               "jax": (1e-6, 1e-9, 1e-12), "mujoco": (1e-3, 1e-6)}
+PUSH = 1.0  # N more a second from 0 on, by the input of the cart that has no feedback
 Work = Callable[[], np.ndarray]  # the coordinate at the end of each run
 
 
@@ -57,7 +60,7 @@ class Many:
 
     def states(self) -> np.ndarray:
         """At the start, (runs, 2 n)."""
-        run = self.model.simulate(at=[0.0])
+        run = self.model.simulate(at=[0.0], inputs=self.inputs())
         names = self.model.coordinate_names
         first = [run[name][0] for name in names] + [run[f"der({name})"][0] for name in names]
         found = np.tile(first, (len(self.starts), 1))
@@ -69,11 +72,18 @@ class Many:
         n = len(self.model.coordinate_names)
         rhs, p = self.model.functions()["rhs"], self.model.parameter_values()
         t, x = ca.SX.sym("t"), ca.SX.sym("x", 2 * n)
-        return ca.Function("slope", [t, x], [ca.vertcat(x[n:], rhs.expand()(t, x[:n], x[n:], ca.SX(0, 1), p))])
+        u = ca.repmat(PUSH * t, len(self.model.scene.inputs), 1)
+        return ca.Function("slope", [t, x], [ca.vertcat(x[n:], rhs.expand()(t, x[:n], x[n:], u, p))])
+
+    def inputs(self) -> tuple[np.ndarray, dict[str, list[float]]] | None:
+        """Their table."""
+        names = [entry.name for entry in self.model.scene.inputs]
+        return (np.array([0.0, STOP]), {name: [0.0, PUSH * STOP] for name in names}) if names else None
 
 
 def ours(many: Many, tolerance: float, in_lanes: bool = True, solver: str = "auto") -> Work:
-    request = Request(stop=STOP, tolerance=tolerance, initial={many.coordinate: many.starts}, solver=solver)
+    request = Request(stop=STOP, tolerance=tolerance, initial={many.coordinate: many.starts}, solver=solver,
+                      inputs=many.inputs())
     suited, job = many.model.prepared_for(read_measures(f"final({many.coordinate})"), request, Design())
     job = replace(job, sweep=replace(job.sweep, in_lanes=in_lanes))
     engine = suited.engine_for(solver)
@@ -218,7 +228,9 @@ def main() -> None:
     if "jax" in options.peers:  # one core, as all others here
         os.environ["XLA_FLAGS"] = "--xla_cpu_multi_thread_eigen=false intra_op_parallelism_threads=1"
     coordinate, low, high, case = SCENES[options.scene]
-    many = Many(lag.load(FOLDER / f"{options.scene}.lag"), coordinate, np.linspace(low, high, options.runs), case)
+    is_pushed = options.scene == "pushed_cart"
+    model = lag.loads(rollouts.SCENE) if is_pushed else lag.load(FOLDER / f"{options.scene}.lag")
+    many = Many(model, coordinate, np.linspace(low, high, options.runs), case)
     exact = ours(many, 1e-14, False, "taylor" if options.scene == "double_pendulum" else "auto")()
     found = measured(prepared(many, [peer for peer in options.peers.split(",") if peer]), options.repeats, exact)
     for name, (seconds, error) in sorted(found.items(), key=lambda item: item[0].split(",")[0]):

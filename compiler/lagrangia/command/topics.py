@@ -306,7 +306,8 @@ A run that fails is a row with the reason in its last column, and what was known
 While a sweep is under way its results are in FILE.part. If it is interrupted or killed, the same command goes on from there;
 another sweep never does (--restart gives the old one up). --keep writes whole trajectories beside it, rows an --interval apart:
 Parquet files with a column run in NAME_sweep_runs. The table is CSV, or Parquet for -o FILE.parquet (pyarrow). Of trees without
-events each core makes eight runs at a time, by series and as exactly (--stats: how full they kept it).
+events each core makes eight runs at a time, by series and as exactly (--stats: how full they kept it): a run's digits are the
+same in any company of four runs or more; up to three are made one by one, with other digits within the tolerance.
 --dask tcp://host:8786 runs it on the workers of a Dask scheduler (pip install "lagrangia[dask]", there and here). The scene is
 sent as data and built in each worker's cache; a worker that dies costs no run. In Python: model.simulate_many.
 """
