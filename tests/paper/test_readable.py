@@ -41,6 +41,9 @@ SCENES = {
         "parameter Inertia I = 1; Force P = 50*sin(3*time);"
         "energy kinetic m*der(x)^2/2 + I*der(theta)^2/2; potential -P*(x + (a - L/2)*sin(theta));", {
             "lagrange": ["m x'' = P(t)", "I θ'' = P(t) (a − ½ L) cos θ"]}),
+    "dry friction along a distance": (
+        "parameter Force R = 2; Block b(m = 1, base = world, s(start = 1)); DryFriction f(F = R, a = world, b = b.center);", {
+            "lagrange": ["R sgn(s')"]}),  # not sgn(s' sgn s)/sgn s, which is 0/0 at 0
     "its numbers without a name": (
         "parameter Length L = 2, a = 1.5; coordinate Angle theta; parameter Inertia I = 1;"
         "energy kinetic I*der(theta)^2/2; potential -50[N]*sin(3*time)*(a - L/2)*sin(theta);", {

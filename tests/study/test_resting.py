@@ -148,6 +148,18 @@ def test_a_locked_clutch_carries_its_other_half(J1: float, J2: float, k: float, 
     close(model.response(["T"], ["r1.phi"], frequencies=[w / (2 * np.pi)]).values.ravel(), [1 / (k - (J1 + J2) * w**2)])
 
 
+@pytest.mark.parametrize(("friction", "name"), [("DryFriction f(a = world, b = p.center, F = 5);", "f"),
+                                                ("energy dissipation 5[N]*abs(der(p.s));", "friction")])
+def test_what_sticks_at_the_start_stays_there(friction: str, name: str, scene: Write) -> None:
+    """p, which friction holds at 0.1 m, draws q off the place that it had without friction: q by 10 0.1/(10 + 30)."""
+    model = scene(f"""model Drawn World world(gravity = {{0, 0}}); Block p(m = 1, base = world, s(start = 0.1));
+      Block q(m = 2, base = world); Spring s(k = 10, stretch = p.s - q.s), t(k = 30, stretch = q.s); {friction} end Drawn;""")
+    found, modes = model.equilibrium(), model.modes()
+    close([found[0].position["p.s"], found[0].position["q.s"]], [0.1, 0.025])
+    close(modes.omega, [np.sqrt(40 / 2)])
+    assert found.is_reached and modes.notes[0].startswith(f"{name} sticks, it holds 0.75 of 5")
+
+
 def test_a_clutch_on_a_train_of_gears(scene: Write) -> None:
     """k over J1 + (r1/r2)^2 (J2 + J3); with a brake that is held by nothing else no motion is left of J3."""
     train = """model Train World world(gravity = {{0, 0}}); Revolute r1(a = world), r2(a = world), r3(a = world);
@@ -257,6 +269,14 @@ def test_coefficients_that_change_with_time_are_told(what: str, is_told: bool, s
     model = scene(f"model Timed {what} PointMass P(m = 1, center = shift(h.b, {{0, -1}})); end Timed;")
     for notes in (model.modes().notes, model.linearize().notes, model.equilibrium().notes):
         assert any(note.startswith("warning[L0740]") for note in notes) == is_told
+
+
+def test_a_bead_on_a_turning_rod_has_coefficients_that_stay(scene: Write) -> None:
+    """k/m - W^2; what time does to the damping of it is rounding alone."""
+    modes = scene("""model Turning World world(gravity = {0, 0}); Revolute h(a = world); Motion d(of = h.phi, to = 3*time);
+      Block b(m = 1, base = h.b); Spring s(k = 25, stretch = b.s); end Turning;""").modes()
+    close(modes.omega, [4])
+    assert not modes.notes
 
 
 @pytest.mark.parametrize(("to", "is_told"), [("0.05*cos(200*time)", True), ("0.05", False)])

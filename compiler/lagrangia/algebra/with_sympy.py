@@ -123,8 +123,10 @@ def slope(expression: Expr, x: Expr) -> Expr:
     """d/dx, of minima and maxima by cases, of what jumps zero but at one point."""
     found = sp.sympify(expression).diff(x)
     found = found.replace(lambda e: isinstance(e, sp.Heaviside | sp.DiracDelta | sp.Derivative | sp.Subs), _plain_slope)
-    return found.replace(lambda e: e.is_Mul and any(isinstance(y, sp.sign) for y in e.args), _with_sizes) if found.has(sp.sign) \
-        else found
+    if not found.has(sp.sign):
+        return found
+    found = found.replace(lambda e: e.is_Pow and isinstance(e.base, sp.sign) and e.exp == -1, lambda e: e.base)  # no 0/0 at 0
+    return found.replace(lambda e: e.is_Mul and any(isinstance(y, sp.sign) for y in e.args), _with_sizes)
 
 
 def _plain_slope(e: Expr) -> Expr:
@@ -136,8 +138,11 @@ def _plain_slope(e: Expr) -> Expr:
 
 
 def _with_sizes(e: Expr) -> Expr:
-    """x sgn x as |x|, |x| sgn x as x."""
-    for s in [y for y in e.args if isinstance(y, sp.sign)]:
+    """x sgn x as |x|, |x| sgn x as x, sgn(x sgn y) sgn y as sgn x."""
+    signs = [y for y in e.args if isinstance(y, sp.sign)]
+    for s in signs:
+        if (inner := next((y for y in signs if y is not s and y in s.args[0].as_powers_dict()), None)) is not None:
+            return e / s / inner * sp.sign(s.args[0] / inner)
         x = s.args[0]
         powers = e.as_powers_dict()
         for here, there in ((x, sp.Abs(x)), (sp.Abs(x), x)):

@@ -335,7 +335,9 @@ class Study(Beginning):
             found.append([N.T @ by[name][0] @ N for name in ("a", "v", "q")])
         largest = [max(float(np.abs(x).max(initial=0.0)) for x in tables) for tables in zip(*found, strict=True)]
         changes = [max(float(np.abs(x - tables[0]).max(initial=0.0)) for x in tables) for tables in zip(*found, strict=True)]
-        if all(change <= _STEADY * max(large, 1e-300) for change, large in zip(changes, largest, strict=True)):
+        inertia, damping, stiffness = largest
+        sizes = (inertia, max(damping, math.sqrt(inertia * stiffness)), stiffness)  # damping that is rounding alone is none
+        if all(change <= _STEADY * max(size, 1e-300) for change, size in zip(changes, sizes, strict=True)):
             return linear
         return replace(linear, notes=(*linear.notes, _STOPPED.format(self.time)))
 

@@ -218,9 +218,13 @@ def _null_space(A: Vector) -> Vector:
 
 
 def find_held(e: GripEquations, start: Vector) -> tuple[Rest, Grip] | None:
-    """The start where it holds; the position of rest near by, without friction; or where it would settle."""
+    """The start where it holds; the position of rest of what is not held there; the one near by, without friction; or where it
+    would settle."""
     with np.errstate(all="ignore"):
-        if (found := holds_at(e, _closed(e, start))) is not None:
+        closed = _closed(e, start)
+        if (found := holds_at(e, closed)) is not None:
+            return found
+        if closed is not None and (found := _with_what_sticks(e, closed)) is not None:
             return found
         if not e.look(start).gaps.size:
             return _press(e, start, find_rest) or _settle(e, start)
@@ -324,6 +328,14 @@ def _press(e: GripEquations, start: Vector, find: Callable[[StaticEquations, Vec
             return None
         pressing -= {sorted(pressing)[int(forces.argmin())]}
     return None
+
+
+def _with_what_sticks(e: GripEquations, start: Vector) -> tuple[Rest, Grip] | None:
+    """At rest with what friction holds at the start as it is there."""
+    grip = balance(e.look(start), _usual(e, start)).grip
+    sticking = tuple(k for k in grip.sticking if grip.size(k) < grip.limits[k] * (1 - _SLACK))
+    rest = find_rest(e.statics(grip.pressing, sticking), start) if sticking else None
+    return None if rest is None else holds_at(e, rest.q)
 
 
 def _settle(e: GripEquations, start: Vector) -> tuple[Rest, Grip] | None:

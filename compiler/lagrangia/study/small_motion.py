@@ -284,7 +284,7 @@ def _find_holds(motion: "Motion", energies: Energies, parts: _Parts, struck: Seq
         ca.vertcat(_NONE, *[impacts.forces[k] for k, _ in pressing]), ca.vertcat(_NONE, *gaps),
         ca.vertcat(_NONE, *[impacts.conditions[k] for k, _ in pressing]), shares, ca.vertcat(_NONE, *conditions.values()),
         tuple(whens[k].component or whens[k].condition.span.text for k, _ in pressing),
-        tuple(owners.get(pair, "friction") for pair in conditions), tuple((order[a], order[b]) for a, b in cones),
+        tuple(owners.get(pair) or "friction" for pair in conditions), tuple((order[a], order[b]) for a, b in cones),
     ), Holding(places, frozenset(x.__hash__() for x in places.values()), _at_rest(conditions, rests), numbering)
 
 
