@@ -448,11 +448,14 @@ class Model(Analysed, Swept):
 
     def derivatives(self, *, given: str | Iterable[str] = ()) -> "dict[str, casadi.Function]":
         """CasADi Functions that go with those of `functions`: jacobian_u and jacobian_p of t, q, v, u, p are d(dv/dt)/du and
-        d(dv/dt)/dp, with what follows from p; parameters of p are the values of all parameters. Raises LagError L0701, L0702."""
+        d(dv/dt)/dp, with what follows from p; parameters of p are the values of all parameters. Raises LagError L0701, L0702.
+
+        Where loops repeat equations, what follows an axis of a hinge that lies along another one is NaN in jacobian_p."""
         from lagrangia.compile.people_functions import people_derivatives
 
         c, known = self.general.compilation, self._known_parameters(given)
-        return people_derivatives(c.kinematics, c.motion, known)
+        has_repeated = c.motion.constrained is not None and bool(self.general.freedom["repeated"])
+        return people_derivatives(c.kinematics, c.motion, known, has_repeated)
 
     def _known_parameters(self, given: str | Iterable[str]) -> tuple[str, ...]:
         known = names("given parameters", given)

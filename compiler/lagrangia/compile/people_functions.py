@@ -4,6 +4,7 @@ from collections.abc import Collection, Mapping
 
 import casadi as ca
 
+from lagrangia.compile.axis_slopes import slopes_by_parameters
 from lagrangia.compile.functions import state_space
 from lagrangia.compile.told_positions import ToldPositions, told_positions
 from lagrangia.constraints.parameters import parameters_of
@@ -43,14 +44,17 @@ def people_functions(
     return _following(told, motion, expressions, parameters_of(kinematics, motion.p, given))
 
 
-def people_derivatives(kinematics: Kinematics, motion: Motion, given: Collection[str] = ()) -> dict[str, ca.Function]:
+def people_derivatives(
+    kinematics: Kinematics, motion: Motion, given: Collection[str] = (), has_repeated: bool = False
+) -> dict[str, ca.Function]:
     """jacobian_u: d(dv/dt)/du (n, n_u) and jacobian_p: d(dv/dt)/dp (n, n_p), as functions of t, q, v, u, p;
     parameters: p -> all values with which these and `people_functions` reckon, (n_p,)."""
     refuse_held(kinematics.graph.model, "derivatives of accelerations")
     refuse_delays(kinematics.graph.model, "derivatives of accelerations")
     (a,), p = kinematics.algebra.by_inputs([motion.acceleration]), motion.p
     parameters = parameters_of(kinematics, p, given)
-    slopes = {"jacobian_u": [ca.jacobian(a, motion.u)], "jacobian_p": [ca.jacobian(a, p) @ ca.jacobian(parameters, p)]}
+    by_parameters = slopes_by_parameters(kinematics, motion, has_repeated) @ ca.jacobian(parameters, p)
+    slopes = {"jacobian_u": [ca.jacobian(a, motion.u)], "jacobian_p": [by_parameters]}
     return {**_following(told_positions(kinematics), motion, slopes, parameters),
             "parameters": ca.Function("parameters", [p], [parameters], ["p"], ["parameters"])}
 
