@@ -1,14 +1,16 @@
 """Time to an error of scenes in space whose motion is known: a fast top, a swinging robot arm, 20 bars on ball joints, Bricard's
-six-bar. Beside them what is installed of the peers in the Python that runs this: heyoka on the top's equations written by hand,
-Pinocchio's ABA under SciPy's DOP853 on the bars. Processor time, the shortest of some runs.
+six-bar, a spatial four-bar. Beside them what is installed of the peers in the Python that runs this: heyoka on the top's
+equations written by hand, Pinocchio's ABA under SciPy's DOP853 on the bars, MuJoCo, Exudyn on the arm (space_peers.py).
+Processor time, the shortest of some runs.
 
-    python tests/benchmarks/space.py [--repeat N] [--only top,arm,chain,bricard]
+    python tests/benchmarks/space.py [--repeat N] [--only top,arm,chain,bricard,rssr]
 """
 
 import sys
 import time
 from argparse import ArgumentParser
 from collections.abc import Callable, Iterator
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -17,8 +19,9 @@ from scipy.spatial.transform import Rotation
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
+from benchmarks import space_peers as peers
 from lagrangia.model import Model
-from whole.test_space_cases import EXAMPLES, FOLDER, REFERENCES, chain
+from whole.test_space_cases import EXAMPLES, FOLDER, REFERENCES, chain, rod_start
 
 TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
 Found = tuple[float, float]  # ms, error
@@ -53,10 +56,28 @@ def ours_compiled(model: Model, stop: float, error: Callable[[Any], float], repe
     return found
 
 
-def top(repeat: int) -> Iterator[tuple[str, list[Found]]]:
+def peer(make: Callable[[float], peers.Case], repeat: int, package: str = "mujoco") -> list[Found] | None:
+    """Of runs made for each tolerance; None where the package is missing."""
+    if find_spec(package) is None:
+        return None
+    found = []
+    for tolerance in TOLERANCES:
+        run, error = make(tolerance)
+        took, _ = shortest(run, repeat)
+        found.append((took, error()))
+    return found
+
+
+def by_steps(pace: float, tolerance: float) -> float:
+    """Steps a second of a method of fourth order; `pace` at tolerance 1."""
+    return pace * tolerance**-0.25
+
+
+def top(repeat: int) -> Iterator[tuple[str, list[Found] | None]]:
     centre = np.array(REFERENCES["top"]["fast"][-1]["centre"])
     model = Model(FOLDER / "cases.lag", model="HeavyTop")
     yield "lagrangia", ours_compiled(model, 2, lambda run: np.abs(run["top.center.r"][-1] - centre).max() / 0.1, repeat)
+    yield "MuJoCo", peer(lambda tolerance: peers.top(by_steps(250, tolerance), centre), 1)
     try:
         import heyoka as hy
     except ImportError:
@@ -82,21 +103,25 @@ def top(repeat: int) -> Iterator[tuple[str, list[Found]]]:
     yield "heyoka", found
 
 
-def arm(repeat: int) -> Iterator[tuple[str, list[Found]]]:
+def arm(repeat: int) -> Iterator[tuple[str, list[Found] | None]]:
     known = np.array(REFERENCES["robot_arm_swing"][-1]["q"])
     start = [0, np.pi / 4, np.pi, 0.3, np.pi / 4, 0]
     initial = {f"joint[{k}].phi": x for k, x in enumerate(start, 1)} | {"joint[1].w": 0.5}
-    yield "lagrangia", ours(Model(EXAMPLES / "robot_arm.lag"), 2, lambda run: max(
+    model = Model(EXAMPLES / "robot_arm.lag")
+    yield "lagrangia", ours(model, 2, lambda run: max(
         abs(run[f"joint[{k}].phi"][-1] - known[k - 1]) for k in range(1, 7)), repeat, initial=initial)
+    values, rates = dict(zip(model.parameter_names, model.parameter_values(), strict=True)), [0.5, 0, 0, 0, 0, 0]
+    yield "Exudyn", peer(lambda tolerance: peers.arm(values, tolerance, start, rates, known), 1, "exudyn")
 
 
-def bars(repeat: int) -> Iterator[tuple[str, list[Found]]]:
+def bars(repeat: int) -> Iterator[tuple[str, list[Found] | None]]:
     n = 20
     m = L = 1 / n
     across, known = m * L**2 / 12 + m * 0.01**2 / 4, np.array(REFERENCES["hanging_20"][-1]["end"])
     model = chain([(m, L, (m * 0.01**2 / 2, across, across), 1)] * n,
                   [Rotation.from_rotvec([0, 0, 1.2 * k / n]) for k in range(1, n + 1)], np.array([[10, 0, 0]] * n))
     yield "lagrangia", ours(model, 1, lambda run: np.abs([run[f"tip[{k}]"][-1] - known[k - 1] for k in (1, 2, 3)]).max(), repeat)
+    yield "MuJoCo", peer(lambda tolerance: peers.bars(by_steps(60, tolerance), n, (m * 0.01**2 / 2, across, across), known), 1)
     try:
         import pinocchio as pin
         from scipy.integrate import solve_ivp
@@ -130,11 +155,21 @@ def bars(repeat: int) -> Iterator[tuple[str, list[Found]]]:
     yield "Pinocchio, SciPy", found
 
 
-def bricard(repeat: int) -> Iterator[tuple[str, list[Found]]]:
-    yield "lagrangia", ours(Model(FOLDER / "bricard.lag"), 2, lambda run: abs(run["p0.phi"][-1] - 2.89332820598129336), repeat)
+def bricard(repeat: int) -> Iterator[tuple[str, list[Found] | None]]:
+    model, known = Model(FOLDER / "bricard.lag"), 2.89332820598129336
+    yield "lagrangia", ours(model, 2, lambda run: abs(run["p0.phi"][-1] - known), repeat)
+    begin = model.simulate(at=[0])
+    yield "MuJoCo", peer(lambda tolerance: peers.bricard(by_steps(20, tolerance), begin, known), 1)
 
 
-SCENES = {"top": top, "arm": arm, "chain": bars, "bricard": bricard}
+def rssr(repeat: int) -> Iterator[tuple[str, list[Found] | None]]:
+    model, known, values = Model(FOLDER / "cases.lag", model="Rssr"), REFERENCES["rssr"][-1]["theta"], rod_start()
+    yield "lagrangia", ours(model, 2, lambda run: abs(run["turning.phi"][-1] - known), repeat, parameters=values)
+    begin = model.simulate(at=[0], parameters=values)
+    yield "MuJoCo", peer(lambda tolerance: peers.rssr(by_steps(20, tolerance), begin, known), 1)
+
+
+SCENES = {"top": top, "arm": arm, "chain": bars, "bricard": bricard, "rssr": rssr}
 
 
 def main() -> None:
@@ -144,7 +179,8 @@ def main() -> None:
     options = parser.parse_args()
     for name in options.only.split(","):
         for who, found in SCENES[name](options.repeat):
-            print(f"{name:8}{who:18}" + "  ".join(f"{took:.3g} ms to {error:.0e}" for took, error in found))
+            told = ["not installed"] if found is None else [f"{took:.3g} ms to {error:.0e}" for took, error in found]
+            print(f"{name:8}{who:18}" + "  ".join(told))
 
 
 if __name__ == "__main__":
