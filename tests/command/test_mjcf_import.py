@@ -155,6 +155,10 @@ def test_what_has_no_counterpart_is_told(folder: Path, capsys: pytest.CaptureFix
     (('<mujoco model="two legs">', "<model>"), "this is no XML"),
     (('eulerseq="zyx"', 'eulerseq="zzz1"'), "'eulerseq' is three of the letters"),
     (('settotalmass="7"', 'settotalmass="much"'), "'settotalmass' of <compiler> is a number"),
+    (('angle="degree"', 'angle="gradian"'), "'angle' is degree or radian"),
+    (('range="-40 50"', 'range="50 -40"'), "'range' ends below where it begins"),
+    (('name="sway"', 'name="lift"'), "there are two joints of the name 'lift'"),
+    (("<worldbody>", '<worldbody><body name="trunk"/>'), "there are two bodies of the name 'trunk'"),
 ])
 def test_wrong_scenes(folder: Path, change: tuple[str, str], told: str, capsys: pytest.CaptureFixture[str]) -> None:
     Path("scene.xml").write_text(SCENE.replace(*change), encoding="utf-8")
@@ -178,3 +182,9 @@ def test_a_long_chain_of_bodies(folder: Path) -> None:
     body = '<body pos="0 0 -1"><joint axis="0 1 0"/><geom size="0.1" contype="0" conaffinity="0"/>'
     text = imported_text("<mujoco><worldbody>" + body * 240 + "</body>" * 240 + "</worldbody></mujoco>")
     assert text.count("Revolute ") == 240 and "Body body240_body(center = body240, " in text
+
+
+def test_names_stand_on_one_line(folder: Path) -> None:
+    Path("scene.xml").write_text(SCENE.replace('name="sway"', 'name="sway&#10;}"'), encoding="utf-8")
+    assert main(["import", "scene.xml", "-o", "scene.lag"]) in (0, 1)
+    assert main(["check", "scene.lag"]) == 0

@@ -38,6 +38,8 @@ def imported_scene(root: Element, file: str, read: Callable[[str, Span], Element
 class _Scene:
     def __init__(self, root: Element, file: str) -> None:
         self.root, self.file = root, file
+        for tags in (frozenset({"body"}), _JOINTS):
+            _check_names(root, tags, set())
         self.defaults = Defaults(root)
         self.left_out: Counter[str] = Counter()
         self.names, self.joints = Names(), dict[str, Joint]()
@@ -90,6 +92,8 @@ class _Scene:
                  at.span("coordinate"))
         if len(self.angles.sequence) != 3 or not set(self.angles.sequence.lower()) <= set("xyz"):
             fail("L0730", "'eulerseq' is three of the letters x y z X Y Z", at.span("eulerseq"))
+        if self.compiler.get("angle", "degree") not in ("degree", "radian"):
+            fail("L0730", "'angle' is degree or radian", at.span("angle"))
         for name in ("boundmass", "boundinertia", "balanceinertia", "alignfree"):
             if self.compiler.get(name, "0") not in ("0", "false", "auto"):
                 self.left_out[f"{name} of the compiler"] += 1
@@ -236,6 +240,8 @@ class _Scene:
         parts = []
         if limited != "false" and own.get("range") is not None and kind != "Free":
             lower, upper = own.numbers("range", 2)
+            if lower > upper:
+                fail("L0730", "'range' ends below where it begins", own.element.span("range"))
             if kind != "Prismatic":
                 lower, upper = self.angles.radians(lower), self.angles.radians(upper)
             parts.append(f"from {number(lower)} to {number(upper)} {'m' if kind == 'Prismatic' else 'rad'}")
@@ -355,6 +361,19 @@ class _Scene:
 def _joint_names(root: Element) -> list[str]:
     own = [name] if root.tag in ("joint", "freejoint") and (name := root.get("name")) else []
     return own + [x for child in root.children if child.tag != "equality" for x in _joint_names(child)]
+
+
+def _check_names(root: Element, tags: frozenset[str], seen: set[str]) -> None:
+    """Raises LagError L0730 for two elements of one name, but where equations speak of joints."""
+    for child in root.children:
+        name = child.get("name")
+        if child.tag in tags and name:
+            if name in seen:
+                what = "bodies" if "body" in tags else "joints"
+                fail("L0730", f"there are two {what} of the name '{name}'", child.span("name"))
+            seen.add(name)
+        if child.tag != "equality":
+            _check_names(child, tags, seen)
 
 
 def _own(outer: Element, tags: frozenset[str], around: str | None, steps: Sequence[Element] = ()) -> list[_Part]:

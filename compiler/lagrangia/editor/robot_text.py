@@ -21,7 +21,8 @@ class Names:
         self.used: set[str] = set(_TAKEN)
 
     def fresh(self, name: str, ending: str = "_") -> str:
-        """As it may be written, unlike all others."""
+        """As it may be written on one line, unlike all others."""
+        name = " ".join(name.split())
         while name in self.used or name in tables().words:
             name += ending
         self.used.add(name)
