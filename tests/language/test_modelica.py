@@ -219,3 +219,33 @@ def test_products_of_matrices_are_bounded(scene: Write) -> None:
         scene(body.format(60) + "parameter Real k[60, 60] = A*A; " + ends.replace("k[1]", "k[1, 1]"))
     for product in ("A*(A*(A*x))", "A^3*x", "[1, 0.5; 0.25, 1]^100*(x - x)"):
         scene(body.format(2) + f"parameter Real k[2] = {product}; " + ends)
+
+
+def test_parts_of_records_are_as_their_constructors_make_them(scene: Write) -> None:
+    """Defaults are of the parts beside them, and of constants around the record, whatever is called so where it is made (2*a was
+    200 of the caller's a); a record that is given as a whole is not changed by what its component was declared with."""
+    model = scene("""package C
+      constant Real k = 3;
+      record P parameter Real a = 1; parameter Real b = 2*a; parameter Real c = k; end P;
+      record Q = P(a = 9);
+      record W P p(a = 4); parameter Real l = 5; end W;
+    end C;
+    model S parameter C.P p(a = 4); output Real y = p.a + 10*p.b; end S;
+    model M
+      parameter Real a = 100, k = a;
+      parameter C.P one = C.P(a = 5), two = C.P(b = 1);
+      parameter C.Q three = C.Q();
+      parameter C.W four = C.W(l = 7), five = C.W(p = C.P(b = 8));
+      S s(p = C.Q(b = 3)), t(p = C.P(b = 3));
+      Block b(m = 1, base = world);
+      output Real y[9] = {one.b, two.c, three.b, four.p.a, five.p.a, s.y, t.y, a, k};
+    end M;""")
+    assert [model.simulate(at=[0.0])[f"y[{k}]"][0] for k in range(1, 10)] == [10, 3, 18, 4, 1, 39, 31, 100, 100]
+
+
+def test_each_under_each_is_of_the_array_within(scene: Write) -> None:
+    model = scene("""model A parameter Real k = 1; output Real y = k; end A;
+    model B A a[2]; end B;
+    model M B b[3](each a(each k = 4)), c[2, 2](each a(k = {1, 2})); Block d(m = 1, base = world);
+      output Real y = sum(b.a.y) + 100*sum(c.a.y); end M;""")
+    assert model.simulate(at=[0.0])["y"][0] == 24 + 1200

@@ -17,6 +17,7 @@ from lagrangia.language.lookups import Lookup, lookup_of, options_of, plane_of
 from lagrangia.language.loops import Loops
 from lagrangia.language.matrices import ARRAY_FUNCTIONS as OF_ARRAYS
 from lagrangia.language.matrices import cross_of_three
+from lagrangia.language.record_parts import default_of, made_part
 from lagrangia.language.requirements import Requirements
 from lagrangia.language.texts import text_of
 from lagrangia.language.tree import (
@@ -27,6 +28,7 @@ from lagrangia.language.tree import (
     Field,
     Flat,
     IfExpression,
+    Made,
     Part,
     Ref,
     Reference,
@@ -90,7 +92,7 @@ class Calls(Loops, Requirements, OwnCalls, Protocol):
                 return self.part(self.part(inner, outer, span), name, span)
             case Call() if self.own_of(record) is None:
                 return self.part_of_call(record, name)
-            case Call() | Result():
+            case Call() | Result() | Made():
                 return Field(record, name, span)
         fail("L0302", "this is no record", record.span, "a record is a name of one, or made by its constructor: R(a = 1, b = 2)")
 
@@ -109,14 +111,10 @@ class Calls(Loops, Requirements, OwnCalls, Protocol):
         if len(call.arguments) > len(declared):
             fail("L0215", f"{definition.name} has {len(declared)} parts ({', '.join(declared)}), not {len(call.arguments)}",
                  call.span)
-        missing = [field for field in declared if field not in given and declared[field].binding is None]
+        missing = [field for field in declared if field not in given and default_of(self.table, declared[field]) is None]
         if missing:
             fail("L0215", f"{definition.name} also needs {', '.join(missing)}", call.span)
-        if name in given:
-            return given[name]
-        default = declared[name].binding
-        assert default is not None
-        return default
+        return given[name] if name in given else made_part(self.table, definition, given, name, call.span)
 
     def checked_call(self, node: Call[Flat]) -> Flat:
         """A call whose arguments are flat already; array functions are written out. Raises LagError L0204, L0215, L0303."""

@@ -21,6 +21,7 @@ from lagrangia.language.tree import (
     Flat,
     ForBlock,
     IfBlock,
+    Made,
     Ref,
     Reference,
     Result,
@@ -98,8 +99,10 @@ class OwnCalls(Protocol):
 
     def own_of(self, node: Expression) -> tuple[Call[Expression], ClassDefinition, int] | None:
         """The call of a function of people's own that an expression is a result of, the function, and which result."""
-        call, output = (node.call, node.output) if isinstance(node, Result) else (node, 0)
-        own = self.table.function(call.function, call.span) if isinstance(call, Call) else None
+        call, output = (node.call, node.output) if isinstance(node, Result) else (
+            node.call if isinstance(node, Made) else node, 0)
+        own = node.own if isinstance(node, Made) else (
+            self.table.function(call.function, call.span) if isinstance(call, Call) else None)
         return (call, own, output) if own is not None and isinstance(call, Call) else None
 
     def field_of_result(self, node: Field, scope: Scope) -> Flat | None:
@@ -111,11 +114,11 @@ class OwnCalls(Protocol):
         found = self.own_of(record)
         return None if found is None else self.own_call(found[0], found[1], scope, found[2], way)
 
-    def result(self, node: Result, scope: Scope) -> Flat:
+    def result(self, node: Result | Made, scope: Scope) -> Flat:
         """One of several. Raises LagError L0302 where there are none."""
         found = self.own_of(node)
         if found is None:
-            fail("L0302", "this gives no several results", node.call.span, "call a function that has them: (a, b) = f(x);")
+            fail("L0302", "this gives no several results", node.span, "call a function that has them: (a, b) = f(x);")
         return self.own_call(found[0], found[1], scope, found[2])
 
     def fields_of_result(self, call: Call[Expression], own: ClassDefinition, output: int) -> list[str]:

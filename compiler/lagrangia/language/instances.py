@@ -56,6 +56,7 @@ class Modification:
     span: Span | None = None
     redeclared: "Redeclared | None" = None
     is_left_out: bool = False  # break
+    is_below: bool = False  # said of a part of what was given a value as a whole thereafter
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,7 @@
 """Modifications as they are written, merged, and dealt out to the elements of arrays."""
 
 from collections.abc import Iterable
+from dataclasses import replace
 
 from lagrangia.base.diagnostics import Span
 from lagrangia.language.instances import NOTHING, Bound, Modification, Redeclared, Scope
@@ -26,27 +27,29 @@ def merge(outer: Modification, inner: Modification) -> Modification:
         return inner
     if outer.redeclared is not None and inner.redeclared is not None:
         return outer
-    children = dict(inner.children)
+    children = {name: replace(c, is_below=True) for name, c in inner.children.items()} if outer.value else dict(inner.children)
     for name, change in outer.children.items():
         children[name] = merge(change, children[name]) if name in children else change
     return Modification(outer.value or inner.value, children, outer.is_each if outer.value else inner.is_each,
                         outer.is_final or inner.is_final, outer.span or inner.span, outer.redeclared or inner.redeclared,
-                        outer.is_left_out or inner.is_left_out)
+                        outer.is_left_out or inner.is_left_out, outer.is_below and inner.is_below)
 
 
 def deal_out(change: Modification, index: int, size: int, dimensions: int, is_each: bool = False) -> Modification:
     """The part of a modification of an array of components that goes to element `index`; `each` goes to all unchanged,
     in every one of the array's dimensions."""
+    stays_each = change.is_each and (is_each or dimensions > 1)  # under another one, it is that of an array within
     is_each = is_each or change.is_each
     value = change.value
     if value is not None and not is_each:
         value = Bound(value.expression, value.scope, (*value.selection, (index, size)))
     children = {name: deal_out(inner, index, size, dimensions, is_each) for name, inner in change.children.items()}
-    return Modification(value, children, change.is_each and dimensions > 1, change.is_final, change.span, change.redeclared)
+    return Modification(value, children, stays_each, change.is_final, change.span, change.redeclared,
+                        is_below=change.is_below)
 
 
 def dealt_to_fields(change: Modification, fields: Iterable[str]) -> Modification:
-    """The value of a record as values of what it has; what is given beside it comes first."""
+    """The value of a record as values of what it has; what is given beside it comes first, what was given before it last."""
     value = change.value
     assert value is not None
 
@@ -55,4 +58,7 @@ def dealt_to_fields(change: Modification, fields: Iterable[str]) -> Modification
         part = Field(value.expression, name, value.expression.span)
         return Modification(Bound(part, value.scope, value.selection), {}, False, False, change.span)
 
-    return Modification(None, {**{name: of(name) for name in fields}, **change.children}, False, change.is_final, change.span)
+    found = {name: of(name) for name in fields}
+    for name, inner in change.children.items():
+        found[name] = merge(found[name], inner) if inner.is_below and name in found else inner
+    return Modification(None, found, False, change.is_final, change.span)

@@ -37,6 +37,7 @@ from lagrangia.language.tree import (
     FrameRef,
     IfExpression,
     Last,
+    Made,
     Matrix,
     Number,
     Range,
@@ -216,7 +217,7 @@ class Names(Calls):
             case Range():
                 values = self._range(node, scope)
                 return Array(tuple(Number(float(v), None, node.span, True) for v in values), node.span)
-            case Field() | Result():
+            case Field() | Result() | Made():
                 return self._field(node, scope) if isinstance(node, Field) else self.result(node, scope)
             case Results(_, span):
                 fail("L0302", "several results are taken by an equation of their own", span, "write: (a, b) = f(x);")

@@ -50,13 +50,15 @@ def find_states(variables: Mapping[str, Variable], equations: Sequence[Equation]
 
 
 def _state_of(equation: Equation, variables: Mapping[str, Variable]) -> State | None:
-    """Of an equation with one der(z), in a sum and with factors, where z has no value of its own."""
-    rates = [node for node in nodes(equation.left, equation.right) if _is_rate(node, variables)]
-    if len(rates) != 1:
-        return None
-    (name,) = (inner.name for inner in rates[0].arguments if isinstance(inner, Ref))
+    """Of der(z) = f, either way round, or an equation with one der(z), in a sum and with factors; z has no value of its own."""
     left, right, span = equation.left, equation.right, equation.span
-    rate = _solved(left, right, variables) if _has_rate(left, variables) else _solved(right, left, variables)
+    rates = [node for node in nodes(left, right) if _is_rate(node, variables)]
+    found = next((side for side in (left, right) if _is_rate(side, variables)), rates[0] if len(rates) == 1 else None)
+    if found is None:
+        return None
+    (name,) = (inner.name for inner in found.arguments if isinstance(inner, Ref))
+    is_left = found is left or (found is not right and _has_rate(left, variables))
+    rate = _solved(left, right, variables) if is_left else _solved(right, left, variables)
     return None if rate is None else State(name, f"{name}.integral", rate, equation.component, span, Equation(left, right, span))
 
 

@@ -153,6 +153,15 @@ class Field:
 
 
 @dataclass(frozen=True, slots=True)
+class Made:
+    """What a call of a function gives that nobody wrote: a part of a record, by its default, of the parts that are given."""
+
+    call: "Expression"
+    own: "ClassDefinition"
+    span: Span
+
+
+@dataclass(frozen=True, slots=True)
 class Last:
     """The subscript `end`."""
 
@@ -243,7 +252,7 @@ class Time:
 
 Node: TypeAlias = Number | String | Boolean | EnumerationLiteral | Unary[E] | Binary[E] | IfExpression[E] | Call[E] | Array[E]
 Expression: TypeAlias = (
-    Node["Expression"] | Reference | Comprehension | Range | Whole | Matrix | Results | Result | Field | Last)
+    Node["Expression"] | Reference | Comprehension | Range | Whole | Matrix | Results | Result | Field | Made | Last)
 Flat: TypeAlias = Node["Flat"] | Ref | FrameRef | Local | Time
 
 # ------------------------------------------------------------------ declarations
