@@ -20,7 +20,7 @@ from lagrangia.algebra.scalars import as_expression, column, symbols_in
 from lagrangia.base.diagnostics import Report, Span, fail
 from lagrangia.base.records import dataclass
 from lagrangia.constraints.parameters import default_parameters, input_symbols, parameter_symbols, with_declared_inputs
-from lagrangia.constraints.rows import Constraints
+from lagrangia.constraints.rows import Constraints, different_sizes
 from lagrangia.constraints.vanishing_sums import vanishing_parts
 from lagrangia.frames.evaluation import Value
 from lagrangia.frames.graph import Coordinate
@@ -320,7 +320,7 @@ class _Starts:
     def _residual(self, equation: Equation) -> None:
         left, right = (self.kinematics.evaluator.value(side) for side in (equation.left, equation.right))
         if isinstance(left, tuple) != isinstance(right, tuple) or (isinstance(left, tuple) and len(left) != len(right)):
-            self.report.error("L0303", "the sides of this equation have different sizes", equation.span)
+            self.report.error("L0303", different_sizes(left, right), equation.span)
             return
         pairs = zip(left, right, strict=True) if isinstance(left, tuple) else ((left, right),)
         for gap in (ca.SX(a - b) for a, b in pairs):

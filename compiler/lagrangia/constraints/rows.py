@@ -21,6 +21,7 @@ from lagrangia.base.records import dataclass
 from lagrangia.constraints.parameters import default_parameters
 from lagrangia.frames.closures import gaps, gaps_of_start
 from lagrangia.frames.edges import Closure
+from lagrangia.frames.evaluation import Value
 from lagrangia.frames.kinematics import Dependent, Kinematics
 from lagrangia.language.flat import Equation
 
@@ -167,10 +168,20 @@ def _gap_of_start(closure: Closure, k: int, kinematics: Kinematics) -> Scalar:
     return gaps_of_start(kinematics, closure)[k]
 
 
+def different_sizes(left: Value, right: Value) -> str:
+    """What is told of an equation between such values."""
+    one, other = (f"{size} numbers" if size is not None else "a number" for size in map(_size, (left, right)))
+    return f"the sides of this equation have different sizes: {one} on the left, {other} on the right"
+
+
+def _size(value: Value) -> int | None:
+    return len(value) if isinstance(value, tuple) else None
+
+
 def _equation_rows(equation: Equation, kinematics: Kinematics) -> list[Row]:
     left, right = (kinematics.evaluator.value(side) for side in (equation.left, equation.right))
-    if isinstance(left, tuple) != isinstance(right, tuple) or (isinstance(left, tuple) and len(left) != len(right)):
-        fail("L0303", "the sides of this equation have different sizes", equation.span)
+    if _size(left) != _size(right):
+        fail("L0303", different_sizes(left, right), equation.span)
     rates = ca.vertcat(*kinematics.symbols.rates.values())
 
     def row(index: int | None, gap: Scalar) -> Row:

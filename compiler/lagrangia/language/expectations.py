@@ -200,6 +200,8 @@ def _guesses(stop: Stop) -> Iterator[str]:
         yield "a name has no dot before it, and parts are picked from names: r = f(x), r.a"
     if word == ";" and accepted & {"CLASS_KIND", "END"}:
         yield "this ';' is one too many: no statement is empty"
+    if word == "=" and next((token for token in reversed(stop.before) if token in ("drawing", *_SECTIONS)), "") == "drawing":
+        yield "shapes stand here: line(bar.a, bar.b); an equation stands under `equation`"
     if "CLASS_KIND" in accepted:
         near = nearest(word, ["model", "function", "type", "import", "partial"]) if word not in _SECTIONS else ""
         yield f"did you mean '{_KINDS.get(word, near)}'?" if word in _KINDS or near else (
