@@ -35,7 +35,9 @@ def nearest(A: Vector, b: Vector, wish: Vector, tolerance: float, weight: Vector
         diagonal = -norm if u[0] > 0 else norm
         u[0] -= diagonal
         factor = 2 / (u @ u)
-        columns[k:, k + 1 :] -= np.outer(factor * u, u @ columns[k:, k + 1 :])
+        along = u @ columns[k:, k + 1 :]
+        touched = along.nonzero()[0]  # of loops side by side few
+        columns[k:, k + 1 + touched] -= np.outer(factor * u, along[touched])
         x[k:] -= factor * (u @ x[k:]) * u
         columns[k, k], columns[k + 1 :, k] = diagonal, 0.0
         reflectors.append((u, factor))
@@ -45,7 +47,8 @@ def nearest(A: Vector, b: Vector, wish: Vector, tolerance: float, weight: Vector
         x[:rank] = np.linalg.solve(left, wanted)
     else:
         shares = np.ones(len(b)) if weight is None else weight[chosen]
-        x[:rank] = np.linalg.lstsq(left * shares[:, None], wanted * shares, rcond=0.0)[0]
+        Q, R = np.linalg.qr(left * shares[:, None])  # of full rank, as its pivots are above the tolerance
+        x[:rank] = np.linalg.solve(R, Q.T @ (wanted * shares))
     for k in range(rank - 1, -1, -1):
         u, factor = reflectors[k]
         x[k:] -= factor * (u @ x[k:]) * u
