@@ -156,6 +156,7 @@ def test_what_is_moved_is_said(tmp_path: Path, capsys: pytest.CaptureFixture[str
     for name in "MNOP":
         assert main(["simulate", str(file), "--model", name, "--at", "0,0.1", "-o", str(tmp_path / "o.csv")]) == 0
         said.append([line for line in capsys.readouterr().out.splitlines() if " begins at " in line])
+        assert lag.load(file, model=name).simulate(at=[0, 0.1]).notes == [line.strip() for line in said[-1]]
     assert "F begins at 2 N, not at 0 N" in said[0][0]
     assert "A.center.x begins at 1 m, not at 2 m" in said[1][0]
     assert "v.s begins at 0.8 m, where the forces on it are in balance" in said[3][0]

@@ -8,17 +8,14 @@ from typing import Any
 
 from lagrangia.model import Model
 from lagrangia.run.engines import Engine, describe
-from lagrangia.run.interpret import evaluate
+from lagrangia.run.moved_starts import FIXED, moved_starts, quantity
 from lagrangia.run.request import Experiment, Values
 from lagrangia.run.runtime import Solver, Statistics
 from lagrangia.run.simulate import Progress, short_steps, shortcomings
 from lagrangia.run.solvers import AUTO, name_of, reason_of
 from lagrangia.view.statics import is_static, reaction_table
 
-_GUESS, _FIXED, _FREE = range(3)  # LAG_START_... of runtime/model/model.h
 _MOST_ROWS = 40  # MOST_ROWS of runtime/run/unsure.c
-_MOVED = 1e-3  # less is taken for the rounding of a start value
-_ROUNDING = 1e-14  # m or rad
 
 
 def summarise(options: Namespace, model: Model, progress: Progress, target: str, compiled: float, loaded: float) -> None:
@@ -86,62 +83,23 @@ def methods_of(statistics: Statistics, asked: str, is_cut: bool) -> str:
 
 def tell_assembly(scene: Any, experiment: Experiment, row: Sequence[float], out: Any) -> None:
     """Where the loops were closed, when start values were free to choose."""
-    free = [k for k in range(scene.n) if scene.fixed[k] != _FIXED]
+    free = [k for k in range(scene.n) if scene.fixed[k] != FIXED]
     if not (scene.notes["loops"] and scene.sizes["n_initial_positions"] and free and row and row[0] == experiment.start):
         return
     size = max(map(abs, row[1 : 1 + scene.n]))
     kept = [x if abs(x) > 1e-12 * size else 0.0 for x in row[1 : 1 + scene.n]]  # but for rounding
     turned = set(scene.turned)  # their numbers are against what they were turned to
     told = [k for k in free if scene.coordinates[k].name not in turned]
-    shown = [f"{scene.coordinates[k].name} = {_quantity(kept[k], scene.coordinates[k].unit)}" for k in told[:4]]
+    shown = [f"{scene.coordinates[k].name} = {quantity(kept[k], scene.coordinates[k].unit)}" for k in told[:4]]
     shown += [f"{' and '.join(scene.notes['attitudes'])} as they fit"] if turned else []
     more = ", ..." if len(told) > 4 else ""
     print(f"  loops closed at {', '.join(shown)}{more}; `lag check` tells whether there are other ways", file=out)
 
 
 def tell_moved(scene: Any, progress: Progress, values: Values, row: Sequence[float], out: Any) -> None:
-    """Starts that were stated and do not hold, and where no equation is of places, those that nobody stated and that moved."""
-    if not (scene.sizes["n_initial"] and row and row[0] == progress.experiment.start) or scene.notes["loops"]:
-        return
-    guess = [part[: scene.n] for part in evaluate(scene.tapes["start"], progress.parameters)]
-    kinds = [*scene.fixed[: scene.n], *scene.fixed[len(scene.fixed) // 2 :][: scene.n]]
-    begun = row[1 : 1 + 2 * scene.n]
-    stated = zip((*scene.coordinates, *scene.rates), kinds, [*guess[0], *guess[1]], (*values.q, *values.v), begun, strict=True)
-    for k, (column, kind, wanted, given, value) in enumerate(stated):
-        if kind == _GUESS or (kind == _FREE and k < scene.n and not scene.sizes["n_initial_positions"]):
-            _tell_start(column, wanted, given, value, out)
-    _tell_lost(scene, progress, values, row, out)
-    _tell_balanced(scene, row, out)
-
-
-def _tell_start(column: Any, wanted: float, given: float, value: float, out: Any) -> None:
-    if math.isnan(given) and abs(value - wanted) > max(_MOVED * max(abs(value), abs(wanted)), _ROUNDING):
-        print(f"  {column.name} begins at {_quantity(value, column.unit)}, not at {_quantity(wanted, column.unit)}: the "
-              "equations ask for it", file=out)
-
-
-def _tell_lost(scene: Any, progress: Progress, values: Values, row: Sequence[float], out: Any) -> None:
-    """The same of coordinates that others give and that have starts of their own."""
-    kinds, n_lost = scene.fixed, scene.sizes["n_lost"]
-    half, outputs = len(kinds) // 2, {column.name: k for k, column in enumerate(scene.outputs, 1 + 2 * scene.n)}
-    guess = [x for part in evaluate(scene.tapes["start"], progress.parameters) for x in part[scene.n :]]
-    for name, (k, _) in scene.lost.items():
-        kind = kinds[scene.n + k] if k < n_lost else kinds[half + scene.n + k - n_lost]
-        if name in outputs and kind == _GUESS:
-            _tell_start(scene.outputs[outputs[name] - 1 - 2 * scene.n], guess[k], values.lost[k], row[outputs[name]], out)
-
-
-def _tell_balanced(scene: Any, row: Sequence[float], out: Any) -> None:
-    """Places without mass that others give, beside such that dampers hold back: where these begin, those follow."""
-    balanced, places = scene.notes["balanced"], {column.name for column in scene.coordinates}
-    for k, column in enumerate(scene.outputs, 1 + 2 * scene.n):
-        if column.name in balanced and not places.isdisjoint(balanced) and abs(row[k]) > _ROUNDING:
-            print(f"  {column.name} begins at {_quantity(row[k], column.unit)}, where the forces on it are in balance", file=out)
-
-
-def _quantity(value: float, unit: str) -> str:
-    """To four digits; angles from -180 to 180 degrees."""
-    return f"{math.degrees(math.remainder(value, 2 * math.pi)):.4g} deg" if unit == "rad" else f"{value:.4g} {unit}"
+    """What moved_starts.py has to say."""
+    for said in moved_starts(scene, progress, values, row):
+        print(f"  {said}", file=out)
 
 
 def tell_reactions(scene: Any, row: Sequence[float], out: Any) -> None:

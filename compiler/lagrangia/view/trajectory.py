@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 from lagrangia.base.diagnostics import fail, suggest
 from lagrangia.base.records import dataclass
 from lagrangia.base.result_files import require_kind
+from lagrangia.run.moved_starts import moved_starts
 from lagrangia.run.scene import ENERGY_NAMES, Column, Scene
 from lagrangia.run.simulate import Progress, loss, short_steps, shortcomings
 from lagrangia.view.curves import draw_panels
@@ -152,8 +153,11 @@ class Trajectory:
 
     @property
     def notes(self) -> list[str]:
-        """What is worth knowing of a run that went well: what limits its steps, where it took very many."""
-        return [*filter(None, [short_steps(self.scene, self.progress)])]
+        """What is worth knowing of a run that went well: starts that do not hold, and what limits its steps, where it took very
+        many."""
+        values = self.show.values if self.show is not None else None
+        moved = moved_starts(self.scene, self.progress, values, self.rows[0].tolist()) if values and len(self.rows) else ()
+        return [*moved, *filter(None, [short_steps(self.scene, self.progress)])]
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
         """Comma-separated columns with a line of names; all 17 digits that matter. Where a quantity has no finite value, its

@@ -1,0 +1,59 @@
+"""Starts that do not hold: what a run begins with in place of what was stated, in words."""
+
+import math
+from collections.abc import Iterator, Sequence
+
+from lagrangia.run.interpret import evaluate
+from lagrangia.run.request import Values
+from lagrangia.run.scene import Column, Scene
+from lagrangia.run.simulate import Progress
+
+GUESS, FIXED, FREE = range(3)  # LAG_START_... of runtime/model/model.h
+_MOVED = 1e-3  # less is taken for the rounding of a start value
+_ROUNDING = 1e-14  # m or rad
+
+
+def moved_starts(scene: Scene, progress: Progress, values: Values, row: Sequence[float]) -> Iterator[str]:
+    """Of the first `row` (t, q, v, y): starts that were stated and do not hold, and where no equation is of places, those that
+    nobody stated and that moved."""
+    if not (scene.sizes["n_initial"] and len(row) and row[0] == progress.experiment.start) or scene.notes["loops"]:
+        return
+    guess = [part[: scene.n] for part in evaluate(scene.tapes["start"], progress.parameters)]
+    kinds = [*scene.fixed[: scene.n], *scene.fixed[len(scene.fixed) // 2 :][: scene.n]]
+    begun = row[1 : 1 + 2 * scene.n]
+    stated = zip((*scene.coordinates, *scene.rates), kinds, [*guess[0], *guess[1]], (*values.q, *values.v), begun, strict=True)
+    for k, (column, kind, wanted, given, value) in enumerate(stated):
+        if kind == GUESS or (kind == FREE and k < scene.n and not scene.sizes["n_initial_positions"]):
+            yield from _moved(column, wanted, given, value)
+    yield from _lost(scene, progress, values, row)
+    yield from _balanced(scene, row)
+
+
+def _moved(column: Column, wanted: float, given: float, value: float) -> Iterator[str]:
+    if math.isnan(given) and abs(value - wanted) > max(_MOVED * max(abs(value), abs(wanted)), _ROUNDING):
+        yield (f"{column.name} begins at {quantity(value, column.unit)}, not at {quantity(wanted, column.unit)}: the "
+               "equations ask for it")
+
+
+def _lost(scene: Scene, progress: Progress, values: Values, row: Sequence[float]) -> Iterator[str]:
+    """The same of coordinates that others give and that have starts of their own."""
+    kinds, n_lost = scene.fixed, scene.sizes["n_lost"]
+    half, outputs = len(kinds) // 2, {column.name: k for k, column in enumerate(scene.outputs, 1 + 2 * scene.n)}
+    guess = [x for part in evaluate(scene.tapes["start"], progress.parameters) for x in part[scene.n :]]
+    for name, (k, _) in scene.lost.items():
+        kind = kinds[scene.n + k] if k < n_lost else kinds[half + scene.n + k - n_lost]
+        if name in outputs and kind == GUESS:
+            yield from _moved(scene.outputs[outputs[name] - 1 - 2 * scene.n], guess[k], values.lost[k], row[outputs[name]])
+
+
+def _balanced(scene: Scene, row: Sequence[float]) -> Iterator[str]:
+    """Places without mass that others give, beside such that dampers hold back: where these begin, those follow."""
+    balanced, places = scene.notes["balanced"], {column.name for column in scene.coordinates}
+    for k, column in enumerate(scene.outputs, 1 + 2 * scene.n):
+        if column.name in balanced and not places.isdisjoint(balanced) and abs(row[k]) > _ROUNDING:
+            yield f"{column.name} begins at {quantity(row[k], column.unit)}, where the forces on it are in balance"
+
+
+def quantity(value: float, unit: str) -> str:
+    """To four digits; angles from -180 to 180 degrees."""
+    return f"{math.degrees(math.remainder(value, 2 * math.pi)):.4g} deg" if unit == "rad" else f"{value:.4g} {unit}"
