@@ -157,7 +157,7 @@ class _Event:
         truth = self._expression(value(node))
         if not self._jumps_alone(g, truth):
             return g
-        unfolded = _unfolded(truth)
+        unfolded = _unfolded(truth, ca.vertcat(self.kinematics.symbols.time, self.kinematics.algebra.state))
         if unfolded is None and ca.depends_on(truth, self.kinematics.algebra.state) and operations_in(g) & _CONDITIONS:
             fail("L0225", "this comes true where other conditions change, and jumps there", node.span.within(self.when.span),
                  "write these conditions themselves, as x > 0 and x < 1, or name one of two numbers by them: if x > 0 then 1 "
@@ -266,18 +266,21 @@ class _Event:
         return ca.Function("look", [v, ca.vertcat(q, symbols.time, *others), p], results), numbers
 
 
-def _unfolded(truth: ca.SX) -> ca.SX | None:
-    """The level of a condition that others make, as algebras put them together: continuous, as what they compare is. None where
-    it is another one."""
+def _unfolded(truth: ca.SX, moving: ca.SX) -> ca.SX | None:
+    """The level of a condition that others make, as algebras put them together: continuous, as what they compare is; 1 or -1 by
+    itself where they compare what only jumps, which may be equal for a while. None where it is another one."""
     parts = [truth.dep(k) for k in range(truth.n_dep())]
     match truth.op():
         case ca.OP_LT | ca.OP_LE:
-            return None if operations_in(parts[1] - parts[0]) & _CONDITIONS else parts[1] - parts[0]
+            difference = parts[1] - parts[0]
+            if operations_in(difference) & _CONDITIONS:
+                return None
+            return 2 * truth - 1 if ca.jacobian(difference, moving).is_zero() else difference
         case ca.OP_NOT:
-            inner = _unfolded(parts[0])
+            inner = _unfolded(parts[0], moving)
             return None if inner is None else -inner
         case ca.OP_SUB if parts[0].is_constant() and float(parts[0]) == 1:
-            inner = _unfolded(parts[1])
+            inner = _unfolded(parts[1], moving)
             return None if inner is None else -inner
         case ca.OP_SUB if parts[0].op() == ca.OP_ADD and parts[1].op() == ca.OP_MUL:
             both, choose = [parts[0].dep(k) for k in range(2)], ca.fmax
@@ -285,7 +288,7 @@ def _unfolded(truth: ca.SX) -> ca.SX | None:
             both, choose = parts, ca.fmin
         case _:
             return 2 * truth - 1 if truth.is_symbolic() else None
-    levels = [_unfolded(part) for part in both]
+    levels = [_unfolded(part, moving) for part in both]
     return None if any(level is None for level in levels) else choose(*levels)
 
 
