@@ -10,6 +10,7 @@
 #include <string.h>
 
 #include "state/ends.h"
+#include "state/first_step.h"
 #include "steps/singular.h"
 #include "steps/turns.h"
 
@@ -102,7 +103,8 @@ static double next_way(LagRun *run, LagAttempts *attempts, double shorter)
 
 /* Near singular positions at once, with a length that leads across, and for good: there will be more of them. Where time has no
  * shorter steps (what was held is let go, and begins from nothing), there is nothing to wait for; nor where a linkage is driven in
- * time, as a crank by its slide: short steps lead so near its dead points that rounding decides. */
+ * time, as a crank by its slide: short steps lead so near its dead points that rounding decides. There the others
+ * begin with steps of their own length. */
 int lag_attempts_leave(LagRun *run, const LagAttempts *attempts, double h, double error, double shorter)
 {
     const int is_loop = run->model->n_multipliers > 0, leaves = run->methods.table->leaves_trouble;
@@ -117,7 +119,13 @@ int lag_attempts_leave(LagRun *run, const LagAttempts *attempts, double h, doubl
     }
     run->step = is_loop ? TO_OTHERS * fmax(attempts->planned, run->calm_step) : shorter;
     run->calm_step *= is_loop ? TO_OTHERS : 1;
-    return (is_loop && lag_turn_fall_back(run)) || lag_turn_pass(run);
+    if (!(is_loop && lag_turn_fall_back(run)) && !lag_turn_pass(run))
+        return 0;
+    if (run->model->loops_know_time) {
+        const double slowness = lag_slowness(&run->motion, &run->scale, run->step, 0);
+        run->calm_step = run->step = fmax(run->step, lag_first_step(&run->scale, slowness, run->methods.table->order));
+    }
+    return 1;
 }
 
 double lag_attempts_next(LagRun *run, LagAttempts *attempts, double h, double error, double shorter)

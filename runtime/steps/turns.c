@@ -24,7 +24,8 @@ static int restart(LagRun *run, int32_t solver)
     run->methods.table->restart(run->methods.self, m);
     if (run->methods.table->begins_low) {
         const double slowness = lag_slowness(m, &run->scale, run->step, 0);
-        run->calm_step = run->step = SMALL * fmin(run->step, lag_first_step(&run->scale, slowness, run->methods.table->order));
+        run->step = SMALL * fmin(run->step, lag_first_step(&run->scale, slowness, run->methods.table->order));
+        run->calm_step = run->model->loops_know_time ? run->calm_step : run->step;
     }
     if (weighed || run->methods.table->weighs_work)
         lag_account_weigh(run);

@@ -213,8 +213,7 @@ def explain(scene: Scene, failure: Failure, parameters: Sequence[float] = ()) ->
         return (f"at t = {failure.time:.6g} the accelerations are not finite{where}: a coordinate that moves no mass{told}, "
                 f"{kinetic}points that coincide, or a function outside its domain; {_look_at(scene, failure)}")
     if failure.status is Status.STEP_TOO_SMALL:
-        return (f"the motion cannot be continued beyond t = {failure.time:.9g}: no step is small enough{where}; {kinetic}a "
-                "singularity (a collision, a spring of zero length, a division by zero) or values beyond the range of numbers")
+        return _of_short_steps(scene, failure, where, kinetic)
     if failure.status in (Status.EVENTS_GO_ON, Status.NO_IMPULSE):
         return f"the motion cannot be continued beyond t = {failure.time:.9g}: {_of_events(scene, failure)}"
     if failure.status is Status.CONSTRAINTS_OPEN:
@@ -235,6 +234,14 @@ def explain(scene: Scene, failure: Failure, parameters: Sequence[float] = ()) ->
     if failure.status is Status.TOO_MANY_STEPS:
         return (f"the limit of steps is reached at t = {failure.time:.6g}{where}; raise --max-steps, or loosen the tolerance")
     return f"the run stopped at t = {failure.time:.6g}: {failure.status.name.lower().replace('_', ' ')}"
+
+
+def _of_short_steps(scene: Scene, failure: Failure, where: str, kinetic: str) -> str:
+    """What may be there, where no step is small enough: `where` names a coordinate, `kinetic` energies that may be negative."""
+    dead = ("a dead point of a linkage driven in time, near which rounding decides (try the solver pirk or implicit, or a larger "
+            "tolerance), " if scene.sizes["loops_know_time"] else "")
+    return (f"the motion cannot be continued beyond t = {failure.time:.9g}: no step is small enough{where}; {kinetic}{dead}a "
+            "singularity (a collision, a spring of zero length, a division by zero) or values beyond the range of numbers")
 
 
 def _of_given(scene: Scene, failure: Failure) -> str:
