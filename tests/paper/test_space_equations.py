@@ -88,3 +88,10 @@ def test_torques_on_attitudes(tmp_path: Path) -> None:
     assert vanishes(d.equations.f[0] - 1)
     assert vanishes(d.equations.f[1] - (d["M[2]"] * sp.cos(theta) + d["M[3]"] * sp.sin(theta)))
     assert main(["equations", str(path), "--form", "worked"]) == 0
+
+
+def test_what_takes_too_many_products_says_so(gimbals: tuple[Path, Derived], capsys: pytest.CaptureFixture[str],
+                                              monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("lagrangia.paper.sheet.MOST_FORCED_PRODUCTS", 10)
+    assert main(["equations", str(gimbals[0]), "--force", "--format", "sympy"]) == 2
+    assert "too large even when forced: they take more than 10 products" in capsys.readouterr().err

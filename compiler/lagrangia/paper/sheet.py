@@ -150,7 +150,7 @@ def _written(kinematics: Kinematics, scene: SymbolicScene, request: Request, beg
     except TooLarge as large:
         if not request.is_forced:
             return _too_large(scene, request, printer, large)
-        fail("L0712", f"the equations are too large even when forced: more than {large.terms} terms in one product", None,
+        fail("L0712", f"the equations are too large even when forced: they take more than {MOST_FORCED_PRODUCTS} products", None,
              "the energies and their structure are printed without --force")
 
 
