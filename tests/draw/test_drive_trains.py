@@ -11,6 +11,7 @@ import pytest
 
 import lagrangia as lag
 from lagrangia.draw.drive_parts import Part, parts_of
+from lagrangia.draw.drive_symbols import symbol_of
 from lagrangia.draw.drive_train import Sketch, draw_train, sketch_of
 
 Scene = Callable[[str], lag.Model]
@@ -160,3 +161,12 @@ def test_long_trains_go_on_in_a_further_line() -> None:
 def test_scenes_without_flanges_are_drawn_as_before(scene: Scene) -> None:
     model = scene("model M coordinate Length x; energy kinetic 1[kg]*der(x)^2/2; end M;")
     assert draw_train(model.compilation.flat, {}) is None
+
+
+def test_rods_discs_and_what_acts_between_two_ends_are_no_boxes() -> None:
+    """Each has a symbol of its own, as high as is said."""
+    a, b = np.array([0.0, 0.0]), np.array([13.0, 0.0])
+    box = symbol_of("Anything", a, b, False)[0]
+    drawn = {kind: symbol_of(kind, a, b, False)[0] for kind in ("Disc", "Rod", "Torque2", "Force2")}
+    shapes = {kind: [np.round(stroke.points, 6).tolist() for stroke in strokes] for kind, strokes in (*drawn.items(), ("", box))}
+    assert all(shapes[one] != shapes[other] for one in shapes for other in shapes if one != other)

@@ -69,6 +69,19 @@ def _one_sided(kind: str, a: Vector, b: Vector) -> tuple[list[Stroke], float]:
 
 
 def _other(kind: str, a: Vector, b: Vector) -> tuple[list[Stroke], float]:
+    middle = (a + b) / 2
+    if kind == "Disc":
+        plates = [_box(middle + np.array([x, 0.0]), (0.6, 4.0), "white") for x in (-0.6, 0.6)]
+        return [_line(a, b), *plates], 4.0
+    if kind == "Rod":
+        return [_line(a, b), _box(middle, (4.5, 0.8), "white")], 0.8
+    if kind == "Torque2":
+        return [_line(a, b), *SHAPES["curved_arrow"](_given([[*middle, 0.0]], [np.array([1.0])])).strokes], 3.6
+    if kind == "Force2":  # a force on each of the two ends
+        left, right = _inner(a, b, 0.8)
+        pair = [SHAPES["arrow"](_given([[*(middle + 0.1 * (end - middle)), 0.0]], [0.8 * (end - middle)], "length"))
+                for end in (left, right)]
+        return [*_leads(a, b, 0.8), *(stroke for one in pair for stroke in one.strokes)], 2.4
     return [_line(a, b), *_beside_it(kind, (a + b) / 2)], 2.4
 
 
