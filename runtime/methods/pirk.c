@@ -390,7 +390,9 @@ static double attempt(void *self, LagMotion *m, double t_new, const LagScale *sc
     lag_swap(&s->a, &s->known);
     s->begin = m->t;
     s->length = h;
-    if (error <= 1 && (run->model->may_be_narrow || run->model->n_looks > 0 || s->is_doubtful))
+    /* towards singular positions of loops all series fall slowly: these are for lag_attempts_leave */
+    const int is_doubtful = s->is_doubtful && run->model->n_multipliers == 0;
+    if (error <= 1 && (run->model->may_be_narrow || run->model->n_looks > 0 || is_doubtful))
         error = lag_max(look_again(s, m, t_new), error);
     s->factor = length_factor(s, s->per == h ? s->contraction : 0, error);
     if (error > 1)
