@@ -66,10 +66,10 @@ static int has_cheap_series(const LagFacts *f) { return f->series_cost < f->erk_
 static double pirk_limit(const LagFacts *f) { return f->constraints > 0 ? PIRK_CONSTRAINED : PIRK_FREE; }
 
 /* What can swing back the way it came is read from steps that are kept, and changes at conditions of the state from dense
- * output. Dead points of what is driven in time are to be stepped across, and no stage is to be near one. */
+ * output. */
 static int is_smooth(const LagFacts *f)
 {
-    const int is_rough = f->has_conditions || f->has_corners || f->may_hide || f->loops_know_time;
+    const int is_rough = f->has_conditions || f->has_corners || f->may_hide;
     return f->has_jacobian && !is_rough && !f->is_swing && f->tolerance <= pirk_limit(f);
 }
 
@@ -304,6 +304,5 @@ LagFacts lag_facts(const LagModel *model, const LagSettings *settings)
         .is_swing = model->is_swing,
         .may_hide = model->may_hide || model->n_looks > 0,
         .has_attitudes = model->n_attitudes > 0,
-        .loops_know_time = model->loops_know_time,
     };
 }

@@ -37,7 +37,7 @@ typedef struct {
     int32_t trouble;                 /* LAG_TROUBLE_... */
     int32_t is_damped;               /* what changes most is a rate that dies out without swinging */
     int32_t fits_transition, has_jacobian, has_conditions, has_corners, has_modes, has_inputs, is_swing, may_hide,
-        has_attitudes, loops_know_time;
+        has_attitudes;
 } LagFacts;
 
 /* What a method cannot do, or need not. */

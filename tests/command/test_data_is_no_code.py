@@ -17,7 +17,7 @@ from lagrangia.base.store import find_kept, keep, key_of, prune
 from lagrangia.command.cli import main
 from lagrangia.language.plain_tree import read_trees, write_trees
 from lagrangia.language.syntax import parse
-from lagrangia.native.build import find_compiler
+from lagrangia.native.build import build, find_compiler
 
 needs_compiler = pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
 SWING = 'model Swing "%s"\n  Revolute h(a = world, phi(start = 1)); Bar b(m = 1, L = 1, a = h.b);\nend Swing;\n'
@@ -119,6 +119,33 @@ def test_the_cache_is_bounded(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
     keep("scenes", "scene10", bytes(9000))
     prune(most=3500)  # once a day
     assert (cache_folder() / "scenes" / "scene10").exists()
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="no pipes")
+def test_pipes_and_links_in_the_cache_are_no_files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A pipe was read for ever; a link to nowhere ended each pruning before it began."""
+    monkeypatch.setenv("LAGRANGIA_CACHE", str(tmp_path / "cache"))
+    keep("scenes", "old", bytes(3000))
+    os.utime(cache_folder() / "scenes" / "old", (1e9, 1e9))
+    os.mkfifo(cache_folder() / "scenes" / "pipe")
+    (cache_folder() / "scene-link").symlink_to(tmp_path / "nowhere")
+    assert find_kept("scenes", "pipe") is None
+    keep("scenes", "pipe", b"made again")
+    assert find_kept("scenes", "pipe") == b"made again"
+    prune(most=1000)
+    assert not (cache_folder() / "scenes" / "old").exists()
+
+
+@needs_compiler
+def test_a_link_in_the_place_of_a_library_is_replaced(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where others may write to what it leads to; it ended in 'Not a directory'."""
+    monkeypatch.setenv("LAGRANGIA_CACHE", str(tmp_path / "cache"))
+    folder, elsewhere = build("one", "int one(void) { return 1; }", level="-O0").parent, tmp_path / "elsewhere"
+    folder.rename(elsewhere)
+    elsewhere.chmod(0o777)
+    folder.symlink_to(elsewhere)
+    assert build("one", "int one(void) { return 1; }", level="-O0").parent == folder
+    assert not folder.is_symlink() and elsewhere.exists()
 
 
 def test_a_cache_may_be_relative(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -14,6 +14,7 @@ import pytest
 import lagrangia as lag
 from helpers.symbolic_scenes import EXAMPLES
 from lagrangia.command.cli import WRONG, main
+from lagrangia.command.scene_export import exported_text
 
 SCENES = ["suspended_bar", "double_pendulum", "cart_pole", "slider_crank", "four_bar", "spring_pendulum", "crank_press", "skate",
           "quarter_car", "rolling_disc", "parallelogram"]
@@ -292,3 +293,11 @@ def test_equations_of_a_scene_with_events_tell_that_these_are_left_out(written, 
     assert main(["export", str(scene), "--to", "sympy", "-o", str(tmp_path / "out")]) == 0
     assert "warning[L0741]: the event 'gap < 0' is left out" in capsys.readouterr().err
     assert (tmp_path / "out").read_text(encoding="utf-8").startswith("# the event 'gap < 0' is left out")
+
+
+def test_modelica_has_the_inherited_experiment(tmp_path: Path) -> None:
+    """The interval was left out."""
+    (tmp_path / "q.lag").write_text("model Q Block b(m = 1, base = world); annotation(experiment(StopTime = 3, Interval = 0.5)); "
+                                    "end Q; model R extends Q; annotation(experiment(Tolerance = 1e-5)); end R;")
+    text = exported_text(lag.Model(tmp_path / "q.lag", "R"), "modelica")
+    assert "experiment(StartTime = 0.0, StopTime = 3.0, Tolerance = 1e-05, Interval = 0.5)" in text

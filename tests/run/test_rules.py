@@ -35,6 +35,7 @@ def test_a_row_is_there_for_everything(moment: Moment) -> None:
         (Moment.ISLANDS, {"fastest": 4.0}, Solver.AUTO, "like islands"),
         (Moment.ISLANDS, {"fastest": 4.1, "ratio": 4.1}, Solver.ISLANDS, "unlike islands"),
         (Moment.ISLANDS, {"resting": 1}, Solver.ISLANDS, "resting islands"),
+        (Moment.ISLANDS, {"resting": 2, "fastest": 0.0, "slowest": 0.0}, Solver.AUTO, "like islands"),
         (Moment.ISLANDS, {"is_known": 0, "resting": 1}, Solver.AUTO, "unknown islands"),
         (Moment.LINEAR, {"radians": 150.0}, Solver.AUTO, "few radians"),
         (Moment.LINEAR, {"radians": 150.1}, Solver.LINEAR, "many radians"),

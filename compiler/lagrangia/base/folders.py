@@ -1,7 +1,9 @@
 """Where the data folders are (in a wheel beside the rooms, in a checkout two levels above them), and where results are kept."""
 
+import contextlib
 import os
 import shutil
+import stat
 import sys
 import tempfile
 import time
@@ -35,8 +37,8 @@ def stamps(folder: str | Path, *endings: str) -> list[tuple[str, int, int]]:
         with os.scandir(pending.pop()) as entries:
             for entry in entries:
                 if entry.name.endswith(endings):
-                    stat = entry.stat()
-                    found.append((entry.path, stat.st_size, stat.st_mtime_ns))
+                    now = entry.stat()
+                    found.append((entry.path, now.st_size, now.st_mtime_ns))
                 elif entry.name != "__pycache__" and entry.is_dir():
                     pending.append(entry.path)
     return sorted(found)
@@ -66,12 +68,24 @@ def cache_folder() -> Path:
 
 
 def is_trusted(path: Path) -> bool:
-    """Whether nobody else may have put there what is read: what is kept is loaded as machine code. Raises OSError."""
+    """Whether it is a file or a folder, and nobody else may have put there what is read: what is kept is loaded as machine code.
+    Raises OSError."""
+    found = path.stat()
+    if not (stat.S_ISREG(found.st_mode) or stat.S_ISDIR(found.st_mode)):
+        return False  # nothing ever comes out of a pipe
     if not hasattr(os, "getuid"):
         return True
-    stat = path.stat()
-    is_shared = stat.st_mode & 0o002 or (stat.st_mode & 0o020 and stat.st_gid != os.getgid())
-    return stat.st_uid in (os.getuid(), 0) and not is_shared
+    is_shared = found.st_mode & 0o002 or (found.st_mode & 0o020 and found.st_gid != os.getgid())
+    return found.st_uid in (os.getuid(), 0) and not is_shared
+
+
+def remove(path: Path) -> None:
+    """A file, a folder with all in it, or a link, which is not followed; what cannot be removed stays."""
+    if path.is_dir() and not path.is_symlink():
+        shutil.rmtree(path, ignore_errors=True)
+    else:
+        with contextlib.suppress(OSError):
+            path.unlink()
 
 
 def note_use(path: Path) -> None:
@@ -116,8 +130,8 @@ def _private_temporary_folder() -> Path:
     folder = Path(tempfile.gettempdir()) / f"lagrangia-{'cache' if user is None else user}"
     try:
         folder.mkdir(mode=0o700, exist_ok=True)
-        stat = folder.lstat()
-        if user is None or (stat.st_uid == user and stat.st_mode & 0o077 == 0 and not folder.is_symlink()):
+        mode = folder.lstat()
+        if user is None or (mode.st_uid == user and mode.st_mode & 0o077 == 0 and not folder.is_symlink()):
             return folder
     except OSError:
         pass

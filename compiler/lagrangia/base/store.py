@@ -6,14 +6,13 @@ A file is written beside its place and renamed, so that whoever finds it finds i
 import contextlib
 import hashlib
 import os
-import shutil
 import tempfile
 import time
 from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
 
-from lagrangia.base.folders import cache_folder, data_folder, is_trusted, note_use, stamps
+from lagrangia.base.folders import cache_folder, data_folder, is_trusted, note_use, remove, stamps
 from lagrangia.base.records import dataclass
 
 _KINDS = ("scenes", "syntax", "objects", "texts")  # folders of files
@@ -57,12 +56,12 @@ def prune(most: int = 1 << 30) -> None:
         if stamp.exists() and now - stamp.stat().st_mtime < _DAY:
             return
         stamp.touch(mode=0o600)
-        found = [_Entry.of(path) for path in _entries(folder)]
+        found = [entry for path in _entries(folder) if (entry := _Entry.of(path))]
         left = sum(entry.size for entry in found)
         for entry in sorted(found, key=lambda entry: entry.used):
             is_stray = entry.path.name.startswith(".") or entry.path.suffix == ".part"
             if left > most or (is_stray and now - entry.used > _DAY):
-                shutil.rmtree(entry.path, ignore_errors=True) if entry.path.is_dir() else entry.path.unlink(missing_ok=True)
+                remove(entry.path)
                 left -= entry.size
 
 
@@ -73,9 +72,14 @@ class _Entry:
     used: float  # seconds since the epoch
 
     @classmethod
-    def of(cls, path: Path) -> "_Entry":
-        stats = [file.stat() for file in (path.rglob("*") if path.is_dir() else [path])]
-        used = max((max(stat.st_mtime, stat.st_atime) for stat in stats), default=path.stat().st_mtime)
+    def of(cls, path: Path) -> "_Entry | None":
+        """None for what another process has removed meanwhile. Links are not followed."""
+        try:
+            is_folder = path.is_dir() and not path.is_symlink()
+            stats = [file.lstat() for file in (path.rglob("*") if is_folder else [path])]
+            used = max((max(stat.st_mtime, stat.st_atime) for stat in stats), default=path.lstat().st_mtime)
+        except OSError:
+            return None
         return cls(path, sum(stat.st_size for stat in stats), used)
 
 

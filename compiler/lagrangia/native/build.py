@@ -21,7 +21,7 @@ from pathlib import Path
 from sysconfig import get_platform
 
 from lagrangia.base.diagnostics import fail
-from lagrangia.base.folders import cache_folder, has_room, is_trusted, note_use
+from lagrangia.base.folders import cache_folder, has_room, is_trusted, note_use, remove
 from lagrangia.base.records import dataclass
 from lagrangia.native import prebuilt
 
@@ -264,10 +264,10 @@ class Build:
             try:
                 os.rename(made, folder)
             except OSError:
-                if not folder.exists() or attempt == _ATTEMPTS - 1:
+                if not os.path.lexists(folder) or attempt == _ATTEMPTS - 1:
                     raise
                 if not _is_whole(self._library):
-                    shutil.rmtree(folder, ignore_errors=True)
+                    remove(folder)
 
 
 def build(

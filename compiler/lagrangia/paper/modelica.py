@@ -69,7 +69,9 @@ def write_modelica(book: Book, starts: Mapping[str, float], remarks: Iterable[st
     lines += _motion(book, names, code)
     lines += _constraints(book, steps, sp.Symbol(closing, real=True), code)
     run = model.experiment
-    lines.append(f"  annotation(experiment(StartTime = {run.start!r}, StopTime = {run.stop!r}, Tolerance = {run.tolerance!r}));")
+    interval = "" if run.interval is None else f", Interval = {run.interval!r}"
+    lines.append(f"  annotation(experiment(StartTime = {run.start!r}, StopTime = {run.stop!r}, Tolerance = {run.tolerance!r}"
+                 f"{interval}));")
     return "\n".join([*lines, f"end {model.name};"])
 
 

@@ -76,7 +76,7 @@ def _always(_: Facts) -> bool:
 
 RULES = (
     Row("unknown islands", Moment.ISLANDS, Solver.AUTO, lambda f: not f["is_known"], "how fast its islands are is not known"),
-    Row("resting islands", Moment.ISLANDS, Solver.ISLANDS, lambda f: f["resting"] > 0,
+    Row("resting islands", Moment.ISLANDS, Solver.ISLANDS, lambda f: 0 < f["resting"] < f["islands"],
         "{resting} of {islands} groups of coordinates that do not interact rest"),
     Row("unlike islands", Moment.ISLANDS, Solver.ISLANDS, lambda f: f["fastest"] > _UNLIKE * f["slowest"],
         "of {islands} groups of coordinates that do not interact the fastest is {ratio} times as fast as the slowest, "
