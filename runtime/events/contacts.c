@@ -96,22 +96,7 @@ static void note_times(LagRun *run)
         run->impacts.by_time[k] = fabs(s->g_inside[lag_gap(model, k)] - s->g_begin[lag_gap(model, k)]) / MANY;
 }
 
-/* At the start nothing may have a size yet: the largest acceleration of each kind tells of one by what it does in a moment. */
-static void foresee_errors(LagRun *run, double *error)
-{
-    const LagScale *scale = &run->scale;
-    const int n = run->model->n;
-    const double *a = run->switches.slope + n;
-    memset(scale->motion, 0, (size_t)scale->kinds * sizeof *scale->motion);
-    for (int i = 0; i < n; ++i)
-        scale->motion[scale->kind[i]] = lag_max(fabs(a[i]), scale->motion[scale->kind[i]]);
-    for (int i = 0; i < n; ++i) {
-        const double speed = scale->tolerance * MOMENT * scale->motion[scale->kind[i]];
-        error[i] = lag_max(speed * MOMENT, error[i]);
-        error[n + i] = lag_max(speed, error[n + i]);
-    }
-}
-
+/* At the start nothing may have a size yet: accelerations tell of one by what they do in a moment. */
 void lag_contacts_find_errors(LagRun *run)
 {
     const LagModel *model = run->model;
@@ -124,10 +109,15 @@ void lag_contacts_find_errors(LagRun *run)
     lag_conditions_of_events(run, s->g_begin, s->rate);
     note_times(run);
     lag_conditions_units(run, run->motion.y, 1, s->error);
-    if (!run->started)
-        foresee_errors(run, s->error);
     for (int pattern = 0; pattern < LAG_PATTERNS; ++pattern)
         note_errors(run, pattern);
+    for (int k = 0; k < model->n_whens && !run->started; ++k) {
+        const int i = lag_when(model, k), gap = lag_gap(model, k), rests = lag_contact(model, k);
+        const double speed = run->scale.tolerance * MOMENT * fabs(s->rate[rests]);
+        error[i] = lag_max(speed * MOMENT, error[i]);
+        error[gap] = lag_max(is_place(run, k) ? speed * MOMENT : speed, error[gap]);
+        error[rests] = lag_max(speed, error[rests]);
+    }
 }
 
 int lag_contacts_is_inside(const LagRun *run, int i, double g)

@@ -68,9 +68,9 @@ static void enter(void *self, int lane, LagRun *run)
     const int n_inputs = s->lanes.model->n_inputs;
     s->lanes.stop[lane] = lag_min(run->segment_end, run->settings.t_stop);
     s->entered[lane] = s->lanes.t[lane];
-    s->is_new[lane] = 1;
     if (n_inputs == 0)
         return;
+    s->is_new[lane] = 1;
     s->lanes.is_fresh = 1;
     lag_inputs_slope(&run->inputs, run->u);
     lag_wide_place(s->u_slope, lane, run->u, n_inputs);
@@ -104,6 +104,7 @@ static int load(void *self, int lane, LagRun *run)
         s->lost[(s->lanes.model->n_power + i) * LAG_ABREAST + lane] = 0;
     lag_wide_place(s->c, lane, run->c, s->lanes.model->n_hoisted);
     enter(s, lane, run);
+    s->is_new[lane] = 1;
     return 1;
 }
 

@@ -249,3 +249,14 @@ def test_each_under_each_is_of_the_array_within(scene: Write) -> None:
     model M B b[3](each a(each k = 4)), c[2, 2](each a(k = {1, 2})); Block d(m = 1, base = world);
       output Real y = sum(b.a.y) + 100*sum(c.a.y); end M;""")
     assert model.simulate(at=[0.0])["y"][0] == 24 + 1200
+
+
+def test_constructors_given_other_parts_compute_others(scene: Write) -> None:
+    """One function served both: c of p was 51."""
+    run = scene("""record O Real a = 1; Real b = 2; Real c = a + 10*b; Real d = c + a; end O;
+      model M
+        parameter O p = O(a = 5), q = O(b = 7), r = O();
+        Prismatic s(a = world); PointMass m(m = 1, center = s.b);
+        output Real x[6] = {p.c, q.c, r.c, p.d, q.d, r.d};
+      end M;""").simulate(at=[0.0])
+    assert run["x"][0].tolist() == [25, 71, 21, 30, 72, 22]

@@ -359,9 +359,12 @@ class CasadiAlgebra:
 
 
 def _chosen(x: Scalar) -> tuple[ca.SX, Scalar, Scalar] | None:
-    """The condition and both values of a choice among numbers, one of which may be a choice again."""
-    if not isinstance(x, ca.SX) or x.op() != ca.OP_ADD:
+    """The condition and both values of a choice among numbers, one of which may be a choice again. A value of 0 has no term."""
+    if not isinstance(x, ca.SX) or x.op() not in (ca.OP_ADD, ca.OP_IF_ELSE_ZERO):
         return None
+    if x.op() == ca.OP_IF_ELSE_ZERO:
+        value = float(x.dep(1)) if x.dep(1).is_constant() else x.dep(1)
+        return (x.dep(0), value, 0.0) if isinstance(value, float) or _chosen(value) is not None else None
     then, otherwise = x.dep(0), x.dep(1)
     if then.op() != ca.OP_IF_ELSE_ZERO or otherwise.op() != ca.OP_IF_ELSE_ZERO or otherwise.dep(0).op() != ca.OP_NOT:
         return None

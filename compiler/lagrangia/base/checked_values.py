@@ -78,6 +78,8 @@ def an_array(what: str, given: Any) -> "NDArray[np.float64]":
         found = np.asarray(given)
     except ValueError:  # rows of several lengths
         found = np.asarray(None)
+    if found.dtype == object and found.ndim:  # fractions, long integers
+        found = np.array([a_number(what, x) for x in found.ravel()]).reshape(found.shape)
     if found.dtype.kind not in "biuf":
         shown = f"one of {given.dtype}" if isinstance(given, np.ndarray) else repr(given)
         fail("L0702", f"{what} must be an array of real numbers, not {shown}"[:200])

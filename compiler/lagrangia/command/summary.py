@@ -27,7 +27,7 @@ def summarise(options: Namespace, model: Model, progress: Progress, target: str,
         print(text, file=out)
 
     say(f"{scene.name}: {scene.description}" if scene.description else scene.name)
-    n = len(scene.moving)
+    n = scene.n - len(scene.signals)
     names = ", ".join(scene.told[:6]) + (", ..." if len(scene.told) > 6 else "")
     states = f" and first-order states ({', '.join(scene.signals.values())})" if scene.signals else ""
     say(f"  {n} coordinate{'s' if n != 1 else ''}{f' ({names})' if names else ''}{states}, "

@@ -14,7 +14,7 @@ from lagrangia.algebra.orthogonal import Vector
 from lagrangia.base.diagnostics import LIBRARY, Report
 from lagrangia.constraints.assembly import begin
 from lagrangia.constraints.initial import InitialConditions, initial_function, start_function
-from lagrangia.constraints.parameters import at_declared_values
+from lagrangia.constraints.parameters import at_declared_values, usual_parameters
 from lagrangia.constraints.rows import Constraints, Row
 from lagrangia.frames.kinematics import Kinematics
 from lagrangia.language.flat import Equation
@@ -81,7 +81,9 @@ def _has_idle_displacement(kinematics: Kinematics, rows: list[Row]) -> bool:
     symbols = [*(given for given, _ in said.values()), shift]
     shares = ca.substitute(shares, symbols, [*[ca.SX(0)] * len(said), ca.SX.zeros(shift.numel())])
     at = np.random.default_rng(1).uniform(0.3, 1.7, q.numel())
-    idle = [np.abs(share).max(initial=0.0) <= _NOTHING for share in _numbers(kinematics, shares, q, at)]
+    p, some = usual_parameters(kinematics)  # what is 0 as declared may be given another value
+    idle = [np.abs(share).max(initial=0.0) <= _NOTHING for share in
+            _numbers(kinematics, ca.substitute(shares, [p], [ca.SX(some)]), q, at)]
     return all(idle) or any(none and slope.nnz() for none, slope in zip(idle, slopes, strict=True))
 
 

@@ -47,7 +47,7 @@ from lagrangia.language.tree import Binary, Flat, Number, Unary
 KICK, CONTACT, ONE_WAY = range(3)  # LAG_KICK, ...
 _SAME = 1e-9  # relative difference of what is the same but for rounding
 _NONE = ca.SX(0, 1)
-_CONDITIONS = {ca.OP_LT, ca.OP_LE, ca.OP_EQ, ca.OP_NE, ca.OP_IF_ELSE_ZERO}
+_CONDITIONS = {ca.OP_LT, ca.OP_LE, ca.OP_EQ, ca.OP_NE, ca.OP_IF_ELSE_ZERO, ca.OP_FLOOR, ca.OP_CEIL, ca.OP_SIGN}  # jump
 Numbers = NDArray[np.float64]
 
 
@@ -159,7 +159,8 @@ class _Event:
             return g
         unfolded = _unfolded(truth, ca.vertcat(self.kinematics.symbols.time, self.kinematics.algebra.state))
         if unfolded is None and ca.depends_on(truth, self.kinematics.algebra.state) and operations_in(g) & _CONDITIONS:
-            fail("L0225", "this comes true where other conditions change, and jumps there", node.span.within(self.when.span),
+            fail("L0225", "this comes true where a condition, floor, ceil or sign in it changes, and jumps there",
+                 node.span.within(self.when.span),
                  "write these conditions themselves, as x > 0 and x < 1, or name one of two numbers by them: if x > 0 then 1 "
                  "else 0")
         return 2 * truth - 1 if unfolded is None else unfolded

@@ -31,9 +31,10 @@ def made_part(table: ClassTable, definition: ClassDefinition, given: Mapping[str
     needed = dict.fromkeys(_needed(name, declared, given))
     made = [replace(declared[field], prefixes=frozenset({_role(field, name, given)}),
                     binding=None if field in given else declared[field].binding) for field in needed]
-    own = ClassDefinition("function", False, f"{definition.name}.{name}", definition.description, tuple(made), (), (),
-                          definition.span, definition.name_span)
-    return Made(Call(own.name, (), tuple((field, given[field]) for field in needed if field in given), span), own, span)
+    known = [field for field in needed if field in given]  # of other ones it is another function
+    own = ClassDefinition("function", False, f"{definition.name}.{name}({', '.join(known)})", definition.description, tuple(made),
+                          (), (), definition.span, definition.name_span)
+    return Made(Call(own.name, (), tuple((field, given[field]) for field in known), span), own, span)
 
 
 def _is_made(table: ClassTable, declaration: Declaration, parts: set[str]) -> bool:

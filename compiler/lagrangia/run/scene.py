@@ -133,7 +133,7 @@ class Scene:
     def told(self) -> tuple[str, ...]:
         """The names of the coordinates, for people: those of an attitude are one."""
         parts = {part: name for name, of in self.attitudes.items() for part in of}
-        return tuple(dict.fromkeys(parts.get(c.name, c.name) for c in self.moving))
+        return tuple(dict.fromkeys(parts.get(c.name, c.name) for c in self.coordinates if c.name not in self.signals))
 
     @property
     def moving(self) -> tuple[Column, ...]:
