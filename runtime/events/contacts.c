@@ -96,7 +96,32 @@ static void note_times(LagRun *run)
         run->impacts.by_time[k] = fabs(s->g_inside[lag_gap(model, k)] - s->g_begin[lag_gap(model, k)]) / MANY;
 }
 
-/* At the start nothing may have a size yet: accelerations tell of one by what they do in a moment. */
+/* Into scale->motion: of each kind the largest of some values. */
+static void find_largest(const LagScale *scale, const double *values, int n)
+{
+    memset(scale->motion, 0, (size_t)scale->kinds * sizeof *scale->motion);
+    for (int i = 0; i < n; ++i)
+        scale->motion[scale->kind[i]] = lag_max(fabs(values[i]), scale->motion[scale->kind[i]]);
+}
+
+/* At the start nothing may have a size yet: the largest acceleration of each kind tells of one by what it does in a moment, but
+ * where something of the kind moves already, no more than that does. */
+static void foresee_errors(LagRun *run, double *error)
+{
+    const LagScale *scale = &run->scale;
+    const int n = run->model->n;
+    double *speed = run->switches.slope; /* those of the state are not asked for */
+    find_largest(scale, run->motion.y + n, n);
+    for (int i = 0; i < n; ++i)
+        speed[i] = scale->motion[scale->kind[i]] > 0 ? scale->motion[scale->kind[i]] : INFINITY;
+    find_largest(scale, run->switches.slope + n, n);
+    for (int i = 0; i < n; ++i) {
+        const double size = scale->tolerance * lag_min(speed[i], MOMENT * scale->motion[scale->kind[i]]);
+        error[i] = lag_max(size * MOMENT, error[i]);
+        error[n + i] = lag_max(size, error[n + i]);
+    }
+}
+
 void lag_contacts_find_errors(LagRun *run)
 {
     const LagModel *model = run->model;
@@ -109,15 +134,10 @@ void lag_contacts_find_errors(LagRun *run)
     lag_conditions_of_events(run, s->g_begin, s->rate);
     note_times(run);
     lag_conditions_units(run, run->motion.y, 1, s->error);
+    if (!run->started)
+        foresee_errors(run, s->error);
     for (int pattern = 0; pattern < LAG_PATTERNS; ++pattern)
         note_errors(run, pattern);
-    for (int k = 0; k < model->n_whens && !run->started; ++k) {
-        const int i = lag_when(model, k), gap = lag_gap(model, k), rests = lag_contact(model, k);
-        const double speed = run->scale.tolerance * MOMENT * fabs(s->rate[rests]);
-        error[i] = lag_max(speed * MOMENT, error[i]);
-        error[gap] = lag_max(is_place(run, k) ? speed * MOMENT : speed, error[gap]);
-        error[rests] = lag_max(speed, error[rests]);
-    }
 }
 
 int lag_contacts_is_inside(const LagRun *run, int i, double g)

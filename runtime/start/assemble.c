@@ -227,6 +227,15 @@ static int follow(LagAssembly *s, const double *p, const int *fixed, int way, do
     return follow_by(s, p, fixed, LAG_START_FREE, way, x, work);
 }
 
+/* Whether a guess is among what may move: elsewhere there may be a place nearer to it than where blocks lead. */
+static int guesses_move(const LagAssembly *s, const int *fixed)
+{
+    for (int j = 0; j < 2 * lag_start_size(s->model); ++j)
+        if (fixed[j] == LAG_START_GUESS && s->newton.scale[j] > 0)
+            return 1;
+    return 0;
+}
+
 /* The first `active` equations, and the unknowns first .. last-1 that may move. */
 static void choose(LagAssembly *s, const int *fixed, int active, int first, int last)
 {
@@ -270,7 +279,8 @@ static int solve(LagAssembly *s, const double *p, const int *fixed, int active, 
         lag_newton_measure(newton, p, fixed, first == 0 ? s->guess : x, next, work);
         worst = lag_newton_solve(newton, p, iterations, pushes, x, work);
     }
-    for (int next = way; next < LAG_METRIC_WAYS && worst >= 0 && lag_blocks_find(&s->blocks, newton) > 1; ++next) {
+    for (int next = way; next < LAG_METRIC_WAYS && worst >= 0 && !guesses_move(s, fixed) && lag_blocks_find(&s->blocks, newton) > 1;
+         ++next) {
         copy(s, s->apart, x);
         worst = lag_blocks_solve(&s->blocks, newton, p, fixed, next, iterations, pushes, x, work);
         lag_newton_measure(newton, p, fixed, first == 0 ? s->guess : x, next, work);

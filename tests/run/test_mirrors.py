@@ -17,7 +17,7 @@ from lagrangia.command import summary
 from lagrangia.constraints import assembly, initial, metric, newton
 from lagrangia.dynamics import guarding, impacts
 from lagrangia.native.build import build
-from lagrangia.run import batch, runtime, simulate
+from lagrangia.run import batch, moved_starts, runtime, simulate
 from lagrangia.run.library import start_runtime
 from lagrangia.run.mirrors import check_mirrors
 
@@ -89,7 +89,7 @@ def test_a_member_that_moved_is_found() -> None:
 def test_small_numbers_are_those_of_c() -> None:
     starts = {"GUESS": initial.GUESS, "FIXED": initial.FIXED, "FREE": initial.FREE, "LOOSE": initial.LOOSE}
     assert numbers([f"LAG_START_{name}" for name in starts]) == list(starts.values())
-    assert (summary._GUESS, summary._FIXED, summary._FREE) == (initial.GUESS, initial.FIXED, initial.FREE)
+    assert (moved_starts.GUESS, moved_starts.FIXED, moved_starts.FREE) == (initial.GUESS, initial.FIXED, initial.FREE)
     assert numbers(["LAG_KICK", "LAG_CONTACT", "LAG_ONE_WAY"]) == [impacts.KICK, impacts.CONTACT, impacts.ONE_WAY]
     kinds = ["ERROR", "WARNING", "END", "OF_PARAMETERS"]
     assert numbers([f"LAG_GUARD_{name}" for name in kinds]) == [*guarding.KINDS.values(), guarding.OF_PARAMETERS]

@@ -155,7 +155,8 @@ class Assembly:
             found, worst = newton.solve(x, *limits)
             if worst < 0:
                 return self._approach(newton, found), worst
-        apart = blocks(self.general, np.arange(active), scale)
+        is_guessed = ((self.fixed == GUESS) & (scale > 0)).any()  # elsewhere there may be a place nearer to a guess
+        apart = [] if is_guessed else blocks(self.general, np.arange(active), scale)
         for way in ways if len(apart) > 1 else ():
             found, worst = solve_blocks(apart, self.equations, self.general, scale, self.fixed, followed.apart, way, *limits)
             if worst < 0:

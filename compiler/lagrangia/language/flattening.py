@@ -471,7 +471,7 @@ class _Flattening:
     def _bind_variables(self) -> tuple[Equation, ...]:
         """Equations `y = expression` of variables without a binding become their bindings; the others are constraints."""
         self.variables.update(declare_held(self.samplers, self.variables, self.report))
-        found = find_states(self.variables, [*self.equations, *self.joined], self.report)
+        found = find_states(self.variables, [*self.equations, *self.joined], self.ends, self.report)
         self.states = found.states
         self.variables.update(found.variables)
         self.energies += found.energies

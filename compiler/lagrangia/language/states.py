@@ -4,7 +4,7 @@ Each is made the rate of a coordinate of its own, of inertia 1, on which f works
 solver, FMU and sweep has it. The coordinate, the integral of z, is in nothing else; its energy is none of the mechanism's.
 """
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence, Set
 from dataclasses import replace
 from typing import TypeGuard
 
@@ -26,11 +26,13 @@ class FoundStates:
     equations: tuple[Equation, ...]
 
 
-def find_states(variables: Mapping[str, Variable], equations: Sequence[Equation], report: Report) -> FoundStates:
-    """Reports L0901 for arrays of them, L0231 for a second equation of the same."""
+def find_states(variables: Mapping[str, Variable], equations: Sequence[Equation], ends: Set[str], report: Report
+                ) -> FoundStates:
+    """`ends`: variables of connectors, whose rates are held unless an equation gives one alone. Reports L0901 for arrays of
+    states, L0231 for a second equation of the same."""
     states, left = dict[str, State](), list[Equation]()
     for equation in equations:
-        found = _state_of(equation, variables)
+        found = _state_of(equation, variables, ends)
         if found is None:
             left.append(equation)
         elif found.name in states:
@@ -49,7 +51,7 @@ def find_states(variables: Mapping[str, Variable], equations: Sequence[Equation]
     return FoundStates(states, made, energies, works, tuple(left))
 
 
-def _state_of(equation: Equation, variables: Mapping[str, Variable]) -> State | None:
+def _state_of(equation: Equation, variables: Mapping[str, Variable], ends: Set[str]) -> State | None:
     """Of der(z) = f, either way round, or an equation with one der(z), in a sum and with factors; z has no value of its own."""
     left, right, span = equation.left, equation.right, equation.span
     rates = [node for node in nodes(left, right) if _is_rate(node, variables)]
@@ -57,6 +59,8 @@ def _state_of(equation: Equation, variables: Mapping[str, Variable]) -> State | 
     if found is None:
         return None
     (name,) = (inner.name for inner in found.arguments if isinstance(inner, Ref))
+    if name in ends and found is not left and found is not right:
+        return None
     is_left = found is left or (found is not right and _has_rate(left, variables))
     rate = _solved(left, right, variables) if is_left else _solved(right, left, variables)
     return None if rate is None else State(name, f"{name}.integral", rate, equation.component, span, Equation(left, right, span))
