@@ -273,7 +273,7 @@ def _unfolded(truth: ca.SX, moving: ca.SX) -> ca.SX | None:
     parts = [truth.dep(k) for k in range(truth.n_dep())]
     match truth.op():
         case ca.OP_LT | ca.OP_LE:
-            difference = parts[1] - parts[0]
+            difference = _without_floor(truth.op(), parts[0], parts[1])
             if operations_in(difference) & _CONDITIONS:
                 return None
             return 2 * truth - 1 if ca.jacobian(difference, moving).is_zero() else difference
@@ -291,6 +291,15 @@ def _unfolded(truth: ca.SX, moving: ca.SX) -> ca.SX | None:
             return 2 * truth - 1 if truth.is_symbolic() else None
     levels = [_unfolded(part, moving) for part in both]
     return None if any(level is None for level in levels) else choose(*levels)
+
+
+def _without_floor(op: int, left: ca.SX, right: ca.SX) -> ca.SX:
+    """right - left, positive where left < right (or <=): of floor(x) and a number k by x, as k <= floor(x) is ceil(k) <= x."""
+    if right.op() == ca.OP_FLOOR and left.is_constant():
+        return right.dep(0) - (np.ceil(float(left)) if op == ca.OP_LE else np.floor(float(left)) + 1)
+    if left.op() == ca.OP_FLOOR and right.is_constant():
+        return (np.floor(float(right)) + 1 if op == ca.OP_LE else np.ceil(float(right))) - left.dep(0)
+    return right - left
 
 
 def _turns_back(look: ca.Function, p: Numbers, random: "np.random.Generator") -> bool:
