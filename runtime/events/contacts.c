@@ -96,14 +96,6 @@ static void note_times(LagRun *run)
         run->impacts.by_time[k] = fabs(s->g_inside[lag_gap(model, k)] - s->g_begin[lag_gap(model, k)]) / MANY;
 }
 
-/* Into scale->motion: of each kind the largest of some values. */
-static void find_largest(const LagScale *scale, const double *values, int n)
-{
-    memset(scale->motion, 0, (size_t)scale->kinds * sizeof *scale->motion);
-    for (int i = 0; i < n; ++i)
-        scale->motion[scale->kind[i]] = lag_max(fabs(values[i]), scale->motion[scale->kind[i]]);
-}
-
 /* At the start nothing may have a size yet: the largest acceleration of each kind tells of one by what it does in a moment, but
  * where something of the kind moves already, no more than that does. */
 static void foresee_errors(LagRun *run, double *error)
@@ -111,10 +103,10 @@ static void foresee_errors(LagRun *run, double *error)
     const LagScale *scale = &run->scale;
     const int n = run->model->n;
     double *speed = run->switches.slope; /* those of the state are not asked for */
-    find_largest(scale, run->motion.y + n, n);
+    lag_scale_find_motion(scale, run->motion.y + n);
     for (int i = 0; i < n; ++i)
         speed[i] = scale->motion[scale->kind[i]] > 0 ? scale->motion[scale->kind[i]] : INFINITY;
-    find_largest(scale, run->switches.slope + n, n);
+    lag_scale_find_motion(scale, run->switches.slope + n);
     for (int i = 0; i < n; ++i) {
         const double size = scale->tolerance * lag_min(speed[i], MOMENT * scale->motion[scale->kind[i]]);
         error[i] = lag_max(size * MOMENT, error[i]);

@@ -159,14 +159,19 @@ void lag_scale_note(LagScale *scale, const double *y)
     scale->is_resting = is_resting;
 }
 
+void lag_scale_find_motion(const LagScale *scale, const double *values)
+{
+    memset(scale->motion, 0, (size_t)scale->kinds * sizeof *scale->motion);
+    for (int i = 0; i < scale->n; ++i) {
+        double *most = &scale->motion[scale->kind[i]];
+        *most = lag_max(fabs(values[i]), *most);
+    }
+}
+
 void lag_scale_foresee(const LagScale *scale, const double *y_new)
 {
     const int n = scale->n;
-    memset(scale->motion, 0, (size_t)scale->kinds * sizeof(double));
-    for (int i = 0; i < n; ++i) {
-        double *rate = &scale->motion[scale->kind[i]];
-        *rate = lag_max(fabs(y_new[n + i]), *rate);
-    }
+    lag_scale_find_motion(scale, y_new + n);
     for (int i = 0; i < n; ++i)
         if (*group_of(scale, n + i) == 0)
             scale->floor[n + i] = GROUP * scale->motion[scale->kind[i]];

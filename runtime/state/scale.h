@@ -41,6 +41,9 @@ void lag_scale_size(LagScale *scale, const double *size);
 /* Takes notice of a state (q, v) that was reached. */
 void lag_scale_note(LagScale *scale, const double *y);
 
+/* Into scale->motion: of each kind the largest magnitude of `values` (n), rates or accelerations. */
+void lag_scale_find_motion(const LagScale *scale, const double *values);
+
 /* While rates of some kind rest, those of a state that is being tried say how large they will be. */
 void lag_scale_foresee(const LagScale *scale, const double *y_new);
 

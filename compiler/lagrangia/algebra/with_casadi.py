@@ -362,17 +362,15 @@ def _chosen(x: Scalar) -> tuple[ca.SX, Scalar, Scalar] | None:
     """The condition and both values of a choice among numbers, one of which may be a choice again. A value of 0 has no term."""
     if not isinstance(x, ca.SX) or x.op() not in (ca.OP_ADD, ca.OP_IF_ELSE_ZERO):
         return None
-    if x.op() == ca.OP_IF_ELSE_ZERO:
-        value = float(x.dep(1)) if x.dep(1).is_constant() else x.dep(1)
-        return (x.dep(0), value, 0.0) if isinstance(value, float) or _chosen(value) is not None else None
-    then, otherwise = x.dep(0), x.dep(1)
-    if then.op() != ca.OP_IF_ELSE_ZERO or otherwise.op() != ca.OP_IF_ELSE_ZERO or otherwise.dep(0).op() != ca.OP_NOT:
-        return None
-    if not ca.is_equal(otherwise.dep(0).dep(0), then.dep(0), 9):
-        return None
-    values = [float(part.dep(1)) if part.dep(1).is_constant() else part.dep(1) for part in (then, otherwise)]
+    terms = [x] if x.op() == ca.OP_IF_ELSE_ZERO else [x.dep(0), x.dep(1)]
+    for term in terms[1:]:
+        if terms[0].op() != ca.OP_IF_ELSE_ZERO or term.op() != ca.OP_IF_ELSE_ZERO or term.dep(0).op() != ca.OP_NOT:
+            return None
+        if not ca.is_equal(term.dep(0).dep(0), terms[0].dep(0), 9):
+            return None
+    values = [float(term.dep(1)) if term.dep(1).is_constant() else term.dep(1) for term in terms]
     is_known = all(isinstance(value, float) or _chosen(value) is not None for value in values)
-    return (then.dep(0), values[0], values[1]) if is_known else None
+    return (terms[0].dep(0), values[0], values[1] if len(values) > 1 else 0.0) if is_known else None
 
 
 def _without_sign(x: ca.SX) -> ca.SX:
