@@ -244,8 +244,9 @@ class _Newton:
         sizes = np.linalg.svd(reduced, compute_uv=False)
         neutral = int((sizes <= 1e-9 * max(sizes.max(initial=0.0), 1e-3 * size)).sum()) if sizes.size else 0
         rank, margin = self._rank(q)
-        if margin <= _DOUBTFUL and (meeting := self._onto_singular(q)) is not None:
-            return self._judge(self._look(meeting))
+        sizes = self._decomposed(q)[1]
+        if ((sizes > _MET) & (sizes <= _DOUBTFUL)).any() and (meeting := self._onto_singular(q)) is not None:
+            return self._judge(self._look(meeting))  # forces vanish quadratically about it: they tell half of its digits
         if margin <= _SAFE:
             return None
         ways = self._ways(q, max((self._rank(x)[0] for x in nearby), default=rank))

@@ -10,7 +10,7 @@ from lagrangia.paper.mathml import mathml
 from lagrangia.paper.phrases import translated
 from lagrangia.paper.widths import typeset_width
 
-_LINE = 76.0  # half ems of a line: less than on paper, as the fonts that browsers find are wider
+_LINE = 68.0  # half ems of a line: less than on paper, as fonts that browsers find are wider, DejaVu Math by an eighth
 
 _STYLE = """
   :root { color-scheme: light dark; --ink: #1b1b1b; --paper: #fff; --faint: #666; --line: #999; }
