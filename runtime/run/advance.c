@@ -57,6 +57,17 @@ static int time_is_over(LagRun *run) { return ++run->ticks % TICKS_PER_LOOK == 0
 
 static void set_deadline(LagRun *run, double seconds) { run->deadline = seconds > 0 ? lag_clock() + seconds : INFINITY; }
 
+/* What may turn out to have ended the run in this step is waited for from there on: a later step ends it where that was, and no row
+ * comes in between. */
+static void wait_for_guards(LagRun *run)
+{
+    const double t = lag_guards_pending(run);
+    if (!(t < run->motion.t))
+        return;
+    lag_go_back(run, t);
+    run->segment_over = 1;
+}
+
 LagStatus lag_advance_step(LagRun *run)
 {
     if (run->guards.broken)
@@ -66,8 +77,10 @@ LagStatus lag_advance_step(LagRun *run)
     const int is_lost = status == LAG_OK && turned >= 0 && lag_unsure_is_singular(run, SINGULAR);
     if (is_lost)
         return lag_fail(run, LAG_TURNED_OFF, turned, 1, 0);
-    if (status == LAG_OK)
+    if (status == LAG_OK) {
         lag_guards_watch(run);
+        wait_for_guards(run);
+    }
     return status;
 }
 

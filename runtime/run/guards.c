@@ -349,6 +349,16 @@ void lag_guards_watch(LagRun *run)
         look_inside(run, s->end);
 }
 
+double lag_guards_pending(const LagRun *run)
+{
+    const LagGuards *s = &run->guards;
+    double first = INFINITY;
+    for (int i = 0; i < run->model->n_guards && !s->broken; ++i)
+        if (ends(run->model, i) && may_break(run, i) && s->passed[i] > run->motion.t_old && s->passed[i] < run->motion.t)
+            first = fmin(s->passed[i], first);
+    return first;
+}
+
 double lag_guards_limit(const LagRun *run) { return run->guards.broken ? run->guards.end : run->motion.t; }
 
 void lag_guards_forget(LagRun *run, double t)

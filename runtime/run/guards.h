@@ -44,6 +44,9 @@ int lag_guards_watch_motion(const LagModel *model);
 /* Looks at the latest step. */
 void lag_guards_watch(LagRun *run);
 
+/* Where a guard that may end the run was met first in the latest step, at whose end it is beyond by less than is sure: else INFINITY. */
+double lag_guards_pending(const LagRun *run);
+
 /* Up to when rows may be asked for in it: its end, or where a guard ends the run. */
 double lag_guards_limit(const LagRun *run);
 
