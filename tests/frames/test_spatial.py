@@ -10,7 +10,7 @@ from lagrangia.base.diagnostics import LagError, Source, Span
 from lagrangia.frames import spatial
 from lagrangia.frames.spatial import HERE, NOWHERE, SIZE, Pose, rotation
 from lagrangia.frames.spatial_bodies import FreeBody, Inertia, inertial_wrench, inertias, unit_load, unlike_a_body, wrench_about
-from lagrangia.frames.steps import Step
+from lagrangia.language.frame_steps import Step
 from lagrangia.language.tree import Array, Number
 
 PLACE = Span(Source("test", "turn"), 0, 4)

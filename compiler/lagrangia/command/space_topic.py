@@ -21,7 +21,9 @@ gravity with a third component, or one of the words below. Nothing is declared; 
   loads     AppliedForce(force = {Fx, Fy, Fz}), BodyForce, AppliedTorque(torque = {Mx, My, Mz}) in the world's axes, TorquePair;
             of one's own: energy work M on f.attitude. A motor in a hinge: energy work tau on hinge.phi. Two components where
             space has three are told (L0306), but in shift(a, {x, y}) and in components, which may be written for the plane
-  springs   between points as in the plane; of torsion with the angle of a hinge: TorsionSpring(k = 2, twist = hinge.phi)
+  hinges    TorsionSpring, TorsionDamper, TorsionStop, TorsionDryFriction, DCMotor, Gear and TorquePair(torque = 3) act about the
+            hinge between their frames, or several about parallel axes: TorsionSpring(a = hinge.a, b = hinge.b, k = 2). Of one's
+            own: hinge_angle(a, b). A ball joint has no such angle, nor has a Universal as a whole: bind twist = u.phi_a
   friction  of joints as in the plane; SlidingFriction(a = plane, b = foot, normal = ...) acts against the slip in the plane of
             a's x and y axes, and holds up to the same force in any direction of it. A joint keeps b there, as PlanarJoint
   gears     Gear, Belt, RoughGear, RoughBelt of the angles of hinges: Gear(r_a = 0.1, r_b = 0.2, phi_a = p.phi, phi_b = q.phi);

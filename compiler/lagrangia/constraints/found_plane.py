@@ -24,9 +24,9 @@ from lagrangia.frames.in_plane import along_normal
 from lagrangia.frames.kinematics import Kinematics, build_kinematics
 from lagrangia.frames.planes import NoPlane, Plane
 from lagrangia.frames.spatial import Matrix, Vector, plain_matrix
-from lagrangia.frames.steps import Step
 from lagrangia.language.flat import FlatModel
 from lagrangia.language.frame_attributes import REACTIONS
+from lagrangia.language.frame_steps import Step
 from lagrangia.language.mentions import leaves, nodes
 from lagrangia.language.tree import Flat, FrameRef, Ref
 from lagrangia.run.scene import ALL_REACTIONS

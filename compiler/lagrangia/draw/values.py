@@ -15,10 +15,10 @@ from lagrangia.frames.evaluation import scalars_of
 from lagrangia.frames.geometry import Pose
 from lagrangia.frames.kinematics import Kinematics
 from lagrangia.frames.planar import SIZE
-from lagrangia.frames.steps import Step
 from lagrangia.language.dimensions import dimension_of_value
 from lagrangia.language.figures import CHOICES, WORDS
 from lagrangia.language.flat import Figure, FlatModel, places_of
+from lagrangia.language.frame_steps import Step
 from lagrangia.language.tree import Call, Flat, FrameRef, Number, String
 from lagrangia.language.units import ONE, dimension
 

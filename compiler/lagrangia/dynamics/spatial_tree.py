@@ -39,8 +39,8 @@ from lagrangia.frames.spatial_inertia import (
     product,
     transposed,
 )
-from lagrangia.frames.steps import Step
 from lagrangia.language.attitudes import parts_of
+from lagrangia.language.frame_steps import Step
 
 _COORDINATES = "xyz"
 _SAME_FIELD = 1e-12  # of a force, what may be left of it

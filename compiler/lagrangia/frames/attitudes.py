@@ -14,8 +14,8 @@ from lagrangia.base.diagnostics import fail
 from lagrangia.frames.evaluation import Value
 from lagrangia.frames.quaternions import NOT_TURNED, Quaternion, quaternion_product
 from lagrangia.frames.spatial import Matrix, Vector
-from lagrangia.frames.steps import Step
 from lagrangia.language.attitudes import parts_of
+from lagrangia.language.frame_steps import Step
 from lagrangia.language.tree import Ref
 
 

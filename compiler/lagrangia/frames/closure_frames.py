@@ -11,7 +11,7 @@ from lagrangia.frames.geometry import Geometry, Pose
 from lagrangia.frames.graph import ComponentGraph
 from lagrangia.frames.quaternions import Quaternion
 from lagrangia.frames.spatial import Matrix
-from lagrangia.frames.steps import Step
+from lagrangia.language.frame_steps import Step
 
 
 class Frames(Leaves, Protocol):

@@ -10,7 +10,7 @@ from lagrangia.frames.edges import Closure
 from lagrangia.frames.geometry import Pose
 from lagrangia.frames.planar_joints import Slide
 from lagrangia.frames.spatial import unit_axis
-from lagrangia.frames.steps import Step
+from lagrangia.language.frame_steps import Step
 
 _LENGTHS = 3  # of the gaps of a cut joint in space, before as many angles
 

@@ -13,8 +13,8 @@ from collections.abc import Iterable, Mapping, Set
 from lagrangia.base.diagnostics import Span
 from lagrangia.base.records import dataclass
 from lagrangia.frames.planar_joints import WORTH_CUTTING, cut_as
-from lagrangia.frames.steps import Step
 from lagrangia.language.attitudes import parts_of
+from lagrangia.language.frame_steps import Step
 from lagrangia.language.mentions import nodes
 from lagrangia.language.tree import Binary, Call, Flat, Ref
 

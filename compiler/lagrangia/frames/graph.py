@@ -14,11 +14,11 @@ from lagrangia.base.records import dataclass
 from lagrangia.frames.attitude_starts import FLOATING, Attitude, element, of_frame, of_variable
 from lagrangia.frames.edges import Closure, Edge, choose_tree, close, close_in_space
 from lagrangia.frames.planes import NoPlane, Plane
-from lagrangia.frames.steps import Step
 from lagrangia.language.attitudes import parts_of
 from lagrangia.language.consequences import keep_consequences_out
 from lagrangia.language.flat import FlatModel, Frame, FrameEquation, rate_of
 from lagrangia.language.frame_attributes import Space, reading, reads_angle
+from lagrangia.language.frame_steps import Step, between
 from lagrangia.language.mentions import leaves
 from lagrangia.language.tree import Call, Flat, FrameRef, Number, Ref, Time
 
@@ -185,9 +185,7 @@ class _Building:
     # ------------------------------------------------------------ edges
 
     def _add_edge(self, equation: FrameEquation) -> None:
-        left, left_steps = _unfold(equation.left)
-        right, right_steps = _unfold(equation.right)
-        steps = right_steps + tuple(step.inverse() for step in reversed(left_steps))
+        right, left, steps = between(equation.left, equation.right)
         if not steps:
             if left != right:
                 self.candidates.append(Edge(right, left, (), (), False, equation.span))
@@ -486,14 +484,3 @@ def _start(frame: Frame, kind: str, k: int, space: Space) -> Flat | None:
 
 def _is_fixed(frame: Frame, kind: str, k: int, space: Space) -> bool:
     return not frame.fixed.isdisjoint(reading(kind, k, space))
-
-
-def _unfold(node: Flat) -> tuple[str, tuple[Step, ...]]:
-    """shift(turn(a, phi), d) as the frame a and the steps from it."""
-    if isinstance(node, FrameRef) and not node.attribute:
-        return node.name, ()
-    if isinstance(node, Call) and node.function in ("shift", "turn"):
-        base, steps = _unfold(node.arguments[0])
-        _, amount, *axis = node.arguments
-        return base, (*steps, Step(node.function, amount, axis=axis[0] if axis else None))
-    fail("L0221", "this is no frame", node.span, "a frame is a port, as bar.a, or shift(...) or turn(...) of one")

@@ -20,8 +20,8 @@ from lagrangia.base.records import dataclass
 from lagrangia.frames import planar, planar_inertia, spatial
 from lagrangia.frames.planes import Plane
 from lagrangia.frames.spatial import Matrix, Value, Vector
-from lagrangia.frames.steps import Step
 from lagrangia.language.frame_attributes import ABOUT_Z, SPACE
+from lagrangia.language.frame_steps import Step
 
 _PARALLEL = 1e-12  # of components of vectors of length 1: rounding
 _NORMAL = 2  # of the axes of the plane

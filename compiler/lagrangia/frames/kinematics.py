@@ -29,13 +29,13 @@ from lagrangia.frames.quaternions import NOT_TURNED, Quaternion, quaternion_alon
 from lagrangia.frames.space_checks import require_about_z
 from lagrangia.frames.spatial import Matrix
 from lagrangia.frames.stamped_poses import FEWEST, Placed, place_way, ways
-from lagrangia.frames.steps import Step
 from lagrangia.frames.vectors_on_a_line import line_of
 from lagrangia.language.attitudes import parts_of
 from lagrangia.language.compiled_numbers import compiled_numbers
 from lagrangia.language.consequences import CONSTRAINT_FORCE
 from lagrangia.language.flat import FlatModel, Sampler
 from lagrangia.language.frame_attributes import ABOUT_Z
+from lagrangia.language.frame_steps import Step
 from lagrangia.language.moving_inputs import rate_names
 
 _JUST_AFTER = 1e-9  # of the time from start to stop

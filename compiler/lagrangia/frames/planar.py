@@ -9,8 +9,8 @@ from collections.abc import Callable, Mapping, Sequence
 from lagrangia.algebra.duals import Algebra, Dual, Scalar, base_of, minus, plus, rate_of, times, value_of
 from lagrangia.base.diagnostics import fail
 from lagrangia.base.records import dataclass
-from lagrangia.frames.steps import Step
 from lagrangia.language.frame_attributes import ATTRIBUTES, COMPONENTS
+from lagrangia.language.frame_steps import Step
 
 SIZE = len(COMPONENTS)  # of a place, a twist, a wrench
 LENGTHS, ANGLES = slice(0, 2), slice(2, 3)  # where they are among the numbers of a place

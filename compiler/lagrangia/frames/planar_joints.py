@@ -11,7 +11,7 @@ import casadi as ca
 from lagrangia.algebra.duals import Scalar
 from lagrangia.base.records import dataclass
 from lagrangia.frames.planar import Pose
-from lagrangia.frames.steps import Step
+from lagrangia.language.frame_steps import Step
 from lagrangia.language.mentions import is_linear
 from lagrangia.language.tree import Ref
 

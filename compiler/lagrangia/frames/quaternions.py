@@ -9,7 +9,7 @@ from typing import Any
 from lagrangia.algebra.duals import Algebra, Scalar, minus, plus, times
 from lagrangia.base.attitude_values import PRODUCT
 from lagrangia.frames.spatial import unit_axis
-from lagrangia.frames.steps import Step
+from lagrangia.language.frame_steps import Step
 
 Quaternion = tuple[Scalar, ...]  # (4,)
 NOT_TURNED: Quaternion = (1.0, 0.0, 0.0, 0.0)

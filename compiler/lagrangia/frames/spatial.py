@@ -11,8 +11,8 @@ from math import cos, pi, sin, sqrt
 from lagrangia.algebra.duals import Algebra, Dual, Scalar, base_of, dot, is_zero, minus, plus, rate_of, times, value_of
 from lagrangia.base.diagnostics import fail
 from lagrangia.base.records import dataclass
-from lagrangia.frames.steps import Step
 from lagrangia.language.frame_attributes import ABOUT_Z, SPACE
+from lagrangia.language.frame_steps import Step
 
 SIZE = 6  # of a twist, a wrench
 Value = Scalar | tuple[Scalar, ...]

@@ -11,8 +11,8 @@ from lagrangia.frames.edges import Closure, Edge
 from lagrangia.frames.quaternions import Quaternion, quaternion_along
 from lagrangia.frames.spatial import NOWHERE, Matrix, Pose, Vector, plain_matrix, product, rotation, transposed, unit_axis
 from lagrangia.frames.spatial_joints import UNIT, Kept, triad
-from lagrangia.frames.steps import Step
 from lagrangia.language.attitudes import parts_of
+from lagrangia.language.frame_steps import Step
 from lagrangia.language.tree import Ref
 
 

@@ -10,7 +10,7 @@ from typing import Any, TypeAlias
 from lagrangia.algebra.duals import Dual, Scalar
 from lagrangia.algebra.scans import scan
 from lagrangia.frames.edges import Edge
-from lagrangia.frames.steps import Step
+from lagrangia.language.frame_steps import Step
 
 FEWEST = 24  # links of a chain
 _LONGEST = 16  # edges of a link

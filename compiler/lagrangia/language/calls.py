@@ -8,10 +8,11 @@ from lagrangia.language.attitudes import ATTITUDES
 from lagrangia.language.classes import ClassTable
 from lagrangia.language.elements import element, length
 from lagrangia.language.foreign_words import FOREIGN_CALLS
-from lagrangia.language.frame_attributes import Space
+from lagrangia.language.frame_attributes import ANGLE, Space
 from lagrangia.language.frame_words import FRAME_WORDS, frame_call
 from lagrangia.language.function_calls import OwnCalls
 from lagrangia.language.functions import ALIASES, FUNCTIONS, REWRITTEN, SCALAR_FUNCTIONS
+from lagrangia.language.hinge_angles import HINGE_ANGLE, frames_of, name_of
 from lagrangia.language.instances import Scope
 from lagrangia.language.lookups import Lookup, lookup_of, options_of, plane_of
 from lagrangia.language.loops import Loops
@@ -22,11 +23,13 @@ from lagrangia.language.requirements import Requirements
 from lagrangia.language.texts import text_of
 from lagrangia.language.tree import (
     Array,
+    Binary,
     Call,
     Comprehension,
     Expression,
     Field,
     Flat,
+    FrameRef,
     IfExpression,
     Made,
     Part,
@@ -45,6 +48,7 @@ class Calls(Loops, Requirements, OwnCalls, Protocol):
     space: Space
     lookups: dict[Lookup, Span]
     delays: dict[str, Call[Flat]]
+    turned: dict[str, Call[Flat]]
 
     def call(self, node: Call[Expression], scope: Scope) -> Flat:
         """A call with its arguments flattened. Raises LagError L0204, L0215."""
@@ -67,6 +71,8 @@ class Calls(Loops, Requirements, OwnCalls, Protocol):
         call = Call(node.function, arguments, named, node.span)
         if node.function == "delay":
             return self.late(call)
+        if node.function == HINGE_ANGLE:
+            return self.hinge_angle(call)
         if node.function == "String":
             return text_of(replace(call, arguments=tuple(self.made.with_known_calls(a, self.work) for a in arguments)))
         return self.checked_call(call)
@@ -75,6 +81,19 @@ class Calls(Loops, Requirements, OwnCalls, Protocol):
         """The variable that stands for a call of `delay`."""
         name = f"delay({len(self.delays) + 1})"
         self.delays[name] = call
+        return Ref(name, (), call.span)
+
+    def hinge_angle(self, call: Call[Flat]) -> Flat:
+        """b.phi - a.phi in the plane, the variable that stands for it in space. Raises LagError L0215, L0221."""
+        if call.named:
+            _refuse_named(call)
+        _check_count(call, FUNCTIONS[HINGE_ANGLE])
+        a, b = frames_of(call)
+        if not self.space.is_spatial:
+            end, begin = (FrameRef(frame.name, ANGLE, (), call.span) for frame in (b, a))
+            return Binary("-", end, begin, call.span)
+        name = name_of(a.name, b.name)
+        self.turned.setdefault(name, call)
         return Ref(name, (), call.span)
 
     def part(self, record: Expression, name: str, span: Span) -> Expression:

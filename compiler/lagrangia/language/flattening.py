@@ -35,6 +35,7 @@ from lagrangia.language.flat import (
     is_frame,
 )
 from lagrangia.language.foreign_words import FOREIGN_CALLS
+from lagrangia.language.hinge_angles import hinge_angles
 from lagrangia.language.idle import find_idle
 from lagrangia.language.instances import FrameSlot, Instance, Member, Modification, Scope, Slot, is_absent, outside
 from lagrangia.language.instantiation import Instantiation
@@ -152,6 +153,7 @@ class _Flattening:
         delays = declare_delays(self.names.delays, self.report)
         self.report.raise_errors()
         self.variables.update({delay.name: variable_of(delay) for delay in delays.values()})
+        self.variables.update(hinge_angles(self))
         bound = self._bind_variables()
         self.report.raise_errors()
         model = FlatModel(

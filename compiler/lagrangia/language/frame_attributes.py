@@ -56,6 +56,7 @@ class FrameAttribute:
         return (self.components[index[0] - 1],) if index else self.components
 
 
+ANGLE = "phi"  # of a frame of the plane
 ABOUT_Z = "omega_z"  # in the frame's own axes, of a frame that turns about no other axis: kinematics.py refuses others
 
 

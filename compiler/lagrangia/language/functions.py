@@ -11,7 +11,8 @@ FUNCTIONS: Mapping[str, tuple[int, ...] | None] = {
     **dict.fromkeys(("sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh", "asinh", "acosh", "atanh", "exp",
                      "log", "log10", "sqrt", "abs", "sign", "floor", "ceil", "norm", "der", "pre", "virtual",
                      "contact_force", "constraint_force"), (1,)),
-    **dict.fromkeys(("atan2", "mod", "dot", "cross", "distance", "rotate", "shift", "to_world", "to_frame", "velocity_at"), (2,)),
+    **dict.fromkeys(("atan2", "mod", "dot", "cross", "distance", "rotate", "shift", "to_world", "to_frame", "velocity_at",
+                     "hinge_angle"), (2,)),
     "turn": (2, 3),
     "table": (2, 3), "table2": (3, 5), "min": None, "max": None, "sum": None, "product": None,
 }

@@ -70,6 +70,7 @@ class Names(Calls):
     made: MadeFunctions = field(default_factory=MadeFunctions)
     lookups: dict[Lookup, Span] = field(default_factory=dict)  # tables of files, and where they are asked for first
     delays: dict[str, Call[Flat]] = field(default_factory=dict)  # what acts late, by the names of what stands for it
+    turned: dict[str, Call[Flat]] = field(default_factory=dict)  # angles of hinges, by the names of what stands for them
     packages: dict[str, Instance] = field(default_factory=dict)  # of the constants of each
     guards: list[Guard] = field(default_factory=list)  # what has to hold in a run
     under: list[Flat] = field(default_factory=list)

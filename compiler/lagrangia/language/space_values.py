@@ -1,7 +1,8 @@
 """Variables that are otherwise in space than in the plane: parameters that only space asks for, vectors and inertias.
 
 annotation(Space = true): not there in the plane, which knows its value as a constant; "vector": three components in space, a
-number in the plane; "tensor": a number, three components, or a matrix of three by three in space, a number in the plane.
+number in the plane; "axial": a number about a hinge, or three components in space, a number in the plane; "tensor": a number,
+three components, or a matrix of three by three in space, a number in the plane.
 """
 
 from lagrangia.base.diagnostics import fail
@@ -15,20 +16,21 @@ from lagrangia.language.matrices import shape_of
 from lagrangia.language.spaces import ANNOTATION, leave_plane
 from lagrangia.language.tree import Boolean, Declaration, Flat, Reference, String
 
-_VECTOR, _TENSOR, _ADDED = "vector", "tensor", "added"
+_VECTOR, _AXIAL, _TENSOR, _ADDED = "vector", "axial", "tensor", "added"
+_ABOUT_Z = (_VECTOR, _AXIAL, _TENSOR)  # numbers in the plane
 _SHAPES: tuple[tuple[int, ...], ...] = ((), (3,), (3, 3))  # of an inertia
 
 
 def form_of(declaration: Declaration) -> str:
-    """"vector", "tensor" or "added", "" for what is the same in both. Raises LagError L0208."""
+    """"vector", "axial", "tensor" or "added", "" for what is the same in both. Raises LagError L0208."""
     for argument in declaration.annotation:
         if argument.name == ANNOTATION:
             match argument.value:
                 case Boolean(True):
                     return _ADDED
-                case String("vector" | "tensor" as form):
+                case String("vector" | "axial" | "tensor" as form):
                     return form
-            fail("L0208", f'\'{ANNOTATION}\' is true, "vector" or "tensor"', declaration.name_span)
+            fail("L0208", f'\'{ANNOTATION}\' is true, "vector", "axial" or "tensor"', declaration.name_span)
     return ""
 
 
@@ -39,11 +41,11 @@ def prefixes_of(form: str, space: Space) -> frozenset[str]:
 
 def dimensions_of(form: str, values: StructuralValues, binding: Bound | None) -> tuple[int, ...]:
     """The sizes of a variable of a form that is not declared with sizes. Raises LagError L0303."""
-    if not values.space.is_spatial or form not in (_VECTOR, _TENSOR):
+    if not values.space.is_spatial or form not in _ABOUT_Z:
         return ()
-    if form == _VECTOR:
+    if form == _VECTOR or (form == _AXIAL and (binding is None or values.shape(binding) != ())):
         return (3,)
-    shape = values.shape(binding) if binding is not None else ()
+    shape = values.shape(binding) if binding is not None and form == _TENSOR else ()
     if shape not in _SHAPES:
         assert binding is not None
         fail("L0303", "an inertia is a number about z, three about the axes, or a matrix of three by three",
@@ -64,7 +66,7 @@ def fitted(value: Flat, slot: Slot, space: Space, size: Size) -> Flat:
         return in_space(value, space, size, f"'{declaration.name}'")
     if not declaration.annotation or not (form := form_of(declaration)) or space.is_spatial:
         return value
-    return _about_z(value, size, form) if form in (_VECTOR, _TENSOR) else value
+    return _about_z(value, size, form) if form in _ABOUT_Z else value
 
 
 def is_inertia(slot: Slot) -> bool:

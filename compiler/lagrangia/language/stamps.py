@@ -31,6 +31,7 @@ class Names(Protocol):
     """What values mean (names.py)."""
 
     delays: dict[str, Any]
+    turned: dict[str, Any]
 
     def flatten_bound(self, bound: Bound, shape: tuple[int, ...] = ()) -> Flat:
         """A value as it is in the flat model. Raises LagError."""
@@ -91,8 +92,8 @@ def stamp(flat: Flattening, elements: Alike, visit: Callable[[Member], None]) ->
 
 def _told(flat: Flattening) -> tuple[int, ...]:
     """Grows where something is wrong, or is brought that is not stamped out."""
-    return (len(flat.report.diagnostics), len(flat.names.delays), *(len(getattr(flat, name)) for name in _OTHERS),
-            flat.at_rest is not None)
+    return (len(flat.report.diagnostics), len(flat.names.delays), len(flat.names.turned),
+            *(len(getattr(flat, name)) for name in _OTHERS), flat.at_rest is not None)
 
 
 def _listed(items: Any) -> Any:

@@ -13,6 +13,7 @@ from lagrangia.base.diagnostics import Report, Source, Span
 from lagrangia.base.records import dataclass
 from lagrangia.language.classes import ClassTable
 from lagrangia.language.flat import FlatModel
+from lagrangia.language.hinge_angles import frames_behind
 from lagrangia.language.instances import Bound, FrameSlot, Instance, Member, Slot
 from lagrangia.language.mentions import leaves
 from lagrangia.language.tree import (
@@ -90,6 +91,7 @@ class _Finder:
         sides += [x for v in model.variables.values() if (x := v.start) is not None]
         bindings = {name: v.binding for name, v in model.variables.items()}
         read = {leaf.name for leaf in leaves(sides, bindings) if not isinstance(leaf, Time)}
+        read |= {frame for name in read for frame in frames_behind(name)}
         placing = leaves([x for e in model.frame_equations for x in (e.left, e.right)], bindings)
         joined = Counter(leaf.name for leaf in placing if isinstance(leaf, FrameRef))
         read |= {leaf.name for leaf in placing if isinstance(leaf, Ref)}

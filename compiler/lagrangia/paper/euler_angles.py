@@ -9,7 +9,7 @@ from lagrangia.base.records import dataclass
 from lagrangia.frames.attitudes import Attitudes
 from lagrangia.frames.evaluation import Value
 from lagrangia.frames.spatial import NOWHERE, UNIT, Pose, attribute_of
-from lagrangia.frames.steps import Step
+from lagrangia.language.frame_steps import Step
 from lagrangia.language.tree import Ref
 
 _LETTERS = ("phi", "theta", "psi")

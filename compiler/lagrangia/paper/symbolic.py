@@ -25,12 +25,12 @@ from lagrangia.frames.edges import Edge
 from lagrangia.frames.evaluation import Evaluator, Value, scalars_of
 from lagrangia.frames.kinematics import Dependent, Kinematics, Symbols
 from lagrangia.frames.planar import ANGLES, LENGTHS, Pose
-from lagrangia.frames.steps import Step
 from lagrangia.language.attitudes import parts_of
 from lagrangia.language.consequences import place_of_contact_forces
 from lagrangia.language.events import level_of, position_of
 from lagrangia.language.flat import Variable, When
 from lagrangia.language.frame_attributes import COMPONENTS
+from lagrangia.language.frame_steps import Step
 from lagrangia.language.function_variables import FlatFunction
 from lagrangia.language.mentions import nodes
 from lagrangia.language.tree import Ref

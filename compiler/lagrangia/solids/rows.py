@@ -12,9 +12,9 @@ from lagrangia.compile.pipeline import Compilation
 from lagrangia.draw.values import root_of
 from lagrangia.frames.evaluation import scalars_of
 from lagrangia.frames.kinematics import Kinematics
-from lagrangia.frames.steps import Step
 from lagrangia.language.figures import CHOICES, WORDS
 from lagrangia.language.flat import Figure, places_of
+from lagrangia.language.frame_steps import Step
 from lagrangia.language.tree import Call, Flat, FrameRef
 
 
