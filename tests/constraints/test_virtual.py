@@ -15,6 +15,15 @@ REFUSED = {
     "on what carries it": (RIDES, "A.s + virtual(B.s) - virtual(A.s) = 0.1*sin(3[rad/s]*time);", "acts on what it does not hold"),
     "on nothing": (TWO, "A.s - virtual(A.s) = 0.1*sin(3[rad/s]*time);", "acts on nothing that could make it hold"),
     "of a rod": ("PointMass A(m = 1), B(m = 1);", "distance(world, A.center) + virtual(B.center.x) = 1[m];", "does not hold"),
+    "by a parameter that is 0 as declared": ("parameter Real k = 0; " + TWO, "A.s + k*virtual(B.s) = 0.1*sin(3[rad/s]*time);",
+                                             "acts on what it does not hold"),
+    "by one that cancels": ("parameter Real k = 1; " + TWO, "A.s + (k - 1)*virtual(B.s) = 0.1*sin(3[rad/s]*time);",
+                            "acts on what it does not hold"),
+    "by an input": ("input Real u; " + TWO, "A.s + u*virtual(B.s) = 0.1*sin(3[rad/s]*time);", "acts on what it does not hold"),
+    "later": (TWO, "A.s + (if time > 2 and time < 3 then 1 else 0)*virtual(B.s) = 0.1*sin(3[rad/s]*time);",
+              "acts on what it does not hold"),
+    "beside the start": ("PointMass A(m = 1), B(m = 1);", "distance(world, A.center) + B.center.x/1[m]*virtual(B.center.x) "
+                         "= 1[m]; initial equation A.center.x = 1; B.center.x = 0;", "does not hold"),
     "of a tie": (TWO, "A.s + 2*virtual(A.s) = 3*B.s;", "acts on what it does not hold"),
 }
 SHAFTS = "Revolute p(a = {a}), q(a = shift({a}, {{0.3, 0}})); Disc P(m = 1, r = 0.1, center = p.b), "\
@@ -27,6 +36,9 @@ HELD = {
                         "Bar l(m = 1, L = 1, a = h.b), r(m = 1, L = 1, a = k.b); Bar arm(m = 1, L = 1); "
                         "Revolute u(a = l.b, b = arm.a), w(a = r.b, b = arm.b);" + SHAFTS.format(a="arm.center")
                         + "Gear g(r_a = 0.1, r_b = 0.2, a = p.b, b = q.b, carrier = arm.center);",
+    "a gear by an equation": "Revolute h(a = world); Bar arm(m = 1, L = 1, center = h.b); parameter Real n = q_r/0.1; "
+                             "parameter Real q_r = 0.2;" + SHAFTS.format(a="arm.center")
+                             + "equation p.phi + n*q.phi + (n - q_r/0.1)*virtual(h.phi) = 0;",
     "twice what is said": TWO + "equation A.s + 2*virtual(A.s) = 0.1*sin(3[rad/s]*time);",
 }
 

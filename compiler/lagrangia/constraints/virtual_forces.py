@@ -2,19 +2,27 @@
 
 An equation phi(q, t) = 0 with terms virtual(x) has the force G^T lambda, G = dphi/dq + V with the slopes V of these terms. Along
 all motions that the constraints allow, q' = S w, Lagrange's equations are those of an ideal force as long as V S = 0, as of a
-gear, whose axles one carrier holds. Else its force does work, or holds something else.
+gear, whose axles one carrier holds. Else its force does work, or holds something else. What people write themselves may hold at
+the start alone, or with the parameters as declared (k*virtual(x), k = 0): it is looked at beside both too.
 """
 
 from collections.abc import Iterable, Iterator
 
 import casadi as ca
 import numpy as np
+from numpy.typing import NDArray
 
-from lagrangia.algebra.orthogonal import Vector
+from lagrangia.algebra.orthogonal import Vector, general_numbers
 from lagrangia.base.diagnostics import LIBRARY, Report
 from lagrangia.constraints.assembly import begin
 from lagrangia.constraints.initial import InitialConditions, initial_function, start_function
-from lagrangia.constraints.parameters import at_declared_values, usual_parameters
+from lagrangia.constraints.parameters import (
+    at_declared_values,
+    default_parameters,
+    input_symbols,
+    parameters_of,
+    usual_parameters,
+)
 from lagrangia.constraints.rows import Constraints, Row
 from lagrangia.frames.kinematics import Kinematics
 from lagrangia.language.flat import Equation
@@ -22,6 +30,7 @@ from lagrangia.language.mentions import reached
 from lagrangia.language.tree import Call, Flat
 
 _NOTHING = 1e-8
+_LOOKS = 12  # steps of Newton's method, from beside the start
 
 
 def refuse_forces_elsewhere(kinematics: Kinematics, constraints: Constraints, initial: InitialConditions) -> None:
@@ -33,9 +42,9 @@ def refuse_forces_elsewhere(kinematics: Kinematics, constraints: Constraints, in
     q, at = ca.vertcat(ca.SX(0, 1), *kinematics.symbols.positions.values()), _place(kinematics, constraints, initial)
     V, J = _numbers(kinematics, [V, J], q, at)
     V = V - V @ np.linalg.pinv(J, rcond=1e-9) @ J if J.size else V  # what motions that the constraints allow are left with
-    powerless = _powerless(kinematics, constraints, q, at)
+    powerless, later = _powerless(kinematics, constraints, q, at), _elsewhere_later(kinematics, constraints, rows, at)
     for k, row in enumerate(rows):
-        if np.abs(V[k]).max(initial=0.0) > _NOTHING:
+        if np.abs(V[k]).max(initial=0.0) > _NOTHING or id(row) in later:
             report.error("L0917", "not supported yet: the force of this equation acts on what it does not hold", row.span,
                          "such a force is not the one by which constraints do no work: virtual(x) may only tell which bearings "
                          "share the force, as in Gear: of what the equation holds, or of what cannot move",
@@ -82,9 +91,90 @@ def _has_idle_displacement(kinematics: Kinematics, rows: list[Row]) -> bool:
     shares = ca.substitute(shares, symbols, [*[ca.SX(0)] * len(said), ca.SX.zeros(shift.numel())])
     at = np.random.default_rng(1).uniform(0.3, 1.7, q.numel())
     p, some = usual_parameters(kinematics)  # what is 0 as declared may be given another value
+    shares = [ca.horzcat(*[_in_modes(kinematics, [share], modes)[0] for modes in (None, 0.0, 1.0)]) for share in shares]
     idle = [np.abs(share).max(initial=0.0) <= _NOTHING for share in
             _numbers(kinematics, ca.substitute(shares, [p], [ca.SX(some)]), q, at)]
     return all(idle) or any(none and slope.nnz() for none, slope in zip(idle, slopes, strict=True))
+
+
+def _elsewhere_later(kinematics: Kinematics, constraints: Constraints, rows: list[Row], at: Vector) -> set[int]:
+    """The rows of people's own, by their ids, whose force acts elsewhere beside the place `at`, (n,), later, or by other p.
+
+    Factors of virtual(x) alone take other parameters first: geometry that is as declared may be what makes them right.
+    """
+    own = [row for row in rows if row.equation is not None and any(
+        not node.span.source.name.startswith(LIBRARY) for node in _virtuals(kinematics, [row.equation]))]
+    if not own:
+        return set()
+    look = _Look(kinematics, constraints, own)
+    p, other = default_parameters(kinematics)[1].full().ravel(), look.other_parameters()
+    beside = look.beside(at, p)
+    wrong = look.misses(at if beside is None else beside, p, other)
+    if wrong.any() and (moved := look.beside(at, other)) is not None:
+        wrong &= look.misses(moved, other, other)
+    return {id(row) for row, is_wrong in zip(own, wrong, strict=True) if is_wrong}
+
+
+class _Look:
+    """The slopes of virtual terms and constraints at other places, times, inputs and parameters than at the start."""
+
+    def __init__(self, kinematics: Kinematics, constraints: Constraints, rows: list[Row]) -> None:
+        self.kinematics, (self.p, _) = kinematics, default_parameters(kinematics)
+        q = ca.vertcat(ca.SX(0, 1), *kinematics.symbols.positions.values())
+        rates = ca.vertcat(ca.SX(0, 1), *kinematics.symbols.rates.values())
+        gaps = ca.vertcat(ca.SX(0, 1), *[row.value(kinematics, 0) for row in constraints.rows if row.is_holonomic])
+        factors, slopes = _factors_and_slopes(kinematics, rows, q)
+        factors = ca.horzcat(*[_in_modes(kinematics, [factors], modes)[0] for modes in (None, 0.0, 1.0)])
+        found = [factors, *_in_modes(kinematics, [slopes, _slopes(kinematics, constraints), gaps, ca.jacobian(gaps, q)], None)]
+        found = [ca.densify(x) for x in ca.substitute(found, [kinematics.symbols.tau, rates],
+                                                      [ca.SX(1), ca.SX.zeros(rates.numel())])]
+        given = ca.vertcat(kinematics.symbols.time, input_symbols(kinematics))
+        self.values = ca.Function("values", [q, given, self.p], found)
+        experiment, others = kinematics.graph.model.experiment, general_numbers(3, 0.3, 0.7, given.numel())
+        self.given = np.array([experiment.start + others[0] * (experiment.stop - experiment.start), *others[1:]])
+
+    def other_parameters(self) -> Vector:
+        """(n_p,): none is 0, and those that are bound to others follow them."""
+        bound = parameters_of(self.kinematics, self.p)
+        return np.asarray(ca.Function("bound", [self.p], [bound])(usual_parameters(self.kinematics)[1]).full()).ravel()
+
+    def beside(self, at: Vector, p: Vector) -> Vector | None:
+        """A place some way along the motions that the constraints allow, by Newton's method; None where it finds none."""
+        q = at + general_numbers(2, 0.1, 0.3, at.size)
+        for _ in range(_LOOKS):
+            gaps, slopes = (x.full() for x in self.values(q, self.given, p)[3:])
+            if not (np.isfinite(gaps).all() and np.isfinite(slopes).all()):
+                return None
+            if np.abs(gaps).max(initial=0.0) <= _NOTHING**2:
+                return q
+            q = q - np.linalg.pinv(slopes, rcond=1e-9) @ gaps.ravel()
+        return q if np.abs(gaps).max(initial=0.0) <= _NOTHING else None
+
+    def misses(self, q: Vector, p: Vector, other: Vector) -> NDArray[np.bool_]:
+        """(rows,): whether the force acts on what constraints do not hold, where the factors know the `other` parameters."""
+        slopes, J = (x.full() for x in self.values(q, self.given, p)[1:3])
+        V = np.array([x @ slopes for x in np.hsplit(self.values(q, self.given, other)[0].full(), 3)])
+        V = V - V @ np.linalg.pinv(J, rcond=1e-9) @ J if J.size else V
+        return np.asarray(np.abs(V).max(axis=(0, 2), initial=0.0) > _NOTHING)
+
+
+def _in_modes(kinematics: Kinematics, expressions: list[ca.SX], value: float | None) -> list[ca.SX]:
+    """The expressions where conditions in time are as time says, or all of this value."""
+    modes = kinematics.algebra.modes
+    values = [mode.value if value is None else ca.SX(value) for mode in modes]
+    found: list[ca.SX] = ca.substitute(expressions, [mode.symbol for mode in modes], values) if modes else expressions
+    return found
+
+
+def _factors_and_slopes(kinematics: Kinematics, rows: list[Row], q: ca.SX) -> tuple[ca.SX, ca.SX]:
+    """Of all virtual(x) in the rows: what multiplies their displacements, (rows, k), and the slopes dx/dq of these, (k, n)."""
+    varied = Kinematics(kinematics.graph, kinematics.symbols, kinematics.algebra, kinematics.dependents)
+    said = dict[int, tuple[ca.SX, ca.SX]]()  # by hashes of x: the displacement, and x
+    varied.evaluator.virtual = lambda x: said.setdefault(ca.SX(x).__hash__(), (ca.SX.sym("displacement"), ca.SX(x)))[0]
+    values = ca.vertcat(*[row.value(varied, 0) if row.is_holonomic else 0 for row in rows])
+    displacements = ca.vertcat(ca.SX(0, 1), *[displacement for displacement, _ in said.values()])
+    factors = ca.substitute(ca.jacobian(ca.SX(values), displacements), displacements, ca.SX.zeros(displacements.numel()))
+    return factors, ca.jacobian(ca.vertcat(ca.SX(0, 1), *[x for _, x in said.values()]), q)
 
 
 def _rows_with_virtual_terms(kinematics: Kinematics, constraints: Constraints) -> list[Row]:
