@@ -5,6 +5,7 @@ from collections.abc import Callable
 import pytest
 
 import lagrangia as lag
+from lagrangia.command.cli import main
 
 Write = Callable[[str], lag.Model]
 SCENE = """type E = enumeration(a, b);
@@ -39,7 +40,7 @@ def test_what_never_comes_is_told(condition: str, scene: Write) -> None:
 def test_no_event_comes_before_the_start(scene: Write) -> None:
     text = SCENE.replace("STATED", 'equation when time < -1 then terminate("x"); end when; assert(time > -2, "x");')
     early, held = scene(text).compilation.flat.warnings
-    assert "never true" in early.message and early.hints == ("the run begins at 0 s and ends at StopTime = 5 s",)
+    assert "never true" in early.message and early.hints == ("the experiment begins at 0 s and ends at StopTime = 5 s",)
     assert held.message == "this holds whatever happens: 'time > -2'"
     assert told(scene(text.replace("StopTime = 5", "StartTime = -3"))) == []
 
@@ -78,3 +79,17 @@ def test_frames_that_are_nowhere_are_told_once(scene: Write) -> None:
 
 def test_enumerations_that_nothing_reads_are_told(scene: Write) -> None:
     assert told(scene(SCENE.replace("STATED", "parameter E e = E.a;"))) == ["nothing reads the parameter 'e'"]
+
+
+def test_of_a_run_its_own_start_and_stop_count(scene: Write, capsys: pytest.CaptureFixture[str]) -> None:
+    text = SCENE.replace("STATED", 'equation when time > -3 then reinit(b.v, 1); end when; when time > 15 then reinit(b.v, 2);'
+                                   ' end when; assert(time < 12, "late"); when b.s^2 < 0 then reinit(b.v, 3); end when;')
+    file = scene(text).path
+    for asked, kept in ((["--stop", "4"], ["time > -3", "time > 15", "time < 12", "b.s^2 < 0"]),
+                        (["--start", "-2.5", "--stop", "11"], ["time > -3", "time > 15", "time < 12", "b.s^2 < 0"]),
+                        (["--start", "-5"], ["time > 15", "time < 12", "b.s^2 < 0"]),
+                        (["--stop", "13"], ["time > -3", "time > 15", "b.s^2 < 0"]),
+                        (["--start", "-5", "--stop", "20"], ["b.s^2 < 0"])):
+        main(["simulate", str(file), "--output", "-", *asked])
+        told = capsys.readouterr().err
+        assert told.count("L0224") == len(kept) and all(f"'{condition}'" in told for condition in kept), asked

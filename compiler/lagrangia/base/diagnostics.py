@@ -88,6 +88,7 @@ class Diagnostic:
     label: str = ""
     hints: tuple[str, ...] = ()
     excerpt: str = ""  # what shows the place where the text itself is no longer at hand
+    interval: tuple[float, float] | None = None  # of runs, s: it holds for those that neither begin earlier nor end later
 
     def placed(self, place: Span, other: str = "") -> "Diagnostic":
         """The same at `place`, where it was found in a line of the library, which is then a hint; `other`: what follows it."""
@@ -175,9 +176,10 @@ class Report:
         """Adds one."""
         self.add([Diagnostic("error", code, message, span, label, hints)])
 
-    def warning(self, code: str, message: str, span: Span | None = None, *hints: str) -> None:
+    def warning(self, code: str, message: str, span: Span | None = None, *hints: str,
+                interval: tuple[float, float] | None = None) -> None:
         """Adds one."""
-        self.add([Diagnostic("warning", code, message, span, "", hints)])
+        self.add([Diagnostic("warning", code, message, span, "", hints, interval=interval)])
 
     def error_in(self, statement: Span, part: Span, code: str, message: str, *hints: str) -> None:
         """Adds one of a statement, with the line of the library in a hint where a part of it stands there."""

@@ -20,7 +20,7 @@ from lagrangia.compile.sources import refuse_others
 from lagrangia.language.values import read_value
 from lagrangia.model import Model
 from lagrangia.run.remarks import given_remarks, input_remarks
-from lagrangia.run.request import USUAL, Request
+from lagrangia.run.request import USUAL, Experiment, Request
 from lagrangia.view.curves import require_format
 
 _HEAD = 8192  # characters
@@ -71,9 +71,11 @@ def allowed_codes(options: Namespace) -> tuple[str, ...]:
     return given
 
 
-def tell_warnings(options: Namespace, model: Model) -> None:
-    """What the model says in vain."""
-    tell(options, model, model.warnings)
+def tell_warnings(options: Namespace, model: Model, run: Experiment | None = None) -> None:
+    """What the model says in vain: of its own experiment, or of this run."""
+    limits = model.scene.notes.get("timed_warnings", {}) if run is not None else {}
+    tell(options, model, [text for text in model.warnings if run is None or text not in limits or (
+        limits[text][0] <= run.start and run.stop <= limits[text][1])])
 
 
 def tell_inputs(options: Namespace, model: Model, experiment: Any, given: Any) -> None:

@@ -73,11 +73,12 @@ def _prepare(options: Namespace) -> tuple[Model, Job]:
     given = dict(assignments(options.parameter, "-p"))
     single = [(name, text) for name, text in given.items() if not any(c in text for c in ",:(") or "{" in text]
     model = load_model(options, single, quantities(measures))
-    tell_warnings(options, model)
     scene = model.scene
     varied = {name: text for name, text in given.items() if name not in model.structural}
     request = asked(options, varied, dict(assignments(options.initial, "--initial")), read_inputs(options.input, scene))
-    tell_inputs(options, model, plan(scene, request), request.inputs)
+    experiment = plan(scene, request)
+    tell_warnings(options, model, experiment)
+    tell_inputs(options, model, experiment, request.inputs)
     tell_given(options, model, request, names_of_runs(options.runs))
     design = Design(options.runs, options.samples, options.seed, options.sampling, options.together, options.seconds_per_run,
                     options.keep, options.until)

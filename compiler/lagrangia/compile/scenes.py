@@ -287,12 +287,13 @@ def _told(kinematics: Kinematics, constraints: Constraints, initial: InitialCond
              *tell_unlooked(kinematics).diagnostics, *odd.diagnostics, *find_idle_starts(kinematics).diagnostics,
              *find_several_starts(kinematics, initial, functions.table).diagnostics,
              *find_idle_displacements(kinematics, constraints).diagnostics)
-    told = [warning.render() for warning in found if warning.code not in model.allowed]
+    found = tuple(warning for warning in found if warning.code not in model.allowed)
+    told, timed = [w.render() for w in found], {w.render(): list(w.interval) for w in found if w.interval is not None}
     files = sorted({lookup.path for lookup in model.lookups})
     inertias = [v.name for v in model.variables.values() if v.is_inertia and v.kind == "parameter"]
     kinetic, felt = [str(span) for span in written_inertias(kinematics)], place_of_felt_reactions(model)
     return {"warnings": told, "allowed": list(model.allowed), "contacts": contacts, "files": files, "kinetic": kinetic,
-            "felt": str(felt) if felt else "",
+            "felt": str(felt) if felt else "", **({"timed_warnings": timed} if timed else {}),
             **({"samplers": [str(sampler.span) for sampler in model.samplers],
                 "held": [held.name for sampler in model.samplers for held in sampler.held]} if model.samplers else {}),
             **({"delays": [str(delay.span) for delay in model.delays]} if model.delays else {}),

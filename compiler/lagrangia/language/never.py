@@ -2,18 +2,19 @@
 
 import math
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from itertools import combinations
 
 from lagrangia.base.diagnostics import Report
 from lagrangia.language.elsewhen import exclude
 from lagrangia.language.events import COMPARED, parts_of
 from lagrangia.language.flat import Experiment, FlatModel
-from lagrangia.language.mentions import nodes
 from lagrangia.language.tree import Binary, Boolean, Call, Flat, Number, Ref, Time, Unary
 
 Bounds = tuple[float, float]
 _ANY: Bounds = (-math.inf, math.inf)
 _DEEPEST = 20  # bindings of bindings
+_HALVES = 50
 _OF_CALLS: Mapping[str, Bounds] = {
     **dict.fromkeys(("sin", "cos", "tanh", "sign"), (-1.0, 1.0)), **dict.fromkeys(("abs", "sqrt", "exp"), (0.0, math.inf)),
     **dict.fromkeys(("asin", "atan"), (-math.pi / 2, math.pi / 2)), "acos": (0.0, math.pi), "atan2": (-math.pi, math.pi),
@@ -23,7 +24,7 @@ _OF_CALLS: Mapping[str, Bounds] = {
 
 def find_never(model: FlatModel, report: Report, code: str) -> None:
     """A warning for each event that never comes, and each assertion that always holds."""
-    bounding = _Bounding(model)
+    bounding = _Bounding(model, *_declared(model.experiment))
     conditions = [(when.condition, when.span) for when in model.whens]
     conditions += [(guard.condition, guard.span) for guard in model.guards if guard.kind == "end"]
     for condition, span in conditions:
@@ -31,22 +32,57 @@ def find_never(model: FlatModel, report: Report, code: str) -> None:
         if can_be_true and can_be_false:
             continue
         why = "is never true" if not can_be_true else "is true from the start on"
-        report.warning(code, f"this event never comes: '{condition.span.text}' {why}", span, _advice(condition, model.experiment))
+        interval = _interval(model, partial(_is_settled, condition))
+        report.warning(code, f"this event never comes: '{condition.span.text}' {why}", span,
+                       _advice(interval, model.experiment), interval=interval)
     for guard in model.guards:
-        if guard.kind != "end" and not bounding.truth(guard.condition)[1]:
-            report.warning(code, f"this holds whatever happens: '{guard.condition.span.text}'", guard.span, "leave it out")
+        if guard.kind != "end" and _is_always_true(guard.condition, bounding):
+            interval = _interval(model, partial(_is_always_true, guard.condition))
+            report.warning(code, f"this holds whatever happens: '{guard.condition.span.text}'", guard.span,
+                           _advice(interval, model.experiment), interval=interval)
 
 
-def _advice(condition: Flat, run: Experiment) -> str:
-    if not any(isinstance(node, Time) for node in nodes(condition)):
+def _is_settled(condition: Flat, bounding: "_Bounding") -> bool:
+    return not all(bounding.truth(condition))
+
+
+def _is_always_true(condition: Flat, bounding: "_Bounding") -> bool:
+    return not bounding.truth(condition)[1]
+
+
+def _declared(run: Experiment) -> Bounds:
+    return run.start, run.stop if run.ends else math.inf
+
+
+def _interval(model: FlatModel, holds: "Callable[[_Bounding], bool]") -> Bounds | None:
+    """How early runs may begin, and how late end, so that what is told of the declared one `holds`; None: whatever they do."""
+    if holds(_Bounding(model, *_ANY)):
+        return None
+    start, stop = _declared(model.experiment)
+    latest = _furthest(lambda end: holds(_Bounding(model, start, end)), stop, 1.0)
+    return _furthest(lambda begin: holds(_Bounding(model, begin, latest)), start, -1.0), latest
+
+
+def _furthest(holds: Callable[[float], bool], near: float, sign: float) -> float:
+    """How far from `near` it holds, by halves of shares s/(1 - s) of a second."""
+    if math.isinf(near) or holds(sign * math.inf):
+        return sign * math.inf
+    low, high = 0.0, 1.0
+    for _ in range(_HALVES):
+        share = (low + high) / 2
+        low, high = (share, high) if holds(near + sign * share / (1 - share)) else (low, share)
+    return near + sign * low / (1 - low)
+
+
+def _advice(interval: Bounds | None, run: Experiment) -> str:
+    if interval is None:
         return "leave it out"
-    return f"the run begins at {run.start:g} s" + (f" and ends at StopTime = {run.stop:g} s" if run.ends else "")
+    return f"the experiment begins at {run.start:g} s" + (f" and ends at StopTime = {run.stop:g} s" if run.ends else "")
 
 
 class _Bounding:
-    def __init__(self, model: FlatModel) -> None:
-        self.model = model
-        self.start, self.stop = model.experiment.start, model.experiment.stop if model.experiment.ends else math.inf
+    def __init__(self, model: FlatModel, start: float, stop: float) -> None:
+        self.model, self.start, self.stop = model, start, stop
 
     def truth(self, node: Flat) -> tuple[bool, bool]:
         """Whether a condition can be true, and whether it can be false."""
