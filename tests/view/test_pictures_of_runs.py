@@ -203,3 +203,15 @@ def test_energies_are_quantities_of_runs_and_curves() -> None:
     assert np.abs(np.array(run["energy.total"]) - 0.04).max() < 1e-9
     assert run.plot("energy.kinetic", "energy.potential") is not None
     assert "energy.kinetic" in run.animate(quantities=["energy.kinetic"])
+
+
+@pytest.mark.parametrize("asked", ["--plot-quantities tip.S.s[1]", "--plot-quantities tip.S[1]:tip.S.s[2]",
+                                   "--spectrum tip.S.s[1]", "--section tip.S.s[1]"])
+def test_small_turns_are_no_picture(asked: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """They are counted from where each step began: the picture had been empty."""
+    file = tmp_path / "top.lag"
+    file.write_text("model Top World world(gravity = {0, 0, -9.81}); Spherical tip(a = world, w(start = {0, 0.3, 1})); "
+                    "Body b(m = 1, I = {0.1, 0.1, 0.2}, center = shift(tip.b, {0, 0, 0.3})); end Top;")
+    plot = tmp_path / "top.svg"
+    assert main(["simulate", str(file), "--plot", str(plot), *asked.split()]) == WRONG
+    assert "counted from where each step began" in capsys.readouterr().err and not plot.exists()

@@ -26,6 +26,7 @@ _MANY_STEPS, _MUCH = 100, 100.0
 _MOST_STEPS, _MOST_A_ROW = 20_000, 50  # beyond which a run is told why its steps are short
 DOUBTFUL = 0.1  # of all energy: an account that misses by more
 HOPELESS = 0.5  # the same: no errors of integrals alone
+_BESIDE, _NO_LENGTH, _MOST_LENGTHS = "1e-3", 1e-9, 100  # m: a start beside 0, what is 0, and how many are tried
 _LITTLE = 1e-9  # J: less may be rounding of energies that cancel
 
 
@@ -79,6 +80,21 @@ def progress_of(scene: Scene, experiment: Experiment, **known: Any) -> Progress:
 
 def start_run(scene: Scene, engine: Engine, experiment: Experiment, values: Values) -> Run:
     """A run of the run time, assembled and ready to advance; to be closed. Raises LagError, RunError."""
+    run = _given_run(scene, engine, experiment, values)
+    try:
+        status = run.start(values.q, values.v)
+        if status is not Status.OK:
+            failure = run.failure
+            beside = _beside(scene, engine, experiment, values, run) if status is Status.NOT_FINITE else ""
+            fail_start(scene, failure, run.parameters, beside)
+    except BaseException:
+        run.close()
+        raise
+    return run
+
+
+def _given_run(scene: Scene, engine: Engine, experiment: Experiment, values: Values) -> Run:
+    """One that has its parameters and inputs, and no start yet. Raises LagError."""
     settings = Settings(experiment.start, experiment.stop, experiment.tolerance, experiment.max_step, 0.0, experiment.max_steps,
                         number_of(experiment.solver, scene))
     run = engine.runtime.run(engine.model, settings)
@@ -88,13 +104,21 @@ def start_run(scene: Scene, engine: Engine, experiment: Experiment, values: Valu
         if scene.inputs:
             run.set_inputs(values.input_times_from(experiment.start), values.input_values)
         run.set_lost(values.lost or [math.nan] * (2 * scene.sizes["n_lost"]))
-        status = run.start(values.q, values.v)
-        if status is not Status.OK:
-            fail_start(scene, run.failure, run.parameters)
     except BaseException:
         run.close()
         raise
     return run
+
+
+def _beside(scene: Scene, engine: Engine, experiment: Experiment, values: Values, failed: Run) -> str:
+    """A length that is 0 where the run cannot begin, as it can a little beside: as of a slider that a mere point turns."""
+    at = failed.row().values
+    for k, column in enumerate(scene.coordinates[:_MOST_LENGTHS]):
+        if column.unit == "m" and abs(at[1 + k]) <= _NO_LENGTH:
+            with _given_run(scene, engine, experiment, values) as other:
+                if other.start([*values.q[:k], float(_BESIDE), *values.q[k + 1 :]], values.v) is Status.OK:
+                    return column.name
+    return ""
 
 
 @dataclass
@@ -185,14 +209,18 @@ class _Looks:
         progress.engine = self.engine.how
 
 
-def fail_start(scene: Scene, failure: Failure, parameters: Sequence[float] = ()) -> NoReturn:
-    """Raises LagError where start values miss what they have to satisfy, RunError where there is no start."""
+def fail_start(scene: Scene, failure: Failure, parameters: Sequence[float] = (), beside: str = "") -> NoReturn:
+    """Raises LagError where start values miss what they have to satisfy, RunError where there is no start; `beside`: the length
+    that may not be 0."""
     if failure.status is Status.INITIAL_FAILED:
         what, excerpt = scene.initial_places[failure.index]
         unit = "m or rad" if failure.index < scene.sizes["n_initial_positions"] else "m/s or rad/s"
         raise LagError([Diagnostic("error", "L0606", f"{what}: {tell_miss(failure.value, unit)}", None, "",
                                    ("change the parameters it depends on, or the start values it is solved from",), excerpt)])
-    raise RunError(explain(scene, failure, parameters))
+    is_turned = beside and 0 <= failure.index < scene.n and scene.coordinates[failure.index].unit == "rad"
+    why = " (a slider of no length has no direction, where a mere point turns it)" if is_turned else ""
+    told = f"; it begins where {beside} is not 0{why}: --initial {beside}={_BESIDE}" if beside else ""
+    raise RunError(explain(scene, failure, parameters) + told)
 
 
 def explain(scene: Scene, failure: Failure, parameters: Sequence[float] = ()) -> str:
@@ -211,7 +239,7 @@ def explain(scene: Scene, failure: Failure, parameters: Sequence[float] = ()) ->
         zero = ", ".join(map("'{}'".format, zero_masses(scene, parameters)[:4])) if parameters else ""
         told = f" ({zero} {'are' if ',' in zero else 'is'} 0)" if zero else ""
         return (f"at t = {failure.time:.6g} the accelerations are not finite{where}: a coordinate that moves no mass{told}, "
-                f"{kinetic}points that coincide, or a function outside its domain; {_look_at(scene, failure)}")
+                f"{kinetic}points that coincide, or a function outside its domain; look at the parameters and start values")
     if failure.status is Status.STEP_TOO_SMALL:
         return _of_short_steps(scene, failure, where, kinetic)
     if failure.status in (Status.EVENTS_GO_ON, Status.NO_IMPULSE):
@@ -261,17 +289,6 @@ def _of_given(scene: Scene, failure: Failure) -> str:
         return f"the delay at {place} must be positive, and is {failure.value:g} s"
     return (f"the interval of the sampled values at {scene.notes['samplers'][failure.index]} must be positive, and is "
             f"{failure.value:g} s")
-
-
-def _look_at(scene: Scene, failure: Failure) -> str:
-    """What to look at, and where a run begins so, what to try."""
-    told = "look at the parameters and start values"
-    lengths = [c.name for c in scene.coordinates if c.unit == "m"]
-    name = scene.coordinates[failure.index].name if 0 <= failure.index < scene.n else ""
-    if failure.time != scene.start or name not in lengths:
-        return told
-    return (f"{told}; where {name} = 0 a slider has no direction if a mere point turns it: begin beside, --initial {name}=1e-3, "
-            "or leave the slider out")
 
 
 def _of_events(scene: Scene, failure: Failure) -> str:

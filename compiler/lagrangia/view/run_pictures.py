@@ -9,7 +9,7 @@ import numpy as np
 from lagrangia.base.diagnostics import fail
 from lagrangia.base.tables import read_table
 from lagrangia.language.units import parse_unit, spell
-from lagrangia.run.scene import Scene
+from lagrangia.run.scene import Column, Scene
 from lagrangia.view.plots import Pair, Picture, Series, Wanted, build_picture, read_pair
 from lagrangia.view.sight import Sight
 
@@ -23,20 +23,29 @@ def choose(scene: Scene, sight: Sight, names: Sequence[str], spectra: Sequence[s
     pairs: list[Pair] = []
     for text in names:
         pair = read_pair(text)
-        elements = sight.columns_of(pair.y)
-        if pair.x and (len(elements) > 1 or len(sight.columns_of(pair.x)) > 1):
+        elements = _columns(scene, sight, pair.y)
+        if pair.x and (len(elements) > 1 or len(_columns(scene, sight, pair.x)) > 1):
             fail("L0706", f"'{text}' is of vectors", None, f"name elements: {elements[0].name}")
         pairs += [pair] if pair.x else [Pair("", column.name) for column in elements]
-    lines = tuple(column.name for name in spectra for column in sight.columns_of(read_pair(name).y))
+    lines = tuple(column.name for name in spectra for column in _columns(scene, sight, read_pair(name).y))
     if section is not None:
         if any(not pair.x for pair in pairs) or lines:
             fail("L0706", "a section shows one quantity against another", None, "name pairs: --plot-quantities \"theta:theta'\"")
-        if len(sight.columns_of(section[0])) > 1:
+        if len(_columns(scene, sight, section[0])) > 1:
             fail("L0706", f"'{section[0]}' is a vector", None, f"name an element: {sight.columns_of(section[0])[0].name}")
         return Wanted(tuple(pairs) or (_usual_pair(scene, section[0]),), (), section)
     if not pairs and not lines:
         pairs = [Pair("", column.name) for column in scene.moving]
     return Wanted(tuple(pairs), lines)
+
+
+def _columns(scene: Scene, sight: Sight, name: str) -> tuple[Column, ...]:
+    """The elements of a quantity. Raises LagError L0706 for small turns of an attitude, which say nothing of a run."""
+    if name in scene.turned:
+        whole = name.rpartition(".")[0]
+        fail("L0706", f"'{name}' is a small turn, counted from where each step began: it says nothing of a run", None,
+             f"name {whole}[1] to {whole}[4], the quaternion, or der({whole})[1] to der({whole})[3]")
+    return sight.columns_of(name)
 
 
 def _usual_pair(scene: Scene, crossed: str) -> Pair:
