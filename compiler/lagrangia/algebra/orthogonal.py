@@ -1,12 +1,12 @@
 """Equations A x = b that may be dependent, and columns that are not: by orthogonal transformations."""
 
-from collections.abc import Callable
 from random import Random
 
 import numpy as np
 from numpy.typing import NDArray
 
 Vector = NDArray[np.float64]
+_ALIKE = 1e-9  # of lengths
 
 
 def general_numbers(seed: int, low: float, high: float, count: int) -> Vector:
@@ -55,13 +55,13 @@ def nearest(A: Vector, b: Vector, wish: Vector, tolerance: float, weight: Vector
     return x, rank
 
 
-def independent_columns(columns: Vector, tolerance: float, longest: Callable[[Vector], int] = lambda norms: int(norms.argmax())
-                ) -> NDArray[np.int_]:
-    """The places of independent columns, the longest remainder first, as pivots of a QR factorisation. `longest` finds it."""
+def independent_columns(columns: Vector, tolerance: float, is_last: bool = False) -> NDArray[np.int_]:
+    """The places of independent columns, the longest remainder first, as pivots of a QR factorisation; of those that rounding
+    alone tells apart the first or the last, so that the choice is the same on every processor."""
     rest, found, first = columns.copy(), [], 0.0
     for _ in range(min(columns.shape)):
         norms = np.linalg.norm(rest, axis=0)
-        k = longest(norms)
+        k = int(np.flatnonzero(norms >= (1 - _ALIKE) * norms.max())[-1 if is_last else 0])
         first = first or float(norms[k])
         if not norms[k] > tolerance * first:
             break

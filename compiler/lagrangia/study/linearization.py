@@ -24,7 +24,7 @@ from lagrangia.base.records import dataclass
 from lagrangia.base.result_files import Target, write_text
 
 Matrix = NDArray[np.float64]
-_RANK, _TIED = 1e-9, 1e-9
+_RANK = 1e-9
 _NO_ROW = 1e-11  # of the longest constraint
 _ROUNDING = 1e-14  # of the terms that cancel in an output
 PREFERRED = 0.1  # weight in the choice of dependent coordinates of those that the model starts itself
@@ -92,18 +92,13 @@ def pivots(J: Matrix, weight: Matrix) -> list[int]:
     """Columns that span all others: Gram and Schmidt, the longest remainder first."""
     lengths = lengths_of_rows(J * weight)
     rows = J * weight * np.divide(1.0, lengths, out=np.zeros_like(lengths), where=lengths > 0)[:, None]
-    return sorted(independent_columns(rows, _RANK, _last_of_the_longest).tolist())
+    return sorted(independent_columns(rows, _RANK, is_last=True).tolist())
 
 
 def lengths_of_rows(rows: Matrix) -> Matrix:
     """In natural sizes, (m,); 0 of what is rounding beside the longest, which holds nothing."""
     lengths = np.linalg.norm(rows, axis=1)
     return np.where(lengths > _NO_ROW * lengths.max(initial=0.0), lengths, 0.0)
-
-
-def _last_of_the_longest(norms: Matrix) -> int:
-    """Whatever rounding says of equal ones."""
-    return int(np.flatnonzero(norms >= norms.max() * (1 - _TIED))[-1])
 
 
 def _null_space(A: Matrix) -> Matrix:
