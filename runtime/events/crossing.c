@@ -325,9 +325,10 @@ double lag_crossing_find(LagRun *run)
 {
     LagSwitches *s = &run->switches;
     const double h = run->motion.t - run->motion.t_old;
-    const int may_hide = run->methods.solver == LAG_SOLVER_TAYLOR || run->model->conditions_know_time;
+    const int may_hide = run->methods.solver == LAG_SOLVER_TAYLOR || run->model->conditions_may_hide;
     const int is_long = run->model->n_whens > 0 && may_hide; /* a ball that grazes goes to and fro */
-    const int is_paused = ++s->unlooked < 0 && h <= MUCH_LONGER * s->resolved;
+    const int may_pause = !run->model->conditions_may_hide && h <= MUCH_LONGER * s->resolved;
+    const int is_paused = ++s->unlooked < 0 && may_pause;
     const int is_due = !is_paused && (is_long || h > LONGER * s->resolved || s->unlooked > LOOK_AGAIN);
     double width = 1, narrowest = 1;
     if (are_far(run))

@@ -100,8 +100,6 @@ def test_what_is_no_truth_is_no_boolean(scene: Callable[[str], lag.Model]) -> No
             assert scene(LOGIC.replace("y := x > low and x < high;", wrong)).scene
     with pytest.raises(LagError, match="L0302"):
         assert scene(LOGIC.replace("pick(s.s > 0.7, 6, -1)", "pick(s.s, 6, -1)")).scene
-    with pytest.raises(LagError, match="jumps there"):
-        assert scene(LOGIC.replace("when inside(s.s, -0.2, 0.2)", "when 2*(if s.s < 0 then 1 else -1) > 1")).scene
 
 
 SWINGS = """model Swings
@@ -114,15 +112,8 @@ end Swings;
 
 
 @pytest.mark.parametrize("condition", ["(if s.s > 0.5 then 1 else 0) > 0.5", "(if s.s > 0.5 then 0 else 1) < 0.5",
-                                       "floor(3*s.s) >= 1"])
+                                       "floor(3*s.s) >= 1", "ceil(3*s.s) >= 1"])
 def test_events_of_choices_between_0_and_another_number(scene: Callable[[str], lag.Model], condition: str) -> None:
     """cos 2t rises through 0.5 three times in 10 s."""
     for solver in ("taylor", "erk", "implicit"):
         assert scene(SWINGS.replace("CONDITION", condition)).simulate(at=[0, 10.0], solver=solver)["c.v"][-1] == 3
-
-
-@pytest.mark.parametrize("condition", ["ceil(3*s.s) >= 1", "sign(s.s)*sign(s.v) > 0"])
-def test_events_where_something_jumps_are_refused(scene: Callable[[str], lag.Model], condition: str) -> None:
-    """None of three was found, without a word."""
-    with pytest.raises(LagError, match="jumps there"):
-        assert scene(SWINGS.replace("CONDITION", condition)).scene

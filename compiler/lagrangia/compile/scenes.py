@@ -189,7 +189,7 @@ def _sizes(n: int, n_parameters: int, n_inputs: int, n_modes: int, functions: Fu
         "n_cones": len(functions.patterns.get("cones", ())) // 2, "n_lookups": len(functions.patterns["lookups"]) // 2,
         "has_corners": int(corners_remain(motion)), "may_hide": int(may_hide(usual_rhs(tapes))),
         "may_be_narrow": int(may_be_narrow(usual_rhs(tapes))),
-        "conditions_know_time": int(ca.depends_on(motion.impacts.conditions, motion.t)),
+        "conditions_may_hide": int(motion.impacts.may_hide(motion.t)),
         "shares_bend": int(motion.felt is not None), "is_steady": int(_is_steady(functions)),
     }
     if "held" in functions.patterns:

@@ -22,11 +22,12 @@ from numpy.typing import NDArray
 
 from lagrangia.algebra.duals import Scalar, rate_of, value_of
 from lagrangia.algebra.scalars import symbols_in
-from lagrangia.algebra.with_casadi import operations_in
+from lagrangia.algebra.with_casadi import STEPS, operations_in
 from lagrangia.base.diagnostics import fail
 from lagrangia.base.records import dataclass
 from lagrangia.constraints.parameters import usual_parameters
 from lagrangia.dynamics.energies import Load, paced
+from lagrangia.dynamics.levels import Levels
 from lagrangia.frames.evaluation import scalars_of
 from lagrangia.frames.kinematics import Kinematics
 from lagrangia.language.consequences import contact_forces_in
@@ -47,7 +48,6 @@ from lagrangia.language.tree import Binary, Flat, Number, Unary
 KICK, CONTACT, ONE_WAY = range(3)  # LAG_KICK, ...
 _SAME = 1e-9  # relative difference of what is the same but for rounding
 _NONE = ca.SX(0, 1)
-_CONDITIONS = {ca.OP_LT, ca.OP_LE, ca.OP_EQ, ca.OP_NE, ca.OP_IF_ELSE_ZERO, ca.OP_FLOOR, ca.OP_CEIL, ca.OP_SIGN}  # jump
 Numbers = NDArray[np.float64]
 
 
@@ -65,6 +65,10 @@ class Impacts:
     one_way: tuple[bool, ...] = ()  # (w,): gaps that are rates
     loads: tuple[Load, ...] = ()
     pressing: Mapping[int, tuple[ca.SX, ca.SX]] = field(default_factory=dict)  # of what rests, by their events: forces, impulses
+
+    def may_hide(self, t: ca.SX) -> bool:
+        """Whether conditions may come and go however slow the motion is: with time, or where they jump."""
+        return bool(ca.depends_on(self.conditions, t)) or not operations_in(self.conditions).isdisjoint(STEPS)
 
     def contacts_of(self, component: str) -> list[Load]:
         """The forces that hold what rests at the contacts of a component."""
@@ -117,7 +121,9 @@ class _Event:
         self.kinematics, self.when = kinematics, when
         model = kinematics.graph.model
         self.condition = without_not(when.condition)
-        self.g = self._level(self.condition)
+        self.moving = ca.vertcat(kinematics.symbols.time, kinematics.algebra.state)
+        g = self._level(self.condition)
+        self.g = g if ca.depends_on(g, self.moving) else ca.fmax(ca.fmin(g, 1), -1)
         self.positions = [position_of(reset, model) for reset in when.resets]
         self.places, self.rates, self.wanted = list[Flat](), list[ca.SX](), list[ca.SX]()  # of each scalar that is reset
         for reset, position in zip(when.resets, self.positions, strict=True):
@@ -152,26 +158,15 @@ class _Event:
                 return -self._level(operand)
         value, level = self.kinematics.evaluator.value, level_of(node)
         g = self._expression(value(level))
-        if not _is_comparison(node):
+        truth = self._expression(value(node)) if _is_comparison(node) else g
+        if not _is_comparison(node) or (ca.depends_on(g, self.moving) and operations_in(g).isdisjoint(STEPS)):
             return g
-        truth = self._expression(value(node))
-        if not self._jumps_alone(g, truth):
-            return g
-        unfolded = _unfolded(truth, ca.vertcat(self.kinematics.symbols.time, self.kinematics.algebra.state))
-        if unfolded is None and ca.depends_on(truth, self.kinematics.algebra.state) and operations_in(g) & _CONDITIONS:
-            fail("L0225", "this comes true where a condition, floor, ceil or sign in it changes, and jumps there",
-                 node.span.within(self.when.span),
-                 "write these conditions themselves, as x > 0 and x < 1, or name one of two numbers by them: if x > 0 then 1 "
-                 "else 0")
-        return 2 * truth - 1 if unfolded is None else unfolded
-
-    def _jumps_alone(self, g: ca.SX, truth: ca.SX) -> bool:
-        """Whether a comparison changes at time events and at jumps alone: at these its sides may be equal for a while."""
-        algebra = self.kinematics.algebra
-        moving = ca.vertcat(self.kinematics.symbols.time, algebra.state)
-        if not ca.depends_on(truth, moving):
-            return bool(ca.depends_on(truth, algebra.mode_symbols))
-        return bool(ca.jacobian(g, moving).is_zero())
+        found = Levels(self.moving).of(truth)
+        if found is None:
+            fail("L0225", "this comes true where something in it jumps, in a way that is not taken apart",
+                 node.span.within(self.when.span), "compare with <, <=, > or >= in it, not with == or <>; and join conditions "
+                 "with and, or, not, as x > 0 and x < 1")
+        return found
 
     def _add(self, reset: Reset, position: Flat) -> None:
         evaluator = self.kinematics.evaluator
@@ -265,41 +260,6 @@ class _Event:
         known = ca.vertcat(q, v, symbols.time, p)
         others = [x for x in ca.symvar(ca.vertcat(*results)) if not ca.depends_on(x, known)]
         return ca.Function("look", [v, ca.vertcat(q, symbols.time, *others), p], results), numbers
-
-
-def _unfolded(truth: ca.SX, moving: ca.SX) -> ca.SX | None:
-    """The level of a condition that others make, as algebras put them together: continuous, as what they compare is; 1 or -1 by
-    itself where they compare what only jumps, which may be equal for a while. None where it is another one."""
-    parts = [truth.dep(k) for k in range(truth.n_dep())]
-    match truth.op():
-        case ca.OP_LT | ca.OP_LE:
-            difference = _without_floor(truth.op(), parts[0], parts[1])
-            if operations_in(difference) & _CONDITIONS:
-                return None
-            return 2 * truth - 1 if ca.jacobian(difference, moving).is_zero() else difference
-        case ca.OP_NOT:
-            inner = _unfolded(parts[0], moving)
-            return None if inner is None else -inner
-        case ca.OP_SUB if parts[0].is_constant() and float(parts[0]) == 1:
-            inner = _unfolded(parts[1], moving)
-            return None if inner is None else -inner
-        case ca.OP_SUB if parts[0].op() == ca.OP_ADD and parts[1].op() == ca.OP_MUL:
-            both, choose = [parts[0].dep(k) for k in range(2)], ca.fmax
-        case ca.OP_MUL:
-            both, choose = parts, ca.fmin
-        case _:
-            return 2 * truth - 1 if truth.is_symbolic() else None
-    levels = [_unfolded(part, moving) for part in both]
-    return None if any(level is None for level in levels) else choose(*levels)
-
-
-def _without_floor(op: int, left: ca.SX, right: ca.SX) -> ca.SX:
-    """right - left, positive where left < right (or <=): of floor(x) and a number k by x, as k <= floor(x) is ceil(k) <= x."""
-    if right.op() == ca.OP_FLOOR and left.is_constant():
-        return right.dep(0) - (np.ceil(float(left)) if op == ca.OP_LE else np.floor(float(left)) + 1)
-    if left.op() == ca.OP_FLOOR and right.is_constant():
-        return (np.floor(float(right)) + 1 if op == ca.OP_LE else np.ceil(float(right))) - left.dep(0)
-    return right - left
 
 
 def _turns_back(look: ca.Function, p: Numbers, random: "np.random.Generator") -> bool:

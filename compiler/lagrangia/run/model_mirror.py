@@ -100,7 +100,7 @@ class ModelMirror(c.Structure):
         ("solver", c.c_int),
         *((name, c.c_int) for name in ("n_entries", "n_lower", "n_upper", "n_colours")),
         *((name, c.c_int) for name in ("rhs_cost", "jacobian_cost", "has_corners", "may_hide", "may_be_narrow", "loops_know_time",
-                                           "conditions_know_time", "shares_bend", "is_swing", "is_steady", "is_separable",
+                                           "conditions_may_hide", "shares_bend", "is_swing", "is_steady", "is_separable",
                                            "jacobian_waits")),
         ("jacobian_pattern", Ints),
         ("n_islands", c.c_int),

@@ -1,0 +1,314 @@
+"""Conditions -> levels: positive where a condition is true, negative where it is not, continuous where its change is an event.
+
+What a < b compares may itself be chosen by conditions, or count whole numbers, and then jumps over 0, or touches it. Such a
+condition is taken apart into comparisons of what does not jump. A choice by c, whose level is L, between what has the levels A
+and B is true where (c and A) or (not c and B), with the level
+
+    max(min(L, A), min(-L, B), min(A, B))
+
+in which the last term keeps it from 0 where c changes and A and B are both true. Of a function of m = floor(x) the level is that
+of the choices among m - 1, m and m + 1 by x >= m and x >= m + 1, from -1 to 1: there neighbours hand over to each other.
+"""
+
+from dataclasses import field
+from typing import TypeAlias
+
+import casadi as ca
+import numpy as np
+
+from lagrangia.algebra.numbering import Numbering, rebuilt
+from lagrangia.algebra.scalars import Expression, apply, as_expression, operate, symbol, symbols_in
+from lagrangia.algebra.with_casadi import CORNERS, operations_in
+from lagrangia.base.records import dataclass
+
+Level: TypeAlias = "ca.SX | bool"  # bool: whatever moves
+_RELATIONS = (ca.OP_LT, ca.OP_LE)
+_ATOMS = {*_RELATIONS, ca.OP_EQ, ca.OP_NE, ca.OP_FLOOR}
+_MOST_CASES = 256
+_FAR = 1e30  # of what is decided beside something that moves
+_LOOKS, _SAME = 4, 1e-9
+
+
+class _TooManyCasesError(Exception):
+    """A condition that cannot be taken apart."""
+
+
+_Known = dict[int, tuple[float, float]]  # between what numbers values lie, by their own numbers
+_Threshold = tuple[int, float, bool]
+
+
+@dataclass
+class Levels:
+    """Of conditions on what `moving`, a column of symbols, moves."""
+
+    moving: ca.SX
+    numbering: Numbering = field(default_factory=Numbering)
+    cases: int = 0
+
+    def of(self, truth: ca.SX) -> ca.SX | None:
+        """Of a condition, 1 where it is true and 0 where it is not; far from 0 where nothing that moves decides. None where it
+        cannot be taken apart."""
+        self.cases = 0
+        try:
+            level = self._of_truth(_plain(truth), {})
+        except _TooManyCasesError:
+            return None
+        return ca.SX(_FAR if level else -_FAR) if isinstance(level, bool) else level
+
+    # ------------------------------------------------------------ conditions
+
+    def _of_truth(self, truth: ca.SX, known: _Known) -> Level:
+        if not self._moves(truth):
+            return bool(float(truth)) if truth.is_constant() else as_expression(_FAR * (2 * truth - 1))
+        parts = [truth.dep(k) for k in range(truth.n_dep())]
+        match truth.op():
+            case ca.OP_LT | ca.OP_LE:
+                return self._of_difference(as_expression(parts[1] - parts[0]), truth.op() == ca.OP_LE, known)
+            case ca.OP_NOT:
+                return _opposite(self._of_truth(parts[0], known))
+            case ca.OP_SUB if parts[0].is_constant() and float(parts[0]) == 1:
+                return _opposite(self._of_truth(parts[1], known))
+            case ca.OP_SUB if parts[0].op() == ca.OP_ADD and parts[1].op() == ca.OP_MUL:
+                return _either(*(self._of_truth(parts[0].dep(k), known) for k in range(2)))
+            case ca.OP_OR:
+                return _either(*(self._of_truth(x, known) for x in parts))
+            case ca.OP_MUL | ca.OP_AND:
+                return _both(*(self._of_truth(x, known) for x in parts))
+            case ca.OP_EQ | ca.OP_NE:
+                raise _TooManyCasesError
+        return self._of_difference(as_expression(truth - 0.5), False, known)
+
+    def _of_difference(self, d: ca.SX, is_true_at_0: bool, known: _Known) -> Level:
+        """Of d > 0, or of d >= 0."""
+        atom = self._atom_of(d, known)
+        if atom is None:
+            self.cases += 1
+            if self.cases > _MOST_CASES:
+                raise _TooManyCasesError
+            return self._of_smooth(d, is_true_at_0, known)
+        if atom.op() == ca.OP_FLOOR:
+            return self._of_whole(d, is_true_at_0, atom, known)
+        if atom.op() not in _RELATIONS:
+            raise _TooManyCasesError
+        decided = _decided(self._threshold(atom), known)
+        levels = [None if decided is not None and decided != is_true else self._of_difference(
+            self._with(d, atom, float(is_true)), is_true_at_0, self._learnt(atom, is_true, known)) for is_true in (True, False)]
+        if decided is not None:
+            return levels[0 if decided else 1]
+        then, otherwise = levels
+        return _chosen(self._of_truth(atom, known), then, otherwise)
+
+    def _of_smooth(self, d: ca.SX, is_true_at_0: bool, known: _Known) -> Level:
+        if d.is_constant():
+            return float(d) >= 0 if is_true_at_0 else float(d) > 0
+        if self._moves(d):
+            x, place, is_above = _line(d)
+            low, high = self._range(x, known)
+            return d if low < place < high else (low >= place) == is_above
+        return as_expression(_FAR * (2 * (d >= 0 if is_true_at_0 else d > 0) - 1))
+
+    def _of_whole(self, d: ca.SX, is_true_at_0: bool, atom: ca.SX, known: _Known) -> Level:
+        """Where a floor(x) is a part of it."""
+        x, n = as_expression(atom.dep(0)), symbol("n")
+        inner = self._with(d, atom, n)
+        step, low, high = ca.jacobian(inner, n), *self._range(x, known)
+        is_line = operations_in(inner).isdisjoint(CORNERS) and step.is_constant() and float(step) != 0
+        if is_line and not self._moves(inner):
+            first = _first(float(step), -ca.substitute(inner, n, ca.SX(0)) / step, is_true_at_0)
+            if first.is_constant() and not low < float(first) < high:
+                return (low >= float(first)) == (float(step) > 0)
+            return as_expression(x - first if float(step) > 0 else first - x)
+        level = self._of_difference(inner, is_true_at_0, known)
+        if isinstance(level, bool) or not ca.depends_on(level, n):
+            return level
+        whole = as_expression(ca.floor(x))
+        if low > -np.inf:  # what is known never to be is as what is next to it
+            whole = as_expression(ca.fmax(whole, np.floor(low)))
+        if high < np.inf:
+            whole = as_expression(ca.fmin(whole, np.ceil(high) - 1))
+        below, here, above = (as_expression(ca.substitute(level, n, whole + k)) for k in (-1, 0, 1))
+        if low > -np.inf:
+            below = ca.if_else(whole <= low, here, below)
+        if high < np.inf:
+            above = ca.if_else(whole + 1 >= high, here, above)
+        return _among(as_expression(x - whole), below, here, above)
+
+    def _range(self, x: ca.SX, known: _Known) -> tuple[float, float]:
+        """Between what numbers x is known to be."""
+        low, high = known.get(self.numbering.number(as_expression(-x)), (-np.inf, np.inf))
+        return known.get(self.numbering.number(x), (-high, -low))
+
+    # ------------------------------------------------------------ what jumps in them
+
+    def _moves(self, x: ca.SX) -> bool:
+        return not symbols_in(self.moving).isdisjoint(symbols_in(x))
+
+    def _atom_of(self, d: ca.SX, known: _Known) -> ca.SX | None:
+        """The outermost condition or whole number that moves and with which d jumps, what is asked first: conditions before whole
+        numbers, which they may decide between."""
+        atoms = [atom for atom in _atoms_in(d) if self._moves(atom)]
+        atoms.sort(key=lambda atom: atom.op() == ca.OP_FLOOR)
+        jumping = next((atom for atom in atoms if not self._is_joint(d, atom)), None)
+        if jumping is None or jumping.op() != ca.OP_FLOOR:
+            return jumping
+        inner = self._atom_of(as_expression(jumping.dep(0)), known)
+        return atoms[0] if inner is None else inner
+
+    def _is_joint(self, d: ca.SX, atom: ca.SX) -> bool:
+        """Whether d goes on where an atom changes, as tables do at their points."""
+        if atom.op() not in (*_RELATIONS, ca.OP_FLOOR):
+            return False
+        if atom.op() == ca.OP_FLOOR:
+            x, place = atom.dep(0), symbol("n")
+            values = [self._with(d, atom, place - 1), self._with(d, atom, place)]
+        else:
+            x, place = (atom.dep(k) for k in ((1, 0) if atom.dep(0).is_constant() else (0, 1)))
+            values = [self._with(d, atom, 1.0), self._with(d, atom, 0.0)]
+        if not self._moves(x) or x.is_constant():
+            return False
+        return _are_same(*(self._with(value, x, place) for value in values))
+
+    def _with(self, d: ca.SX, part: ca.SX, value: ca.SX | float) -> ca.SX:
+        """With another value for a part of it, however that is written."""
+        if part.is_symbolic() or d.is_constant():
+            return as_expression(ca.substitute(d, part, as_expression(value)))
+        number = self.numbering.number(part)
+
+        def make(op: int, numbers: list[int], operands: list[Expression]) -> Expression:
+            is_wanted = self.numbering.of(op, numbers) == number
+            return as_expression(value) if is_wanted else _simple(op, operands)
+
+        return as_expression(rebuilt([d], self.numbering, make)[0])
+
+    def _threshold(self, atom: ca.SX) -> _Threshold:
+        """Of x < k or k < x with a number k, as x - y < 0 is: the number of x, k, and whether it is true below."""
+        a, b = atom.dep(0), atom.dep(1)
+        if b.is_constant() and not a.is_constant():
+            return self.numbering.number(a), float(b), True
+        if a.is_constant() and not b.is_constant():
+            return self.numbering.number(b), float(a), False
+        return self.numbering.number(as_expression(a - b)), 0.0, True
+
+    def _learnt(self, atom: ca.SX, is_true: bool, known: _Known) -> _Known:
+        x, k, is_below = self._threshold(atom)
+        low, high = known.get(x, (-np.inf, np.inf))
+        return known | {x: (low, min(high, k)) if is_below == is_true else (max(low, k), high)}
+
+
+def _decided(found: _Threshold, known: _Known) -> bool | None:
+    """Whether a comparison is true or false by what is known; None: that is open."""
+    x, k, is_below = found
+    low, high = known.get(x, (-np.inf, np.inf))
+    return is_below if high <= k and low < k else not is_below if low >= k and high > k else None
+
+
+def _plain(truth: ca.SX) -> ca.SX:
+    """With floor in place of ceil, and comparisons in place of signs."""
+    def make(op: int, numbers: list[int], operands: list[Expression]) -> Expression | None:
+        if op == ca.OP_CEIL:
+            return as_expression(-ca.floor(-operands[0]))
+        if op == ca.OP_SIGN:
+            return as_expression((operands[0] > 0) - (operands[0] < 0))
+        return None
+
+    return as_expression(rebuilt([truth], Numbering(), make)[0])
+
+
+def _atoms_in(d: ca.SX) -> list[ca.SX]:
+    """Conditions and whole numbers that are in no other ones, each once."""
+    seen, found, waiting = set[int](), list[ca.SX](), [d]
+    while waiting:
+        x = waiting.pop()
+        if x.element_hash() in seen or x.is_constant() or x.is_symbolic():
+            continue
+        seen.add(x.element_hash())
+        if x.op() in _ATOMS:
+            found.append(x)
+        else:
+            waiting += [x.dep(k) for k in reversed(range(x.n_dep()))]
+    return found
+
+
+def _simple(op: int, operands: list[Expression]) -> Expression:
+    """An operation, done where operands are numbers that decide it."""
+    if op in (ca.OP_AND, ca.OP_OR):
+        first, second = operands if operands[0].is_constant() else operands[::-1]
+        if first.is_constant():
+            is_decided = bool(float(first)) == (op == ca.OP_OR)
+            return as_expression(float(op == ca.OP_OR)) if is_decided else second
+    return operate(op, operands)
+
+
+def _are_same(a: ca.SX, b: ca.SX) -> bool:
+    """Whether two expressions are equal but for rounding, by numbers."""
+    symbols = ca.vertcat(ca.SX(0, 1), *ca.symvar(ca.vertcat(a, b)))
+    look, random = ca.Function("look", [symbols], [a, b]), np.random.default_rng(5)
+    values = np.array([[float(x) for x in look(random.uniform(0.4, 1.6, symbols.numel()))] for _ in range(_LOOKS)])
+    return bool(np.isfinite(values).all() and np.allclose(values[:, 0], values[:, 1], rtol=_SAME, atol=_SAME))
+
+
+def _line(d: ca.SX) -> tuple[ca.SX, float, bool]:
+    """x, k and whether d > 0 is x > k, not x < k: of d = x - k, or k - x, times a number; else d and 0."""
+    place, scale = 0.0, 1.0  # d > 0 is scale*d > place
+    while d.n_dep():
+        parts = [d.dep(k) for k in range(d.n_dep())]
+        constants = [k for k, part in enumerate(parts) if part.is_constant()]
+        if d.op() == ca.OP_NEG:
+            d, scale = parts[0], -scale
+        elif d.op() in (ca.OP_ADD, ca.OP_SUB) and len(constants) == 1:
+            k = constants[0]
+            place -= scale * float(parts[k]) * (-1 if k == 1 and d.op() == ca.OP_SUB else 1)
+            d, scale = parts[1 - k], -scale if k == 0 and d.op() == ca.OP_SUB else scale
+        elif d.op() == ca.OP_MUL and len(constants) == 1 and float(parts[constants[0]]) != 0:
+            d, scale = parts[1 - constants[0]], scale * float(parts[constants[0]])
+        else:
+            break
+    return as_expression(d), place / scale, scale > 0
+
+
+def _first(step: float, place: ca.SX, is_true_at_place: bool) -> ca.SX:
+    """The whole number n from which on n > place, or n >= place, is true where `step` is positive; n < place or n <= place false,
+    where it is negative."""
+    return as_expression(ca.ceil(place) if is_true_at_place == (step > 0) else ca.floor(place) + 1)
+
+
+def _among(rest: ca.SX, below: ca.SX, here: ca.SX, above: ca.SX) -> ca.SX:
+    """Of what has these levels for the whole number below the present one, it, and the one above; `rest`: x - floor(x)."""
+    places = [(rest, 1 - rest, here), (-rest, below), (rest - 1, above), (1 - rest, below, here), (rest, here, above),
+              (below, here, above)]
+    lowest = [_folded(ca.OP_FMIN, *terms) for terms in places]
+    return as_expression(ca.fmax(ca.fmin(_folded(ca.OP_FMAX, *lowest), 1), -1))
+
+
+# ------------------------------------------------------------ levels of several
+
+
+def _folded(op: int, first: ca.SX, *others: ca.SX) -> ca.SX:
+    for x in others:
+        first = apply(op, first, x)
+    return as_expression(first)
+
+
+def _opposite(level: Level) -> Level:
+    return not level if isinstance(level, bool) else as_expression(-level)
+
+
+def _both(a: Level, b: Level) -> Level:
+    if isinstance(a, bool):
+        return b if a else False
+    if isinstance(b, bool):
+        return a if b else False
+    return _folded(ca.OP_FMIN, a, b)
+
+
+def _either(a: Level, b: Level) -> Level:
+    return _opposite(_both(_opposite(a), _opposite(b)))
+
+
+def _chosen(level: Level, then: Level, otherwise: Level) -> Level:
+    """Where `then` counts if the condition is true, and `otherwise` if it is not."""
+    if isinstance(level, bool):
+        return then if level else otherwise
+    if isinstance(then, bool) and isinstance(otherwise, bool) and then == otherwise:
+        return then
+    return _either(_either(_both(level, then), _both(_opposite(level), otherwise)), _both(then, otherwise))
