@@ -1,10 +1,11 @@
 """User functions -> FlatFunctions: lists of assignments to numbers, loops unrolled and branches merged into if expressions."""
 
-from collections.abc import Callable, Iterable, Mapping, Set
+from collections.abc import Iterable, Set
 from dataclasses import replace
 
 from lagrangia.base.diagnostics import Span, fail
 from lagrangia.language.assertions import read_assertion
+from lagrangia.language.classes import ENUMERATION
 from lagrangia.language.folding import fold
 from lagrangia.language.foreign_words import FOREIGN_WORDS
 from lagrangia.language.function_variables import (
@@ -15,20 +16,21 @@ from lagrangia.language.function_variables import (
     Tree,
     array_of,
     dealt,
-    flat_of,
     leaves_of,
-    part_of,
+    needed,
+    renamed,
 )
 from lagrangia.language.functions import FUNCTIONS
-from lagrangia.language.instances import Instance, Scope
+from lagrangia.language.instances import Instance, Iterators, Scope
+from lagrangia.language.local_names import LocalNames
 from lagrangia.language.mentions import nodes
 from lagrangia.language.names import Names
-from lagrangia.language.number_checks import refuse_no_number
-from lagrangia.language.requirements import implied, measured, with_cells
+from lagrangia.language.number_checks import CONDITIONS, refuse_no_number
+from lagrangia.language.requirements import implied, measured
 from lagrangia.language.tree import (
     Argument,
-    Array,
     Assignment,
+    Binary,
     Boolean,
     Call,
     CallEquation,
@@ -43,7 +45,6 @@ from lagrangia.language.tree import (
     IfExpression,
     Local,
     Number,
-    Ref,
     Reference,
     Result,
     Results,
@@ -60,6 +61,7 @@ _MOST_PASSES = 10_000  # of one while loop
 _STATEMENT = 2  # what an assignment costs beside its expression, in operations of Work
 _ASSERTED = "assert#"  # with a number: what a condition compares, as the name of a local variable
 _KINDS = ("Real", "Integer", "Boolean")
+_TEXTS = ("String", ENUMERATION)
 _ASSIGN = "write: name := expression;"
 
 
@@ -95,6 +97,7 @@ class _Builder:
         self.definition, self.shapes, self.names, self.span = definition, given.shapes, names, span
         self.constants_given = given.constants
         self.declarations = [e for e in definition.elements if isinstance(e, Declaration)]
+        self.declared = {d.name: d for d in self.declarations}
         self.inputs = [d for d in self.declarations if "input" in d.prefixes and d.name in given.shapes]
         self.trees: dict[str, Tree] = {}
         self.units: dict[str, str] = {}
@@ -130,11 +133,11 @@ class _Builder:
     def _start(self, declarations: list[Declaration]) -> None:
         """Gives them the values that they begin with."""
         for declaration in declarations:
-            if declaration.binding is not None:
+            if declaration.binding is not None and self._text(declaration) is None:
                 self._give(self.trees[declaration.name], declaration.binding, self._scope(declaration.span), self.steps, False)
 
     def _declare(self, declaration: Declaration) -> None:
-        constant = self.constants_given.get(declaration.name)
+        constant = self.constants_given.get(declaration.name) or self._text(declaration)
         shape = self.shapes.get(declaration.name)
         base = self.names.table.base_type(declaration.type_name, declaration.type_span)
         sizes = self._sizes((*declaration.dimensions, *(base.dimensions if base else ())), shape, declaration)
@@ -143,6 +146,13 @@ class _Builder:
             self.constants[declaration.name] = constant
         elif shape is not None:
             self.given.update(leaves_of(self.trees[declaration.name]))
+
+    def _text(self, declaration: Declaration) -> Flat | None:
+        """What a text, or a variable of an enumeration, is bound to, as all of it that is known; None for any other variable."""
+        base = self.names.table.base_type(declaration.type_name, declaration.type_span)
+        if base is None or base.builtin not in _TEXTS or declaration.binding is None:
+            return None
+        return self._local().flatten(declaration.binding, self._scope(declaration.span))
 
     def _place(self, declaration: Declaration, sizes: tuple[int, ...]) -> None:
         self.trees[declaration.name] = tree = self._tree(declaration.name, declaration, sizes)
@@ -177,7 +187,8 @@ class _Builder:
         if base is None and (record := table.lookup(declaration.type_name, declaration.type_span)).kind == "record":
             return {name: self._tree(f"{path}.{name}", part, (*sizes, *self._sizes(part.dimensions, None, part)))
                     for name, part in table.declared(record).items()}
-        if base is None or base.builtin not in _KINDS:
+        is_text = base is not None and (declaration.name in self.constants_given or self._text(declaration) is not None)
+        if base is None or (base.builtin not in _KINDS and not is_text):
             fail("L0902", "not supported yet: a function variable that is no number, array or record", declaration.name_span)
         unit = self._unit(declaration, base.attributes)
         tree = array_of(path, sizes, str)
@@ -228,8 +239,8 @@ class _Builder:
         for output_name, tree in results.items():
             for leaf in leaves_of(tree):
                 full = f"{stem}.{leaf}"
-                functions[full] = self._function(full, cells, _needed(steps, self.current[leaf]), self.current[leaf])
-            named[output_name] = _renamed(tree, stem)
+                functions[full] = self._function(full, cells, needed(steps, self.current[leaf]), self.current[leaf])
+            named[output_name] = renamed(tree, stem)
         truths = frozenset((*self.truths, *(f"{stem}.{leaf}" for leaf in self.truths)))
         return Built(inputs, named, functions, tuple(self.asserted), truths)
 
@@ -244,8 +255,8 @@ class _Builder:
         for clause in section.clauses:
             self._statement(clause, {}, steps)
 
-    def _local(self) -> "_LocalNames":
-        return _LocalNames(self.names, self.trees, self.current, self.constants, self.truths, self._assert)
+    def _local(self) -> LocalNames:
+        return LocalNames(self.names, self.trees, self.current, self.constants, self.truths, self._assert, self.declared)
 
     def _assert(self, one: Assertion) -> None:
         """That something holds at this place of the algorithm, where it is reached."""
@@ -256,7 +267,7 @@ class _Builder:
         place = f"{_ASSERTED}{len(self.gaps)}"
         self.names.work.spend(_STATEMENT + sum(1 for _ in nodes(value)), value.span)
         self.units[place] = ""
-        steps = _needed([*self.steps, (place, value)], place)
+        steps = needed([*self.steps, (place, value)], place)
         read = {node.name for _, step in steps for node in nodes(step) if isinstance(node, Local)}
         cells = tuple(leaf for d in self.inputs if d.name not in self.constants_given
                       for leaf in leaves_of(self.trees[d.name]) if leaf in read)
@@ -264,13 +275,13 @@ class _Builder:
         self.gaps[name] = self._function(name, cells, steps, place)
         return Call(name, tuple(Local(cell, value.span) for cell in cells), (), value.span)
 
-    def _scope(self, span: Span, iterators: Mapping[str, int] | None = None) -> Scope:
+    def _scope(self, span: Span, iterators: Iterators | None = None) -> Scope:
         """Local names first: they are members of a stand-in instance whose variables flatten to Local."""
         return Scope(Instance("", self.definition, span), iterators or {})
 
     # ------------------------------------------------------------ statements
 
-    def _statement(self, clause: Clause, iterators: Mapping[str, int], steps: list[tuple[str, Flat]], in_branch: bool = False
+    def _statement(self, clause: Clause, iterators: Iterators, steps: list[tuple[str, Flat]], in_branch: bool = False
                    ) -> None:
         scope = self._scope(clause.span, iterators)
         match clause:
@@ -279,9 +290,11 @@ class _Builder:
             case Assignment(Results(items, span), value, _):
                 self._give_several(items, value, span, scope, steps, in_branch)
             case ForBlock(loops, body, _):
-                for inner in self._local().loop(loops, scope, len(body)):
+                passes = [self._kept(inner.iterators, {one.name for one in loops}, steps)
+                          for inner in self._local().loop(loops, scope, body)]
+                for values in passes:
                     for part in body:
-                        self._statement(part, inner.iterators, steps, in_branch)
+                        self._statement(part, values, steps, in_branch)
             case WhileBlock():
                 self._while(clause, iterators, steps, in_branch)
             case IfBlock(condition, then, otherwise, span):
@@ -296,6 +309,21 @@ class _Builder:
                 self._assert(read_assertion(call, scope, span, self._local()))
             case _:
                 self._refuse(clause)
+
+    def _kept(self, iterators: Iterators, of_loop: Set[str], steps: list[tuple[str, Flat]]) -> Iterators:
+        """The values of a loop's iterators, by names of their own: elements of an array are as they were when the loop began."""
+        kept = dict(iterators)
+        for name in of_loop:
+            value = kept[name]
+            if not isinstance(value, int) and any(isinstance(node, Local) for node in nodes(value)):
+                is_truth = isinstance(value, Binary) and value.operator in CONDITIONS
+                self.units[name] = ""
+                place = self._fresh(name)
+                steps.append((place, number_of(value) if is_truth else value))
+                self.given.add(place)
+                local = Local(place, value.span)
+                kept[name] = truth_of(local) if is_truth else local
+        return kept
 
     def _refuse(self, clause: Clause) -> None:
         if (word := clause.span.text.rstrip(";").strip()) in FOREIGN_WORDS:
@@ -340,7 +368,7 @@ class _Builder:
         flat = names.flatten(value, scope)
         return dealt(flat, tree, names.size, "what is given a value")
 
-    def _while(self, clause: WhileBlock, iterators: Mapping[str, int], steps: list[tuple[str, Flat]], in_branch: bool) -> None:
+    def _while(self, clause: WhileBlock, iterators: Iterators, steps: list[tuple[str, Flat]], in_branch: bool) -> None:
         for _ in range(_MOST_PASSES):
             known = fold(self._local().flatten(clause.condition, self._scope(clause.span, iterators)))
             if not isinstance(known, bool):
@@ -374,7 +402,7 @@ class _Builder:
         self.units[place] = self.units[name]
         return place
 
-    def _branch(self, condition: Flat, then: tuple[Clause, ...], otherwise: tuple[Clause, ...], iterators: Mapping[str, int],
+    def _branch(self, condition: Flat, then: tuple[Clause, ...], otherwise: tuple[Clause, ...], iterators: Iterators,
                 steps: list[tuple[str, Flat]], span: Span) -> None:
         """Both branches with fresh names, then one if expression for each variable that either assigns, under a fresh name too:
         what the condition and the other values read stays as it was. What one branch alone gives a value has none behind them."""
@@ -398,93 +426,3 @@ class _Builder:
                 self._assign(name, IfExpression(condition, taken, other, span), steps, self._fresh(name), is_merged=True)
                 if constant is not None:
                     self.constants[name] = constant
-
-
-def _needed(steps: list[tuple[str, Flat]], output: str) -> tuple[tuple[str, Flat], ...]:
-    """The assignments that a result follows from."""
-    wanted, found = {output}, []
-    for place, value in reversed(steps):
-        if place in wanted:
-            found.append((place, value))
-            wanted.remove(place)
-            wanted |= {node.name for node in nodes(value) if isinstance(node, Local)}
-    return tuple(reversed(found))
-
-
-def _renamed(tree: Tree, stem: str) -> Tree:
-    if isinstance(tree, str):
-        return f"{stem}.{tree}"
-    if isinstance(tree, dict):
-        return {name: _renamed(part, stem) for name, part in tree.items()}
-    return tuple(_renamed(part, stem) for part in tree)
-
-
-class _LocalNames(Names):
-    """Name resolution inside a function: its own variables, and the functions and constants of the kernel."""
-
-    def __init__(self, names: Names, trees: Mapping[str, Tree], current: Mapping[str, str], constants: Mapping[str, Flat],
-                 truths: Set[str], asserts: Callable[[Assertion], None]) -> None:
-        super().__init__(names.table, names.report, names.define, work=names.work, made=names.made,
-                         lookups=names.lookups, make_package=names.make_package,
-                         packages=names.packages, space=names.space)
-        self.trees, self.current, self.constants, self.truths, self.asserts = trees, current, constants, truths, asserts
-
-    def require(self, one: Assertion, cells: Mapping[str, Flat], span: Span, scope: Scope) -> None:
-        """Of a function that is called here: it has to hold here, too."""
-        self.asserts(replace(one, condition=implied(self.under, with_cells(one.condition, cells))))
-
-    def late(self, call: Call[Flat]) -> Ref:
-        fail("L0901", "not supported yet: delay in a function", call.span, "delay what the function is given, or what it gives")
-
-    def fields(self, node: Expression, scope: Scope) -> list[str]:
-        if isinstance(node, Reference) and node.parts[0].name in self.trees:
-            tree = self.picked(node, scope)
-            return list(tree) if isinstance(tree, dict) else []
-        return super().fields(node, scope)
-
-    def picked(self, node: Reference, scope: Scope) -> Tree:
-        """The variable, or what of it is named. Raises LagError L0214, L0216."""
-        tree, subscripts = self.trees[node.parts[0].name], list(node.parts[0].subscripts)
-        for part in node.parts[1:]:
-            tree = part_of(tree, part.name, part.span)
-            subscripts += part.subscripts
-        return self._at(tree, subscripts, scope, node.span)
-
-    def _at(self, tree: Tree, subscripts: list[Expression], scope: Scope, span: Span) -> Tree:
-        if not subscripts:
-            return tree
-        if isinstance(tree, dict):
-            return {name: self._at(part, subscripts, scope, span) for name, part in tree.items()}
-        if isinstance(tree, str):
-            fail("L0214", f"'{span.text}' has more subscripts than dimensions", span)
-        picks = self._picks(subscripts[0], len(tree), scope)
-        for pick in [picks] if isinstance(picks, int) else picks:
-            if not 1 <= pick <= len(tree):
-                fail("L0214", f"there are {len(tree)} elements, not {pick}", span)
-        if isinstance(picks, int):
-            return self._at(tree[picks - 1], subscripts[1:], scope, span)
-        return tuple(self._at(tree[pick - 1], subscripts[1:], scope, span) for pick in picks)
-
-    def _picks(self, node: Expression, size: int, scope: Scope) -> int | list[int]:
-        if isinstance(node, Whole):
-            return list(range(1, size + 1))
-        inner = scope.bind("end", size)
-        flat = self.flatten(node, inner)
-        if not isinstance(flat, Array):
-            return self.integer(node, inner, "a subscript")
-        values = [fold(item) for item in flat.items]
-        if None in values:
-            fail("L0210", "subscripts must be known when the scene is compiled", node.span)
-        return [int(value or 0) for value in values]
-
-    def resolve(self, node: Reference, scope: Scope) -> Flat:
-        name = node.parts[0].name
-        if name in self.trees and name not in scope.iterators:
-            return flat_of(self.picked(node, scope), lambda leaf: self._leaf(leaf, node.span), node.span)
-        if name == "time":
-            fail("L0204", "a function knows no time", node.span, "pass it as an input")
-        return super().resolve(node, scope)
-
-    def _leaf(self, leaf: str, span: Span) -> Flat:
-        local = Local(self.current[leaf], span)
-        return self.constants.get(leaf) or (truth_of(local) if leaf in self.truths else local)

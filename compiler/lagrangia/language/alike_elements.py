@@ -5,6 +5,7 @@ knows what was dealt out.
 """
 
 from collections.abc import Iterable
+from dataclasses import replace
 from typing import Any
 
 from lagrangia.language.instances import Bound, FrameSlot, Instance, Member, Scope, Slot
@@ -23,7 +24,8 @@ class First(int):
 
     def dealt(self, bound: Bound, index: int) -> Bound:
         """The part of another element."""
-        return Bound(bound.expression, bound.scope, tuple((index if k is self else k, size) for k, size in bound.selection))
+        return Bound(bound.expression, bound.scope, tuple((index if k is self else k, size) for k, size in bound.selection),
+                     bound.is_each)
 
 
 class Alike(list[Any]):
@@ -108,5 +110,5 @@ class _Copier:
         """The same, read where the copy stands if it was written within it."""
         scope = self.scopes.get(id(x.scope.instance))
         if scope is not None:
-            return Bound(x.expression, Scope(scope.instance, x.scope.iterators) if x.scope.iterators else scope, x.selection)
+            return replace(x, scope=Scope(scope.instance, x.scope.iterators) if x.scope.iterators else scope)
         return self.mark.dealt(x, self.index) if x.selection else x

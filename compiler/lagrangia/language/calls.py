@@ -6,7 +6,9 @@ from typing import NoReturn, Protocol
 from lagrangia.base.diagnostics import Span, fail, suggest
 from lagrangia.language.attitudes import ATTITUDES
 from lagrangia.language.classes import ClassTable
+from lagrangia.language.component_sizes import OF_SIZES, shape_of_components, with_sizes
 from lagrangia.language.elements import element, length
+from lagrangia.language.enumerations import literal_numbered
 from lagrangia.language.foreign_words import FOREIGN_CALLS
 from lagrangia.language.frame_attributes import ANGLE, Space
 from lagrangia.language.frame_words import FRAME_WORDS, frame_call
@@ -63,6 +65,9 @@ class Calls(Loops, Requirements, OwnCalls, Protocol):
             node = replace(node, function=kernel)
         elif (own := self.table.function(node.function, node.span)) is not None:
             return self.own_call(node, own, scope)
+        if node.function in OF_SIZES and node.arguments and (
+                shape := self.shape_of_components(node.arguments[0], scope)) is not None:
+            node = with_sizes(node, shape)
         arguments = tuple(self.flatten(a, scope) for a in node.arguments)
         named = tuple((name, self.flatten(a, scope)) for name, a in node.named)
         if node.function in scope.instance.members:
@@ -76,6 +81,10 @@ class Calls(Loops, Requirements, OwnCalls, Protocol):
         if node.function == "String":
             return text_of(replace(call, arguments=tuple(self.made.with_known_calls(a, self.work) for a in arguments)))
         return self.checked_call(call)
+
+    def shape_of_components(self, node: Expression, scope: Scope) -> tuple[int, ...] | None:
+        """Of an array of components or records; None for anything else."""
+        return shape_of_components(node, scope, self)
 
     def late(self, call: Call[Flat]) -> Ref:
         """The variable that stands for a call of `delay`."""
@@ -107,6 +116,8 @@ class Calls(Loops, Requirements, OwnCalls, Protocol):
                 return Array(tuple(self.part(item, name, span) for item in items), place)
             case Comprehension("", body, iterators, place):
                 return Comprehension("", self.part(body, name, span), iterators, place)
+            case Call("fill", (value, *sizes), (), place) if sizes:
+                return Call("fill", (self.part(value, name, span), *sizes), (), place)
             case Field(inner, outer, _):
                 return self.part(self.part(inner, outer, span), name, span)
             case Call() if self.own_of(record) is None:
@@ -140,6 +151,8 @@ class Calls(Loops, Requirements, OwnCalls, Protocol):
         if node.function in ARRAY_FUNCTIONS:
             return self._array_call(node)
         record = self.table.found(node.function, node.span) if node.function not in FUNCTIONS else None
+        if record is not None and record.literals:
+            return literal_numbered(record, node)
         if record is not None:
             what = "a record, not a number" if record.kind == "record" else f"a {record.kind}, no function"
             hint = f"declare one: {record.name} r = {node.span.text}; and name its parts, as r.x"

@@ -12,6 +12,7 @@ from typing import Protocol
 from lagrangia.base.diagnostics import Report, Span, fail
 from lagrangia.base.records import dataclass
 from lagrangia.language.classes import ClassTable
+from lagrangia.language.elements import element, length
 from lagrangia.language.flat import Equation, Variable
 from lagrangia.language.instances import FrameSlot, Instance, Member, Scope, Slot
 from lagrangia.language.mentions import leaves, nodes
@@ -118,7 +119,10 @@ class Bindings:
     def take(self, equations: Sequence[Equation]) -> list[Equation]:
         """Equations `y = expression` of variables without a binding become their bindings, those of all elements, `y[i] =
         expression`, together one; returns the others. Raises LagError L0211 where some elements have one and others none."""
-        left = [equation for equation in equations if not self._give(equation)]
+        for variable in self.variables.values():
+            if 0 in variable.shape and self._is_open(variable.name):
+                self._bind(variable, _array(variable.shape, (), {}, variable.span))
+        left = [part for equation in equations if not self._give(equation) for part in self._dealt(equation)]
         parts: dict[str, dict[tuple[int, ...], tuple[int, Flat]]] = {}
         for k, equation in enumerate(left):
             for side, other in ((equation.left, equation.right), (equation.right, equation.left)):
@@ -135,6 +139,26 @@ class Bindings:
             self._bind(variable, _array(variable.shape, (), {index: x for index, (_, x) in elements.items()}, variable.span))
         taken = {k for elements in parts.values() for k, _ in elements.values()}
         return [equation for k, equation in enumerate(left) if k not in taken]
+
+    def _dealt(self, equation: Equation) -> list[Equation]:
+        """Of a slice, z[1:2] = x or A[1, :] = x: the equations of its elements; any other one as it is."""
+        def size(ref: Ref) -> int | None:
+            variable = self.variables.get(ref.name)
+            return variable.shape[len(ref.index)] if variable is not None and len(variable.shape) > len(ref.index) else None
+
+        def deal(left: Flat, right: Flat) -> Iterator[Equation]:
+            count = length(left, size)
+            if count is None or length(right, size) != count:
+                yield replace(equation, left=left, right=right)
+                return
+            for k in range(1, count + 1):
+                yield from deal(element(left, k, size), element(right, k, size))
+
+        is_slice = any(
+            named and all(isinstance(node, Array) or (isinstance(node, Ref) and self._is_open(node.name)) for node in named)
+            for named in (list(nodes(side)) for side in (equation.left, equation.right)
+                          if isinstance(side, Array) or (isinstance(side, Ref) and side.index)))
+        return list(deal(equation.left, equation.right)) if is_slice else [equation]
 
     def _is_open(self, name: str) -> bool:
         variable = self.variables.get(name)

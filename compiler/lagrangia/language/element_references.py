@@ -1,13 +1,13 @@
 """Names of what is in an element of an array, as link[i].b: followed once, and in every other pass of a loop written down for the
 element that the subscripts say, where all elements are alike."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from typing import Any
 
 from lagrangia.base.records import dataclass
 from lagrangia.language.alike_elements import Alike
 from lagrangia.language.folding import fold
-from lagrangia.language.instances import FrameSlot, Instance, Scope, Slot
+from lagrangia.language.instances import FrameSlot, Instance, Iterators, Scope, Slot
 from lagrangia.language.tree import Binary, Expression, Flat, FrameRef, Number, Ref, Reference, Unary
 
 _OPERATORS = frozenset("+-*")
@@ -20,19 +20,22 @@ class ElementReference:
     node: Reference
     scope: Scope  # one of those in which it stands, which keeps its instance
     sizes: tuple[int, ...]
-    subscripts: Callable[[Mapping[str, int]], tuple[int, ...]]
+    subscripts: Callable[[Iterators], tuple[int, ...]]
     before: str  # the subscripts, and what stands behind them
     behind: str
     attribute: str | None  # of a frame; None for a variable
     index: tuple[int, ...]
     is_spatial: bool = False
 
-    def at(self, iterators: Mapping[str, int]) -> Flat | None:
-        """What it stands for in another pass; None for what is not among the elements."""
-        picked = self.subscripts(iterators)
-        for k, size in zip(picked, self.sizes, strict=True):
-            if not 1 <= k <= size:
-                return None
+    def at(self, iterators: Iterators) -> Flat | None:
+        """What it stands for in another pass; None for what is not among the elements, or not said by integers there."""
+        try:
+            picked = self.subscripts(iterators)
+            is_inside = all(1 <= k <= size for k, size in zip(picked, self.sizes, strict=True))
+        except TypeError:
+            return None
+        if not is_inside:
+            return None
         name = f"{self.before}{','.join(map(str, picked))}{self.behind}"
         if self.attribute is None:
             return Ref(name, self.index, self.node.span)
@@ -63,7 +66,7 @@ def element_reference(node: Reference, scope: Scope, found: Flat, integer: Calla
     if None in texts or not found.name.startswith(stem):
         return None
     behind = found.name[found.name.index("]", len(stem)) :]
-    read: Callable[[Mapping[str, int]], tuple[int, ...]] = eval(f"lambda its: ({''.join(f'{text}, ' for text in texts)})")
+    read: Callable[[Iterators], tuple[int, ...]] = eval(f"lambda its: ({''.join(f'{text}, ' for text in texts)})")
     attribute, is_spatial = (found.attribute, found.is_spatial) if isinstance(found, FrameRef) else (None, False)
     return ElementReference(node, scope, tuple(sizes), read, stem, behind, attribute, found.index, is_spatial)
 
@@ -74,7 +77,9 @@ def _text(node: Expression, scope: Scope, integer: Callable[[Expression, Scope, 
         case Number() if (value := fold(node)) is not None and float(value).is_integer():
             return str(int(value))
         case Reference((part,), _) if not part.subscripts:
-            return f"its[{part.name!r}]" if part.name in scope.iterators else str(integer(node, scope, "a subscript"))
+            if part.name not in scope.iterators:
+                return str(integer(node, scope, "a subscript"))
+            return f"its[{part.name!r}]" if isinstance(scope.iterators[part.name], int) else None
         case Unary("-", operand, _):
             inner = _text(operand, scope, integer)
             return f"(-{inner})" if inner is not None else None

@@ -5,11 +5,14 @@ from dataclasses import replace
 from functools import partial
 from typing import Any
 
-from lagrangia.base.diagnostics import Diagnostic, LagError, Report, Span, TooMuchError, fail, nearest
+from lagrangia.base.diagnostics import Diagnostic, LagError, Report, Span, TooMuchError, fail
 from lagrangia.language.algorithms import Functions
 from lagrangia.language.alike_elements import Alike
-from lagrangia.language.assertions import ending_of, guard_of, refuse_ending
+from lagrangia.language.array_connections import joined_elements
+from lagrangia.language.assertions import ending_of, guard_of
 from lagrangia.language.attitudes import ROTATION
+from lagrangia.language.call_equations import refuse_call
+from lagrangia.language.chosen_equations import chosen_of
 from lagrangia.language.classes import ClassTable
 from lagrangia.language.connections import Bindings, Connection, bound_to, connected, flanges_of, require_bindings
 from lagrangia.language.delays import check_delays, declare_delays, variable_of, with_delays
@@ -34,7 +37,6 @@ from lagrangia.language.flat import (
     Work,
     is_frame,
 )
-from lagrangia.language.foreign_words import FOREIGN_CALLS
 from lagrangia.language.hinge_angles import hinge_angles
 from lagrangia.language.idle import find_idle
 from lagrangia.language.instances import FrameSlot, Instance, Member, Modification, Scope, Slot, is_absent, outside
@@ -91,7 +93,6 @@ from lagrangia.language.without_effect import find_without_effect
 _AT_EVENTS = ("write: reinit(der(x), value);",
               "values that are held between instants: when sample(0, 0.01) then u = ...; end when;")
 _MOMENTS = {"initial": "an initial equation", "when": "an event", "sample": "a value that is held"}
-_IF = "what the motion decides is chosen by an if expression: y = if x > 1 then a else b"
 
 
 def flatten(table: ClassTable, definition: ClassDefinition, structural: Mapping[str, Any] | None = None,
@@ -313,12 +314,11 @@ class _Flattening:
         place = self._place(clause.span, scope.instance)
         match clause:
             case ForBlock(iterators, body, _):
-                for inner in self.names.loop(iterators, scope, len(body)):
+                for inner in self.names.loop(iterators, scope, body):
                     for part in body:
                         self._clause(kind, part, inner)
-            case IfBlock(condition, then, otherwise, _):
-                chosen = then if self.names.boolean(condition, scope, "the condition of an if block", _IF) else otherwise
-                for part in chosen:
+            case IfBlock():
+                for part in chosen_of(clause, kind, scope, self.names):
                     self._clause(kind, part, scope)
             case Equality():
                 self._add_equality(kind, clause, scope, place)
@@ -378,26 +378,20 @@ class _Flattening:
         if not isinstance(call, Call):
             fail("L0222", "this is no equation", span, "an equation has a '=' between two expressions")
         if call.function != "connect":
-            if call.function == "reinit":
-                fail("L0222", "reinit stands in a when", span, "write: when x < 0 then reinit(der(x), value); end when;")
             if call.function == "assert":
                 self.guards += guard_of(call, scope, span, self.names, self.report)
                 return
-            if call.function == "terminate":
-                refuse_ending(span)
-            if (last := call.function.rpartition(".")[2]) in FOREIGN_CALLS:
-                fail("L0901", f"not of this language: {call.function}(...)", span, FOREIGN_CALLS[last])
-            if call.function == "equilibrium":
-                fail("L0222", "a start at rest stands in a section of its own", span, "write: initial equation equilibrium();")
-            near = nearest(call.function, ["connect"])
-            fail("L0222", f"{call.function}(...) is no equation", span,
-                 f"did you mean '{near}'?" if near else "an equation has a '=' between two expressions, or is connect(a, b)")
+            refuse_call(call, span)
         if len(call.arguments) != 2:
             fail("L0215", f"connect takes two frames, not {len(call.arguments)}", span, "write: connect(a, b)")
         key = id(call), id(scope.instance)  # elements of arrays are of one class: what they have is the same in all passes
         if key not in self.frames_joined:
             if any(is_absent(argument, scope) for argument in call.arguments):
                 return  # to a component that is not there nothing is connected
+            if elements := joined_elements(call, scope, self.names):
+                for one in elements:
+                    self._clause("equation", CallEquation(one, one.span), scope)
+                return
             if (between := connected(call, scope, span, self.names)) is not None:
                 self.connections += between
                 return
@@ -425,7 +419,8 @@ class _Flattening:
             return
         condition = self.names.without_known(self.names.flatten(block.condition, scope))
         if isinstance(condition, Array):
-            fail("L0225", "an event has one condition", block.condition.span, "write: when x > 1 or x < -1 then ... end when;")
+            fail("L0225", "an event has one condition", block.condition.span,
+                 "write: when x > 1 then ... elsewhen x < -1 then ... end when;")
         self.resets, self.endings = [], []
         for part in block.body:
             self._clause("when", part, scope)

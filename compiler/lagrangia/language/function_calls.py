@@ -4,7 +4,8 @@ from collections.abc import Mapping
 from typing import Any, Protocol
 
 from lagrangia.base.diagnostics import Span, fail, suggest
-from lagrangia.language.classes import ClassTable
+from lagrangia.language.classes import ENUMERATION, ClassTable
+from lagrangia.language.elements import element
 from lagrangia.language.folding import fold, folded
 from lagrangia.language.function_variables import Assertion, Built, Given, Tree, dealt, flat_of, leaves_of, part_of
 from lagrangia.language.instances import Scope
@@ -12,10 +13,12 @@ from lagrangia.language.known_calls import MadeFunctions
 from lagrangia.language.matrices import shape_of
 from lagrangia.language.number_checks import refuse_no_number
 from lagrangia.language.tree import (
+    Array,
     Call,
     ClassDefinition,
     Clause,
     Declaration,
+    EnumerationLiteral,
     Expression,
     Field,
     Flat,
@@ -25,6 +28,7 @@ from lagrangia.language.tree import (
     Ref,
     Reference,
     Result,
+    String,
     WhileBlock,
 )
 from lagrangia.language.truths import number_of, truth_of
@@ -53,7 +57,8 @@ class OwnCalls(Protocol):
 
     def own_call(self, call: Call[Expression], own: ClassDefinition, scope: Scope, output: int = 0, way: tuple[str, ...] = ()
                  ) -> Flat:
-        """A result of a call, or what it has under the names `way`. Raises LagError L0215, L0303."""
+        """A result of a call, or what it has under the names `way`; of an array where the function takes a number that of each
+        element (Modelica 3.6, section 12.4.6). Raises LagError L0215, L0303."""
         declared = [e for e in own.elements if isinstance(e, Declaration)]
         if own.is_partial:
             fail("L0205", f"the function '{own.name}' is partial: it cannot be called", call.span,
@@ -61,6 +66,30 @@ class OwnCalls(Protocol):
         inputs = {d.name: d for d in declared if "input" in d.prefixes}
         given = _arranged(call, own.name, inputs)
         values = {name: self.flatten(node, scope) for name, node in given.items() if not self._record(inputs[name])}
+        arrays = {name: shape for name, value in values.items() if not inputs[name].dimensions
+                  and (shape := shape_of(value, self.size)) and not self._has_size(inputs[name])}
+        if not arrays:
+            return self._called(call, own, given, values, scope, output, way)
+        if len(set(arrays.values())) > 1:
+            fail("L0303", f"{own.name} is given arrays of different sizes where it takes numbers: {', '.join(arrays)}", call.span)
+
+        def of_each(values: dict[str, Flat], shape: tuple[int, ...]) -> Flat:
+            if not shape:
+                return self._called(call, own, given, values, scope, output, way)
+            return Array(tuple(of_each(values | {name: element(values[name], k, self.size) for name in arrays}, shape[1:])
+                               for k in range(1, shape[0] + 1)), call.span)
+
+        return of_each(values, next(iter(arrays.values())))
+
+    def _has_size(self, declaration: Declaration) -> bool:
+        """Whether its type is one of arrays."""
+        base = self.table.base_type(declaration.type_name, declaration.type_span)
+        return base is not None and bool(base.dimensions)
+
+    def _called(self, call: Call[Expression], own: ClassDefinition, given: dict[str, Expression], values: dict[str, Flat],
+                scope: Scope, output: int, way: tuple[str, ...]) -> Flat:
+        """A result of a call whose numbers and arrays are flat."""
+        inputs = {e.name: e for e in own.elements if isinstance(e, Declaration) and "input" in e.prefixes}
         for name, value in values.items():
             self._refuse_other(inputs[name], value)
         shapes = {name: shape_of(values[name], self.size) if name in values else (
@@ -96,6 +125,11 @@ class OwnCalls(Protocol):
             refuse_no_number(value)
         elif base is not None and base.builtin == "Boolean":
             number_of(value)
+        elif base is not None and base.builtin == "String" and not isinstance(value, String):
+            fail("L0302", f"'{declaration.name}' is a text that is known when the scene is compiled, this is none", value.span)
+        elif base is not None and base.definition is not None and base.builtin == ENUMERATION and not (
+                isinstance(value, EnumerationLiteral) and value.type_name == base.definition.name):
+            fail("L0302", f"'{declaration.name}' is a value of {base.definition.name}, this is none", value.span)
 
     def own_of(self, node: Expression) -> tuple[Call[Expression], ClassDefinition, int] | None:
         """The call of a function of people's own that an expression is a result of, the function, and which result."""
@@ -135,11 +169,14 @@ class OwnCalls(Protocol):
         """Of as many dimensions as the input has."""
         if not declaration.dimensions:
             return ()
-        definition = self.table.lookup(declaration.type_name, declaration.type_span)
-        first = next(iter(self.table.declared(definition)), None)
-        if first is None:
-            fail("L0902", "not supported yet: arrays of records without parts", node.span)
-        return shape_of(self.flatten(Field(node, first, node.span), scope), self.size)[: len(declaration.dimensions)]
+        part, number = declaration, node
+        while self._record(part):
+            definition = self.table.lookup(part.type_name, part.type_span)
+            first = next(iter(self.table.declared(definition).items()), None)
+            if first is None:
+                fail("L0902", "not supported yet: arrays of records without parts", node.span)
+            number, part = Field(number, first[0], node.span), first[1]
+        return shape_of(self.flatten(number, scope), self.size)[: len(declaration.dimensions)]
 
     def _cells(self, node: Expression, value: Flat | None, tree: Tree, scope: Scope, what: str) -> list[Flat]:
         if isinstance(tree, dict):
@@ -170,11 +207,12 @@ def _arranged(call: Call[Expression], name: str, inputs: dict[str, Declaration])
 
 
 def _constants(own: ClassDefinition, inputs: dict[str, Declaration], values: dict[str, Flat]) -> dict[str, Flat]:
-    """Of Integer and Boolean inputs, where sizes or passes of loops may depend on them."""
+    """Of texts, values of enumerations, and Integer and Boolean inputs, where sizes or passes of loops may depend on them."""
     found = {}
     for name, value in values.items():
         kind = inputs[name].type_name
-        if (kind == "Boolean" or (kind == "Integer" and _is_structured(own))) and fold(value) is not None:
+        if isinstance(value, String | EnumerationLiteral) or (
+                (kind == "Boolean" or (kind == "Integer" and _is_structured(own))) and fold(value) is not None):
             constant = folded(value)
             assert constant is not None
             found[name] = constant

@@ -9,7 +9,8 @@ from typing import Literal, TypeAlias
 from lagrangia.base.diagnostics import Span, fail, suggest
 from lagrangia.base.records import dataclass
 from lagrangia.language.elements import Size, element, length
-from lagrangia.language.tree import Array, Flat
+from lagrangia.language.mentions import nodes
+from lagrangia.language.tree import Array, EnumerationLiteral, Flat, Local
 
 Tree: TypeAlias = "str | tuple[Tree, ...] | dict[str, Tree]"  # leaves: names
 Values: TypeAlias = "Flat | tuple[Values, ...] | dict[str, Values]"
@@ -30,16 +31,20 @@ class FlatFunction:
 @dataclass(frozen=True)
 class Given:
     """What a call gives a function, as far as the function is another one by it: the shapes of what it gives, and the values of
-    Integer and Boolean inputs that are known."""
+    texts, enumerations, Integer and Boolean inputs that are known."""
 
     shapes: Mapping[str, tuple[int, ...]]
     constants: Mapping[str, Flat]
 
     def signature(self) -> str:
         """Of functions of the same name."""
-        texts = [f"{name}={','.join(map(str, shape))}{getattr(self.constants.get(name), 'value', '')}"
+        texts = [f"{name}={','.join(map(str, shape))}{_text_of(self.constants.get(name))}"
                  for name, shape in self.shapes.items()]
         return f"({'; '.join(texts)})"
+
+
+def _text_of(constant: Flat | None) -> object:
+    return constant.name if isinstance(constant, EnumerationLiteral) else getattr(constant, "value", "")
 
 
 @dataclass(frozen=True)
@@ -113,3 +118,23 @@ def part_of(tree: Tree, name: str, span: Span) -> Tree:
     if name not in tree:
         fail("L0216", f"the record has no '{name}'", span, *filter(None, [suggest(name, list(tree))]))
     return tree[name]
+
+
+def needed(steps: list[tuple[str, Flat]], output: str) -> tuple[tuple[str, Flat], ...]:
+    """The assignments that a result follows from."""
+    wanted, found = {output}, []
+    for place, value in reversed(steps):
+        if place in wanted:
+            found.append((place, value))
+            wanted.remove(place)
+            wanted |= {node.name for node in nodes(value) if isinstance(node, Local)}
+    return tuple(reversed(found))
+
+
+def renamed(tree: Tree, stem: str) -> Tree:
+    """The same variable of another name: stem.name."""
+    if isinstance(tree, str):
+        return f"{stem}.{tree}"
+    if isinstance(tree, dict):
+        return {name: renamed(part, stem) for name, part in tree.items()}
+    return tuple(renamed(part, stem) for part in tree)

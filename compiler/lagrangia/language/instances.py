@@ -11,7 +11,7 @@ from lagrangia.base.diagnostics import Span
 from lagrangia.base.records import dataclass
 from lagrangia.language.classes import ENUMERATION, ClassTable
 from lagrangia.language.frame_attributes import Space
-from lagrangia.language.tree import ClassDefinition, Clause, Declaration, Expression, Reference
+from lagrangia.language.tree import ClassDefinition, Clause, Declaration, Expression, Flat, Reference
 
 STRUCTURAL_TYPES = frozenset({"Integer", "Boolean", "String", ENUMERATION})
 
@@ -24,25 +24,30 @@ def held_port(frames: Sequence[str]) -> str | None:
     return "b" if {"a", "b"} <= set(frames) else frames[-1] if len(frames) > 1 else None
 
 
+Iterators: TypeAlias = Mapping[str, "int | Flat"]  # integers as such, and any other values
+
+
 @dataclass(frozen=True)
 class Scope:
     """Where names are looked up: an instance, and the loop variables in force."""
 
     instance: "Instance"
-    iterators: Mapping[str, int] = field(default_factory=dict)
+    iterators: Iterators = field(default_factory=dict)
 
-    def bind(self, name: str, value: int) -> "Scope":
+    def bind(self, name: str, value: int | Flat) -> "Scope":
         """The same scope with a value for one more iterator."""
         return Scope(self.instance, {**self.iterators, name: value})
 
 
 @dataclass(frozen=True)
 class Bound:
-    """An expression with its scope. `selection` holds (index, size) for each array of components it is dealt out over."""
+    """An expression with its scope. `selection` holds (index, size) for each array of components it is dealt out over; what is
+    for `each` is not dealt out where it is as a whole what one element takes."""
 
     expression: Expression
     scope: Scope
     selection: tuple[tuple[int, int], ...] = ()
+    is_each: bool = False
 
 
 @dataclass(frozen=True)
@@ -56,6 +61,7 @@ class Modification:
     span: Span | None = None
     redeclared: "Redeclared | None" = None
     is_left_out: bool = False  # break
+    was_each: bool = False  # of an array around that of the component
     is_below: bool = False  # said of a part of what was given a value as a whole thereafter
 
 

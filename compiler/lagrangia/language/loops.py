@@ -1,17 +1,23 @@
 """Loops, unrolled: the values that iterators take."""
 
-from collections.abc import Iterable
-from typing import Protocol
+from collections.abc import Iterable, Sequence
+from math import floor
+from typing import Any, Protocol
 
 from lagrangia.base.diagnostics import Diagnostic, Span, TooMuchError, fail
 from lagrangia.base.records import dataclass
+from lagrangia.language.elements import element, length
+from lagrangia.language.enumerations import Enumerations, from_to
+from lagrangia.language.folding import fold
+from lagrangia.language.implied_ranges import sizes_asked
 from lagrangia.language.instances import Scope, StructuralValues
-from lagrangia.language.tree import Array, Expression, Iterator, Range, Reference
+from lagrangia.language.tree import EnumerationLiteral, Expression, Flat, Iterator, Number, Range, Ref, Reference
 
 _OF_NUMBERS = "numbers in equal distances: linspace(0, 2, 5), or {0.5*i for i in 0:4}"
 _UNROLLED = "the loops and sums of this model unroll to"
 _MOST_ITERATIONS = 100_000  # of one loop
 _MOST_OPERATIONS = 300_000  # of all loops of a model, each times the clauses in it: some 10 us each
+_SLACK = 1e-9  # of a step: 0:0.1:0.3 has four values, though 0.3/0.1 is a little less than 3
 
 
 @dataclass
@@ -28,42 +34,83 @@ class Work:
             raise TooMuchError([Diagnostic("error", "L0209", what, span, "", (hint,))])
 
 
-class Loops(StructuralValues, Protocol):
+class Loops(Enumerations, StructuralValues, Protocol):
     """What runs over iterators, of names.py."""
 
     work: Work
 
-    def count_of_literals(self, node: Reference) -> int | None:
-        """How many values an enumeration has; None for what is none."""
+    def flatten(self, node: Expression, scope: Scope) -> Flat:
+        """An expression with full names. Raises LagError."""
 
-    def loop(self, iterators: tuple[Iterator, ...], scope: Scope, size: int = 1) -> Iterable[Scope]:
-        """The scopes of all passes of a loop over so many clauses, the last iterator running fastest. Raises LagError
+    def number(self, expression: Expression, scope: Scope, what: str) -> float:
+        """The number that an expression must be. Raises LagError L0210."""
+
+    def size(self, ref: Ref) -> int | None:
+        """Of the next dimension of a variable; None where it has none."""
+
+    def loop(self, iterators: tuple[Iterator, ...], scope: Scope, body: Sequence[Any]) -> Iterable[Scope]:
+        """The scopes of all passes of a loop over clauses or expressions, the last iterator running fastest. Raises LagError
         L0209, L0214."""
         scopes = [scope]
         for iterator in iterators:
-            if iterator.range is None:
-                fail("L0214", f"the range of '{iterator.name}' is missing", iterator.span, "write: for i in 1:n")
             passes: list[Scope] = []
             for outer in scopes:
-                passes += [outer.bind(iterator.name, value) for value in self._values(iterator.range, outer)]
+                passes += [outer.bind(iterator.name, value) for value in self._passes(iterator, outer, body)]
                 if len(passes) > _MOST_ITERATIONS:
                     fail("L0209", f"a loop of more than {_MOST_ITERATIONS} passes", iterator.span)
             scopes = passes
-        self.work.spend(len(scopes) * size, iterators[0].span)
+        self.work.spend(len(scopes) * len(body), iterators[0].span)
         return scopes
 
-    def _values(self, node: Expression, scope: Scope) -> list[int]:
+    def _passes(self, iterator: Iterator, scope: Scope, body: Sequence[Any]) -> Sequence[int | Flat]:
+        if iterator.range is not None:
+            return self._values(iterator.range, scope)
+        asked = sizes_asked(iterator.name, body, iterator.span)
+        counts = {self.integer(size, scope, "a size"): size for size in asked}
+        if not counts:
+            fail("L0214", f"the range of '{iterator.name}' is missing, and it picks no element of an array alone", iterator.span,
+                 "write: for i in 1:n")
+        if len(counts) > 1:
+            fail("L0214", f"the range of '{iterator.name}' is missing, and it picks elements of arrays of "
+                 f"{' and '.join(map(str, sorted(counts)))}", iterator.span, "write: for i in 1:n")
+        return range(1, next(iter(counts)) + 1)
+
+    def _values(self, node: Expression, scope: Scope) -> Sequence[int | Flat]:
+        """Of a range, an enumeration, or the elements of an array: integers as such, where they are known. Raises LagError
+        L0214."""
         if isinstance(node, Range):
             return self._range(node, scope)
-        if isinstance(node, Reference) and (count := self.count_of_literals(node)) is not None:
-            return list(range(1, count + 1))
-        if isinstance(node, Array):
-            return [self.integer(item, scope, "a loop's value") for item in node.items]
-        fail("L0214", "a loop runs over a range or a list of integers", node.span, "write: for i in 1:n")
+        if isinstance(node, Reference) and (literals := self.literals(node)):
+            return literals
+        flat = self.flatten(node, scope)
+        count = length(flat, self.size)
+        if count is None:
+            fail("L0214", "a loop runs over a range, an enumeration or an array", node.span, "write: for i in 1:n")
+        items = [element(flat, k, self.size) for k in range(1, count + 1)]
+        if items and length(items[0], self.size) is not None:
+            fail("L0214", "a loop runs over an array of one dimension, not over a matrix", node.span,
+                 "run over its rows: for i in 1:size(A, 1)")
+        whole = [_whole(item) for item in items]
+        return items if None in whole else [k for k in whole if k is not None]
 
-    def _range(self, node: Range, scope: Scope) -> list[int]:
-        start, stop = (self.integer(e, scope, "the end of a range") for e in (node.start, node.stop))
-        step = self.integer(node.step, scope, "the step of a range", _OF_NUMBERS) if node.step is not None else 1
-        if step == 0 or (stop - start) // step > _MOST_ITERATIONS:
+    def _range(self, node: Range, scope: Scope) -> Sequence[int | Flat]:
+        """Raises LagError L0209, L0210, L0214."""
+        ends = [self.flatten(end, scope) for end in (node.start, node.stop)]
+        if isinstance(ends[0], EnumerationLiteral) and node.step is None:
+            return from_to(ends[0], ends[1])
+        values = [self.number(end, scope, "the end of a range") for end in (node.start, node.stop)]
+        step = self.number(node.step, scope, "the step of a range") if node.step is not None else 1.0
+        if step == 0 or (values[1] - values[0]) / step > _MOST_ITERATIONS:
             fail("L0209", f"a range of more than {_MOST_ITERATIONS} values", node.span)
-        return list(range(start, stop + (1 if step > 0 else -1), step))
+        count = max(0, floor((values[1] - values[0]) / step + _SLACK) + 1)
+        if values[0].is_integer() and step.is_integer():
+            return range(int(values[0]), int(values[0]) + count * int(step), int(step))
+        if any(isinstance(end, Number) and end.unit for end in ends):
+            fail("L0210", "a range with units that are not whole numbers", node.span, _OF_NUMBERS)
+        return [Number(values[0] + k * step, None, node.span) for k in range(count)]
+
+
+def _whole(item: Flat) -> int | None:
+    """The integer that a value is, where it is known and has no unit; else None."""
+    known = fold(item) if isinstance(item, Number) and not item.unit else None
+    return int(known) if known is not None and not isinstance(known, bool) and float(known).is_integer() else None

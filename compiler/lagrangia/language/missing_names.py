@@ -7,7 +7,7 @@ from lagrangia.language.classes import ClassTable
 from lagrangia.language.frame_attributes import REACTIONS
 from lagrangia.language.instances import FrameSlot, Instance, Scope, Slot
 from lagrangia.language.suggestions import explain
-from lagrangia.language.tree import Reference
+from lagrangia.language.tree import Declaration, Reference
 
 
 def refuse_name(node: Reference, scope: Scope) -> NoReturn:
@@ -20,6 +20,9 @@ def refuse_name(node: Reference, scope: Scope) -> NoReturn:
     hints = [suggest(first.name, known)]
     if first.name in scope.instance.absent:
         hints = ["its condition is false, or `break` left it out, so it is not there"]
+    elif any(isinstance(e, Declaration) and e.name == first.name for e in scope.instance.definition.elements):
+        hints = [f"'{first.name}' is a component, made when sizes and Integer parameters are known, in the order of "
+                 "declaration: let a parameter say how many there are, parameter Integer n = 3"]
     elif scope.instance.parent is not None and first.name in scope.instance.parent.members:
         hints.append(f"'{first.name}' belongs to {scope.instance.parent.definition.name}: pass it in a modification")
     elif first.name == "Modelica":

@@ -32,7 +32,8 @@ def merge(outer: Modification, inner: Modification) -> Modification:
         children[name] = merge(change, children[name]) if name in children else change
     return Modification(outer.value or inner.value, children, outer.is_each if outer.value else inner.is_each,
                         outer.is_final or inner.is_final, outer.span or inner.span, outer.redeclared or inner.redeclared,
-                        outer.is_left_out or inner.is_left_out, outer.is_below and inner.is_below)
+                        outer.is_left_out or inner.is_left_out, outer.was_each if outer.value else inner.was_each,
+                        outer.is_below and inner.is_below)
 
 
 def deal_out(change: Modification, index: int, size: int, dimensions: int, is_each: bool = False) -> Modification:
@@ -42,10 +43,10 @@ def deal_out(change: Modification, index: int, size: int, dimensions: int, is_ea
     is_each = is_each or change.is_each
     value = change.value
     if value is not None and not is_each:
-        value = Bound(value.expression, value.scope, (*value.selection, (index, size)))
+        value = Bound(value.expression, value.scope, (*value.selection, (index, size)), change.was_each)
     children = {name: deal_out(inner, index, size, dimensions, is_each) for name, inner in change.children.items()}
     return Modification(value, children, stays_each, change.is_final, change.span, change.redeclared,
-                        is_below=change.is_below)
+                        was_each=change.was_each or change.is_each, is_below=change.is_below)
 
 
 def dealt_to_fields(change: Modification, fields: Iterable[str]) -> Modification:
@@ -56,7 +57,7 @@ def dealt_to_fields(change: Modification, fields: Iterable[str]) -> Modification
     def of(name: str) -> Modification:
         assert value is not None
         part = Field(value.expression, name, value.expression.span)
-        return Modification(Bound(part, value.scope, value.selection), {}, False, False, change.span)
+        return Modification(Bound(part, value.scope, value.selection, value.is_each), {}, False, False, change.span)
 
     found = {name: of(name) for name in fields}
     for name, inner in change.children.items():

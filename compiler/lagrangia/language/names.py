@@ -7,9 +7,10 @@ from typing import Any, cast
 from lagrangia.base.diagnostics import Report, Span, fail, suggest
 from lagrangia.base.records import dataclass
 from lagrangia.language.calls import Calls
-from lagrangia.language.classes import ENUMERATION, ClassTable
+from lagrangia.language.classes import ClassTable
 from lagrangia.language.element_references import ElementReference, element_reference
 from lagrangia.language.elements import element, length
+from lagrangia.language.enumerations import literal_named, ordinal_of, subscripts_of
 from lagrangia.language.flat import Guard
 from lagrangia.language.folding import fold, folded
 from lagrangia.language.frame_attributes import PLANE, REACTIONS, SPATIAL_ONLY, Space, frame_shape
@@ -17,6 +18,7 @@ from lagrangia.language.frame_words import attribute_of
 from lagrangia.language.function_variables import Built, Given
 from lagrangia.language.functions import CONSTANTS, DIMENSIONS
 from lagrangia.language.instances import Bound, FrameSlot, Instance, Member, Scope, Slot, held_port
+from lagrangia.language.kinds import require_kind
 from lagrangia.language.known_calls import MadeFunctions
 from lagrangia.language.lookups import Lookup
 from lagrangia.language.loops import Work
@@ -93,10 +95,17 @@ class Names(Calls):
 
     def integer(self, expression: Expression, scope: Scope, what: str, hint: str = "") -> int:
         """The integer that an expression must be. Raises LagError L0210."""
-        value = self._constant(expression, scope, what)
-        if isinstance(value, bool) or not float(value).is_integer():
-            fail("L0210", f"{what} must be an integer, not {value}", expression.span, *filter(None, [hint]))
+        value = self.number(expression, scope, what)
+        if not value.is_integer():
+            fail("L0210", f"{what} must be an integer, not {value:g}", expression.span, *filter(None, [hint]))
         return int(value)
+
+    def number(self, expression: Expression, scope: Scope, what: str) -> float:
+        """The number that an expression must be. Raises LagError L0210."""
+        value = self._constant(expression, scope, what)
+        if isinstance(value, bool):
+            fail("L0210", f"{what} must be a number, not {str(value).lower()}", expression.span)
+        return float(value)
 
     def boolean(self, expression: Expression, scope: Scope, what: str, *hints: str) -> bool:
         """The truth value that an expression must be. Raises LagError L0210."""
@@ -104,6 +113,10 @@ class Names(Calls):
         if not isinstance(value, bool):
             fail("L0210", f"{what} must be true or false", expression.span)
         return value
+
+    def is_known(self, expression: Expression, scope: Scope) -> bool:
+        """Whether an expression is a number, or true or false, when the scene is compiled. Raises LagError."""
+        return fold(self.made.with_known_calls(self.flatten(expression, scope), self.work)) is not None
 
     def _constant(self, expression: Expression, scope: Scope, what: str, *hints: str) -> float | bool:
         value = fold(self.made.with_known_calls(self.flatten(expression, scope), self.work))
@@ -122,33 +135,23 @@ class Names(Calls):
             fail("L0212", f"'{slot.path}' depends on itself", slot.declaration.name_span, " > ".join([*self._pending, slot.path]))
         self._pending.append(slot.path)
         try:
-            value = folded(self.made.with_known_calls(self.flatten_bound(slot.binding), self.work))
+            value = folded(self.made.with_known_calls(self.flatten_bound(slot.binding, slot.dimensions), self.work))
         finally:
             self._pending.pop()
         if value is None:
             fail("L0210", f"'{slot.path}' must be known when the scene is compiled", slot.binding.expression.span,
                  "it is structural (Integer, Boolean or constant): use numbers and structural values")
-        self._check_kind(slot, value)
+        require_kind(slot, value)
         self._structural[slot] = value
         return value
-
-    def _check_kind(self, slot: Slot, value: Flat) -> None:
-        items = value.items if isinstance(value, Array) else (value,)
-        wanted = {"Integer": "an integer", "Boolean": "true or false", "String": "a text",
-                  ENUMERATION: f"a value of {slot.enumeration}"}.get(slot.base, "a number")
-        for item in items:
-            good = {"Integer": isinstance(item, Number) and item.value.is_integer(), "Boolean": isinstance(item, Boolean),
-                    "String": isinstance(item, String), ENUMERATION: isinstance(item, EnumerationLiteral)
-                    and item.type_name == slot.enumeration}.get(slot.base, isinstance(item, Number | Array))
-            if not good:
-                what = f", not {item.value:g}" if isinstance(item, Number) else ""
-                fail("L0210", f"'{slot.path}' must be {wanted}{what}", value.span)
 
     # ------------------------------------------------------------ expressions
 
     def flatten_bound(self, bound: Bound, shape: tuple[int, ...] = ()) -> Flat:
         """`shape` is of what it is bound to. Raises LagError L0213."""
         flat = self._flatten_dealt(bound) if bound.selection else self.flatten(bound.expression, bound.scope)
+        if bound.is_each and shape_of(flat, self.size) == shape:
+            return flat
         for index, size in bound.selection:
             flat = self._deal(flat, index, size, shape)
         if bound.selection and shape and length(flat, self.size) is None:
@@ -217,7 +220,8 @@ class Names(Calls):
                 return self._comprehended(node, scope)
             case Range():
                 values = self._range(node, scope)
-                return Array(tuple(Number(float(v), None, node.span, True) for v in values), node.span)
+                return Array(tuple(Number(float(v), None, node.span, True) if isinstance(v, int) else v for v in values),
+                             node.span)
             case Field() | Result() | Made():
                 return self._field(node, scope) if isinstance(node, Field) else self.result(node, scope)
             case Results(_, span):
@@ -230,7 +234,7 @@ class Names(Calls):
         body, iterators = node.body, node.iterators
         if not node.function and len(iterators) > 1:
             body, iterators = Comprehension("", body, iterators[:-1], node.span), iterators[-1:]
-        array = Array(tuple(self.flatten(body, inner) for inner in self.loop(iterators, scope)), node.span)
+        array = Array(tuple(self.flatten(body, inner) for inner in self.loop(iterators, scope, (node.body,))), node.span)
         return self.checked_call(Call(node.function, (array,), (), node.span)) if node.function else array
 
     def _operated(self, operator: str, left: Flat, right: Flat, span: Span) -> Flat:
@@ -284,9 +288,10 @@ class Names(Calls):
         return self.flatten(self.part(node.record, node.name, node.span), scope) if found is None else found
 
     def _last(self, scope: Scope, span: Span) -> Flat:
-        if "end" not in scope.iterators:
+        size = scope.iterators.get("end")
+        if not isinstance(size, int):
             fail("L0214", "'end' stands only in subscripts", span)
-        return Number(float(scope.iterators["end"]), None, span, True)
+        return Number(float(size), None, span, True)
 
     # ------------------------------------------------------------ references
 
@@ -306,7 +311,8 @@ class Names(Calls):
         """What a name stands for where it is written. Raises LagError."""
         first = node.parts[0]
         if first.name in scope.iterators and len(node.parts) == 1 and not first.subscripts:
-            return Number(float(scope.iterators[first.name]), None, node.span, True)
+            value = scope.iterators[first.name]
+            return Number(float(value), None, node.span, True) if isinstance(value, int) else value
         member = scope.instance.members.get(first.name)
         if member is None:
             if first.name == "time" or first.name in CONSTANTS or first.name in scope.iterators:
@@ -341,11 +347,8 @@ class Names(Calls):
     def _in_class(self, node: Reference, at: int, definition: ClassDefinition, scope: Scope) -> Flat:
         part = node.parts[at]
         if definition.literals:
-            names = [literal.name for literal in definition.literals]
-            if part.name not in names or part.subscripts or at + 1 < len(node.parts):
-                fail("L0204", f"{definition.name} has no value '{'.'.join(p.name for p in node.parts[at:])}'", part.span,
-                     suggest(part.name, names) or f"its values are {', '.join(names)}")
-            return EnumerationLiteral(definition.name, part.name, names.index(part.name) + 1, node.span)
+            rest = "" if part.subscripts else ".".join(p.name for p in node.parts[at:])
+            return replace(literal_named(definition, rest, part.span), span=node.span)
         declared = self.table.declared(definition)
         constants = [e.name for e in declared.values() if "constant" in e.prefixes]
         if part.name not in constants:
@@ -358,13 +361,6 @@ class Names(Calls):
             assert self.make_package is not None
             self.packages[definition.name] = self.make_package(definition)
         return self._follow(node, at, self.packages[definition.name].members[part.name], scope)
-
-    def count_of_literals(self, node: Reference) -> int | None:
-        """How many values an enumeration has, Boolean two; None for what is none."""
-        if any(part.subscripts for part in node.parts):
-            return None
-        definition = self.table.found(".".join(part.name for part in node.parts), node.span)
-        return len(definition.literals) or None if definition is not None else None
 
     def _require_plain(self, node: Reference) -> None:
         """`time`, `pi` and the variable of a loop are numbers: no part of them can be picked, and no unit be put behind them."""
@@ -379,7 +375,7 @@ class Names(Calls):
         part = node.parts[at]
         if part.subscripts and isinstance(member, Slot) and not member.dimensions:
             fail("L0214", f"'{part.name}' is a number, not an array", node.span, _UNIT_BEHIND)
-        subscripts = [self._subscript(s, scope, member, k) for k, s in enumerate(part.subscripts)]
+        subscripts = [self.picks(s, scope, member, k) for k, s in enumerate(part.subscripts)]
         return self._index(node, at, member, subscripts, scope)
 
     def _index(self, node: Reference, at: int, member: Member, subscripts: list[int | list[int]], scope: Scope) -> Flat:
@@ -465,19 +461,21 @@ class Names(Calls):
             fail("L0214", f"'{part.name}' has no element {list(index)}", part.span)
         return FrameRef(port.path, part.name, index, node.span, self.space.is_spatial)
 
-    def _subscript(self, node: Expression, scope: Scope, member: Member, dimension: int) -> int | list[int]:
+    def picks(self, node: Expression, scope: Scope, member: Member, dimension: int) -> int | list[int]:
+        """Which elements of a member a subscript means. Raises LagError L0210."""
         if isinstance(node, Whole):
             size = len(member) if isinstance(member, list) else member.dimensions[dimension] if isinstance(member, Slot) else 0
             return list(range(1, size + 1))
         if isinstance(member, list) or (isinstance(member, Slot) and dimension < len(member.dimensions)):
             scope = scope.bind("end", len(member) if isinstance(member, list) else member.dimensions[dimension])
         if isinstance(node, Range | Array):
-            return self._values(node, scope)
+            return subscripts_of(self._values(node, scope), node.span)
         if isinstance(node, Reference | Comprehension) and isinstance(picked := self.flatten(node, scope), Array):
-            return [int(fold(item) or 0) for item in picked.items]
-        if isinstance(node, Reference) and isinstance(found := self.flatten(node, scope), EnumerationLiteral):
-            return found.ordinal
+            return subscripts_of(picked.items, node.span)
+        if isinstance(node, Reference | Boolean) and (ordinal := ordinal_of(self.flatten(node, scope))) is not None:
+            return ordinal
         return self.integer(node, scope, "a subscript")
+
 
 def _pick(value: Flat, subscripts: list[int | list[int]]) -> Flat:
     for subscript in subscripts:

@@ -49,6 +49,7 @@ class EnumerationLiteral:
     name: str
     ordinal: int
     span: Span
+    names: tuple[str, ...]  # of all of them
 
 
 @dataclass(frozen=True, slots=True)

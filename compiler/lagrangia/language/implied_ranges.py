@@ -1,0 +1,37 @@
+"""Ranges that loops leave out: `for i loop` runs over the elements of the arrays that `i` alone picks from (Modelica 3.6, section
+11.2.2.1)."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import fields, is_dataclass, replace
+from typing import Any
+
+from lagrangia.base.diagnostics import Span
+from lagrangia.language.tree import Call, Expression, Number, Part, Reference
+
+
+def sizes_asked(name: str, body: Sequence[Any], span: Span) -> list[Expression]:
+    """size(x, k) for each place in the clauses or expressions where the iterator stands as the k-th subscript of x."""
+    found: dict[str, Expression] = {}
+    for reference in _references(tuple(body)):
+        for at, part in enumerate(reference.parts):
+            for k, subscript in enumerate(part.subscripts, 1):
+                if isinstance(subscript, Reference) and str(subscript) == name and not subscript.parts[0].subscripts:
+                    array = Reference((*map(_first, reference.parts[:at]), replace(part, subscripts=())), reference.span)
+                    found.setdefault(f"{reference} {at} {k}", Call("size", (array, Number(float(k), None, span, True)), (), span))
+    return list(found.values())
+
+
+def _first(part: Part) -> Part:
+    """The same step through the first element: elements of arrays of components are of one class."""
+    return replace(part, subscripts=tuple(Number(1.0, None, part.span, True) for _ in part.subscripts))
+
+
+def _references(node: Any) -> Iterator[Reference]:
+    if isinstance(node, Reference):
+        yield node
+    if isinstance(node, tuple):
+        for item in node:
+            yield from _references(item)
+    elif is_dataclass(node) and not isinstance(node, Span):
+        for one in fields(node):
+            yield from _references(getattr(node, one.name))
