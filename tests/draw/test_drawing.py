@@ -256,3 +256,10 @@ def test_letters_of_formulas_are_letters_in_pictures() -> None:
 
     assert width("$x^2$") == pytest.approx(width("$x^2") + width("$|") - width("|"), rel=0.1)
     assert width(r"a\b") > width("ab")
+
+
+def test_what_acts_late_is_drawn_beside_an_input(scene: Callable[[str], lag.Model]) -> None:
+    """Also in the icons of FMUs: values of the past, which come behind the inputs, are in no row of results."""
+    model = scene("model A input Force u(start = 1); Block b(m = 1, base = world); "
+                  "AppliedForce f(at = b.center, force = {F, 0}); Force F = delay(u, 0.2) + delay(b.s, 0.1)*2[N/m]; end A;")
+    assert "<svg" in model.draw(at=0.5)

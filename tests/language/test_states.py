@@ -204,3 +204,32 @@ def test_equations_are_solved_for_rates(equation: str, scene: Scene) -> None:
       {equation.replace("10", "10[N]")};
     end Lag;""")
     assert model.simulate(at=[0.5])["F"][-1] == pytest.approx(10 * (1 - np.exp(-2.5)), abs=1e-7)
+
+
+BRISTLES = """model A
+  Block b(m = 1, base = world); Spring pull(k = 2, stretch = 0.1[m/s]*time - b.s);
+  coordinate Length z; Velocity rate = b.v - abs(b.v)*1e3[1/m]*z;
+  AppliedForce rub(at = b.center, force = {-(1e3[N/m]*z + 30[N.s/m]*rate), 0});
+equation
+  der(z) = rate;
+  MORE
+end A;"""
+
+
+@pytest.mark.parametrize("more", ["", "F = 2*z; // read by nothing else\n"])
+def test_coordinates_that_forces_alone_read_are_states(more: str, scene: Scene) -> None:
+    """der(z) may be anything: nothing holds it, as z moves no mass."""
+    text = BRISTLES.replace("MORE", more)
+    model = scene(text.replace("coordinate", "output Length F; coordinate") if more else text)
+    assert list(model.scene.signals.values()) == ["z"]
+    plain = lag.loads(BRISTLES.replace("MORE", "").replace("coordinate Length z", "Length z(start = 0)"))
+    assert model.simulate(at=[1, 3])["z"] == pytest.approx(plain.simulate(at=[1, 3])["z"], rel=1e-12)
+
+
+@pytest.mark.parametrize("more", ["z = 1e-3*b.s;", "potential", "frame"])
+def test_coordinates_that_move_something_are_none(more: str, scene: Scene) -> None:
+    text = BRISTLES.replace("MORE", more if "=" in more else "")
+    text = text.replace("equation\n", "energy potential 3[N/m]*z^2;\nequation\n") if more == "potential" else text
+    text = text.replace("coordinate", "PointMass p(m=1, center = shift(world, {z, 0})); coordinate") if more == "frame" else text
+    with pytest.raises(lag.LagError, match="L0412"):
+        scene(text)

@@ -24,7 +24,6 @@ from lagrangia.frames.edges import Closure
 from lagrangia.frames.evaluation import Value
 from lagrangia.frames.kinematics import Dependent, Kinematics
 from lagrangia.language.flat import Equation
-from lagrangia.language.tree import Call, Ref
 
 _NEGLIGIBLE = 1e-12
 
@@ -179,17 +178,6 @@ def _size(value: Value) -> int | None:
     return len(value) if isinstance(value, tuple) else None
 
 
-def _as_state(equation: Equation, kinematics: Kinematics) -> list[str]:
-    """How a coordinate whose rate stands alone on a side is declared as a first-order state."""
-    for side in (equation.left, equation.right):
-        if isinstance(side, Call) and side.function == "der" and isinstance(inner := side.arguments[0], Ref):
-            variable = kinematics.graph.model.variables[inner.name]
-            if variable.kind == "coordinate":
-                return [f"if '{inner.name}' moves no mass, it is a first-order state: declare it without 'coordinate' and with a "
-                        f"start, as {inner.name.rpartition('.')[2]}(start = 0)"]
-    return []
-
-
 def _equation_rows(equation: Equation, kinematics: Kinematics) -> list[Row]:
     left, right = (kinematics.evaluator.value(side) for side in (equation.left, equation.right))
     if _size(left) != _size(right):
@@ -203,7 +191,7 @@ def _equation_rows(equation: Equation, kinematics: Kinematics) -> list[Row]:
 
         is_holonomic = not ca.depends_on(ca.SX(gap), rates)
         if not is_holonomic and ca.depends_on(ca.jacobian(ca.SX(gap), rates), rates):
-            fail("L0412", "a constraint on velocities must be linear in them", equation.span, *_as_state(equation, kinematics))
+            fail("L0412", "a constraint on velocities must be linear in them", equation.span)
         return Row(value, is_holonomic, None, equation.span, index or 0, equation.component, _is_timed(kinematics, gap), equation)
 
     if not isinstance(left, tuple):

@@ -125,8 +125,10 @@ def build_drawn(c: Compilation, figures: Sequence[Figure], for_tape: bool = Fals
 
 
 def evaluate_drawn(drawn: Drawn, states: States) -> Numbers:
-    """Its rows at all moments."""
-    values = np.array(drawn.function(states.t, states.q, states.v, states.u, states.p), dtype=float)
+    """Its rows at all moments. What acts late, which comes last in u, is in no row of results: nothing is known of it."""
+    late = np.full((drawn.function.size1_in(3) - len(states.u), states.t.size), np.nan)
+    given = np.vstack([states.u.reshape(-1, states.t.size), late])
+    values = np.array(drawn.function(states.t, states.q, states.v, given, states.p), dtype=float)
     return Numbers(drawn.items, values.reshape(drawn.function.numel_out(0), -1), drawn.frames)
 
 

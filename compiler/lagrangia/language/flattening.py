@@ -62,7 +62,7 @@ from lagrangia.language.short_vectors import find_short_vectors
 from lagrangia.language.space_values import fitted, is_inertia, least_of
 from lagrangia.language.spaces import Found, FoundSpaceError
 from lagrangia.language.stamps import stamp
-from lagrangia.language.states import find_states, refuse_states_elsewhere
+from lagrangia.language.states import find_states, mechanics_of, refuse_states_elsewhere
 from lagrangia.language.tree import (
     Array,
     Boolean,
@@ -468,7 +468,8 @@ class _Flattening:
     def _bind_variables(self) -> tuple[Equation, ...]:
         """Equations `y = expression` of variables without a binding become their bindings; the others are constraints."""
         self.variables.update(declare_held(self.samplers, self.variables, self.report))
-        found = find_states(self.variables, [*self.equations, *self.joined], self.ends, self.report)
+        mechanics = mechanics_of(self.energies, self.works, self.frame_equations, self.whens)
+        found = find_states(self.variables, [*self.equations, *self.joined], self.ends, mechanics, self.report)
         self.states = found.states
         self.variables.update(found.variables)
         self.energies += found.energies

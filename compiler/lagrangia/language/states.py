@@ -2,6 +2,9 @@
 
 Each is made the rate of a coordinate of its own, of inertia 1, on which f works: as M dv/dt = f is what moves all rates, every
 solver, FMU and sweep has it. The coordinate, the integral of z, is in nothing else; its energy is none of the mechanism's.
+
+A declared coordinate is one as well where its equation is not linear in rates, as those that hold a motion must be, and where
+nothing but forces reads it: it moves no mass, so no force is needed to keep the equation.
 """
 
 from collections.abc import Iterable, Mapping, Sequence, Set
@@ -10,9 +13,9 @@ from typing import TypeGuard
 
 from lagrangia.base.diagnostics import Report, Span
 from lagrangia.base.records import dataclass
-from lagrangia.language.flat import Energy, Equation, FlatModel, State, Variable, Work
-from lagrangia.language.mentions import nodes, reached
-from lagrangia.language.tree import Binary, Call, Flat, Number, Ref, Unary
+from lagrangia.language.flat import Energy, Equation, FlatModel, FrameEquation, State, Variable, When, Work
+from lagrangia.language.mentions import children, nodes, reached
+from lagrangia.language.tree import Binary, Call, Flat, FrameRef, Number, Ref, Unary
 
 
 @dataclass(frozen=True)
@@ -26,11 +29,20 @@ class FoundStates:
     equations: tuple[Equation, ...]
 
 
-def find_states(variables: Mapping[str, Variable], equations: Sequence[Equation], ends: Set[str], report: Report
-                ) -> FoundStates:
+def mechanics_of(energies: Sequence[Energy], works: Sequence[Work], frames: Sequence[FrameEquation], whens: Sequence[When]
+                 ) -> list[Flat]:
+    """What tells masses, places and resets; not forces."""
+    return [*(energy.value for energy in energies), *(work.position for work in works),
+            *(side for equation in frames for side in (equation.left, equation.right)),
+            *(reset.rate for when in whens for reset in when.resets)]
+
+
+def find_states(variables: Mapping[str, Variable], equations: Sequence[Equation], ends: Set[str], mechanics: Sequence[Flat],
+                report: Report) -> FoundStates:
     """`ends`: variables of connectors, whose rates are held unless an equation gives one alone. Reports L0901 for arrays of
     states, L0231 for a second equation of the same."""
     states, left = dict[str, State](), list[Equation]()
+    variables = {**variables, **_idle_coordinates(variables, equations, mechanics)}
     for equation in equations:
         found = _state_of(equation, variables, ends)
         if found is None:
@@ -51,6 +63,58 @@ def find_states(variables: Mapping[str, Variable], equations: Sequence[Equation]
     return FoundStates(states, made, energies, works, tuple(left))
 
 
+def _idle_coordinates(variables: Mapping[str, Variable], equations: Sequence[Equation], mechanics: Sequence[Flat]
+                      ) -> dict[str, Variable]:
+    """Coordinates that are states, as variables: one equation, not linear, gives the rate; nothing else that holds reads them."""
+    bindings = {name: variable.binding for name, variable in variables.items()}
+    candidates = dict[str, Equation]()
+    read = list(mechanics)
+    for equation in equations:
+        names = {inner.name for node in nodes(equation.left, equation.right) if isinstance(node, Call) and node.function == "der"
+                 and isinstance(inner := node.arguments[0], Ref) and variables[inner.name].kind == "coordinate"}
+        if isinstance(equation.left, Ref) and _is_open(variables[equation.left.name]) and bindings[equation.left.name] is None:
+            bindings[equation.left.name] = equation.right
+        elif len(names) == 1 and names.isdisjoint(candidates) and not variables[min(names)].shape and not _is_virtual(equation):
+            candidates[names.pop()] = equation
+        else:
+            read += [equation.left, equation.right]
+    known = dict[str, int]()
+    found = {name for name, equation in candidates.items()
+             if max(_degree(side, bindings, known) for side in (equation.left, equation.right)) > 1}
+    if not found:
+        return {}
+    read += [side for name, equation in candidates.items() if name not in found for side in (equation.left, equation.right)]
+    found -= {node.name for node in reached(read, bindings) if isinstance(node, Ref)}
+    return {name: replace(variables[name], kind="variable") for name in found}
+
+
+def _is_virtual(equation: Equation) -> bool:
+    return any(isinstance(node, Call) and node.function == "virtual" for node in nodes(equation.left, equation.right))
+
+
+def _degree(node: Flat, bindings: Mapping[str, Flat | None], known: dict[str, int]) -> int:
+    """Of an expression in rates: 0 without them, 1 where it is linear in them, more where it is not. `known`: of variables."""
+    match node:
+        case Ref(name):
+            if name not in known:
+                known[name], binding = 0, bindings.get(name)
+                known[name] = 0 if binding is None else _degree(binding, bindings, known)
+            return known[name]
+        case FrameRef(_, attribute):
+            return int(attribute in ("v", "w"))
+        case Call("der"):
+            return 1
+    inside = [_degree(inner, bindings, known) for inner in children(node)]
+    match node:
+        case Unary() | Binary("+" | "-"):
+            return max(inside)
+        case Binary("*"):
+            return min(sum(inside), 2)
+        case Binary("/"):
+            return inside[0] if inside[1] == 0 else 2
+    return 2 * (max(inside, default=0) > 0)
+
+
 def _state_of(equation: Equation, variables: Mapping[str, Variable], ends: Set[str]) -> State | None:
     """Of der(z) = f, either way round, or an equation with one der(z), in a sum and with factors; z has no value of its own."""
     left, right, span = equation.left, equation.right, equation.span
@@ -69,8 +133,11 @@ def _state_of(equation: Equation, variables: Mapping[str, Variable], ends: Set[s
 def _is_rate(node: Flat, variables: Mapping[str, Variable]) -> TypeGuard[Call[Flat]]:
     if not (isinstance(node, Call) and node.function == "der" and isinstance(inner := node.arguments[0], Ref)):
         return False
-    variable = variables.get(inner.name)
-    return variable is not None and variable.kind == "variable" and variable.binding is None
+    return inner.name in variables and _is_open(variables[inner.name])
+
+
+def _is_open(variable: Variable) -> bool:
+    return variable.kind == "variable" and variable.binding is None
 
 
 def _has_rate(side: Flat, variables: Mapping[str, Variable]) -> bool:
