@@ -27,6 +27,7 @@ _MOST_STEPS, _MOST_A_ROW = 20_000, 50  # beyond which a run is told why its step
 DOUBTFUL = 0.1  # of all energy: an account that misses by more
 HOPELESS = 0.5  # the same: no errors of integrals alone
 _BESIDE, _NO_LENGTH, _MOST_LENGTHS = "1e-3", 1e-9, 100  # m: a start beside 0, what is 0, and how many are tried
+_TIGHT, _FAINT = 1e-9, 1e-5  # a tolerance, and a miss of all energy, that may be near what rounding allows
 _LITTLE = 1e-9  # J: less may be rounding of energies that cancel
 
 
@@ -383,8 +384,16 @@ def loss(progress: Progress) -> str:
     if relative > DOUBTFUL:
         what, reason = "does not close at all", "has a singularity (a collision, a division by zero) or "
     since = f" from t = {s.energy_open:.6g} on" if s.energy_is_open else ""
-    return (f"the energy account {what}{since}: the rows there are not the motion of this scene, which {reason}needs a smaller "
-            "tolerance, or another solver")
+    return (f"the energy account {what}{since}: the rows there are not the motion of this scene, which {reason}needs "
+            f"{_remedy(progress.experiment.tolerance, relative)}")
+
+
+def _remedy(tolerance: float, missed: float) -> str:
+    """What is FAINT at a tolerance that is TIGHT already may be rounding, which no smaller tolerance mends."""
+    usual = "a smaller tolerance, or another solver"
+    if tolerance > _TIGHT or missed > _FAINT:
+        return usual
+    return f"{usual}; or, where rounding decides, as between masses far apart, a tolerance of no less than {missed:.0e}"
 
 
 def _is_beyond_doubt(progress: Progress) -> bool:
