@@ -65,12 +65,11 @@ static int has_cheap_series(const LagFacts *f) { return f->series_cost < f->erk_
 
 static double pirk_limit(const LagFacts *f) { return f->constraints > 0 ? PIRK_CONSTRAINED : PIRK_FREE; }
 
-/* What can swing back the way it came is read from steps that are kept, and changes at conditions of the state from dense
- * output. */
+/* Changes at conditions of the state are read from dense output. */
 static int is_smooth(const LagFacts *f)
 {
     const int is_rough = f->has_conditions || f->has_corners || f->may_hide;
-    return f->has_jacobian && !is_rough && !f->is_swing && f->tolerance <= pirk_limit(f);
+    return f->has_jacobian && !is_rough && f->tolerance <= pirk_limit(f);
 }
 
 static double adams_limit(const LagFacts *f) { return ADAMS_STEP + ADAMS_COORDINATE * f->coordinates; }
@@ -145,7 +144,8 @@ static double fewest_steps_a_row(const LagFacts *f)
     return f->solver == LAG_SOLVER_PIRK ? STEPS_A_ROW_OF_PIRK : f->constraints > 0 ? STEPS_A_ROW_OF_LOOPS : STEPS_A_ROW;
 }
 
-static int has_many_rows(const LagFacts *f) { return f->row_spacing < fewest_steps_a_row(f) * f->step; }
+/* What swings back is read from its steps, most rows without any other step. */
+static int has_many_rows(const LagFacts *f) { return !f->is_swing && f->row_spacing < fewest_steps_a_row(f) * f->step; }
 
 static int has_close_rows(const LagFacts *f) { return f->row_spacing > 0 && has_many_rows(f); }
 

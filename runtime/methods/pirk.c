@@ -449,5 +449,5 @@ double lag_pirk_series_cost(const LagModel *model, double tolerance)
 const LagMethod lag_pirk = {
     .name = "pirk", .order = 16, .layout = layout, .restart = restart, .step = lag_step_adaptive, .attempt = attempt,
     .accept = accept, .interpolate = interpolate, .take_back = take_back, .miss = miss, .is_good_inside = 1, .factor = factor, .holds_switches = 1, .stride = 1, .leaves_trouble = 1,
-    .weighs_work = 1, .dreads_rows = 1,
+    .weighs_work = 1, .dreads_rows = 1, .record = &lag_pirk_record,
 };

@@ -164,21 +164,26 @@ static int is_rough(const LagPirk *s, const LagMotion *m)
     return last > ROUGH && last > SLOW * before;
 }
 
-static void prepare(LagPirk *s, LagMotion *m)
+/* The coefficients of the step from y whose own polynomial is `known`. */
+static void refine(LagPirk *s, LagMotion *m, const double *y, const double *known)
 {
-    LagPirkDense *dense = &s->dense;
     double before = INFINITY;
-    need_tables(dense);
-    begin(dense, s->known, m->size - m->n + lag_pirk_ways(m));
-    for (int round = 0; round < MOST_ROUNDS && evaluate(s, m, m->other); ++round) {
+    need_tables(&s->dense);
+    begin(&s->dense, known, m->size - m->n + lag_pirk_ways(m));
+    for (int round = 0; round < MOST_ROUNDS && evaluate(s, m, y); ++round) {
         const double far = expand(s, m);
         if (!(GAIN * far > NEAR) || far > SLOW * before)
             break;
         before = far;
     }
-    dense->is_ready = 1;
-    m->lacks_slopes = is_rough(s, m);
     ++m->dense_outputs;
+}
+
+static void prepare(LagPirk *s, LagMotion *m)
+{
+    refine(s, m, m->other, s->known);
+    s->dense.is_ready = 1;
+    m->lacks_slopes = is_rough(s, m);
 }
 
 double lag_pirk_second_look(LagPirk *s, LagMotion *m, const double *y)
@@ -210,6 +215,17 @@ static double dot(const double *coefficient, const double *value)
     return lag_wide_total(each);
 }
 
+/* Positions of the first n of `rows` components and rates of all, at a share of the step from `from`. */
+static void read_rows(const double *from, const double *coefficient, int n, int rows, double h, double share, const Legendre *p, double *y)
+{
+    for (int c = 0; c < rows; ++c) {
+        const double *sum = coefficient + c * DEGREES;
+        if (c < n)
+            y[c] = from[c] + h * (share * from[n + c] + h * dot(sum, p->place));
+        y[n + c] = from[n + c] + h * dot(sum, p->rate);
+    }
+}
+
 void lag_pirk_dense_read(LagPirk *s, LagMotion *m, double t, double *y)
 {
     const int n = m->n;
@@ -218,14 +234,56 @@ void lag_pirk_dense_read(LagPirk *s, LagMotion *m, double t, double *y)
     if (!s->dense.is_ready)
         prepare(s, m);
     legendre(share, &p);
-    for (int c = 0; c < m->size - n; ++c) {
-        const double *sum = s->dense.coefficient + c * DEGREES;
-        if (c < n)
-            y[c] = from[c] + h * (share * from[n + c] + h * dot(sum, p.place));
-        y[n + c] = from[n + c] + h * dot(sum, p.rate);
-    }
+    read_rows(from, s->dense.coefficient, n, m->size - n, h, share, &p, y);
     for (int k = 0; k < lag_pirk_ways(m); ++k) {
         const int c = lag_pirk_way_of(m, k);
         y[c] = from[c] + h * (share * from[n + c] + dot(s->dense.coefficient + (m->size - n + k) * DEGREES, p.rate));
     }
 }
+
+/* -------- steps that are kept */
+
+/* A record: whether it holds the coefficients or the step's own polynomial yet, the state that the step began from, what its
+ * accelerations are worth, and these or those. */
+typedef struct {
+    double *is_ready, *from, *weight, *rows;
+} Kept;
+
+static Kept kept_at(double *place, int n) { return (Kept){place, place + 1, place + 1 + 2 * n, place + 1 + 3 * n}; }
+
+static void keep(const void *self, const LagMotion *m, double *place)
+{
+    const LagPirk *s = self;
+    const size_t n = (size_t)m->n;
+    const Kept kept = kept_at(place, m->n);
+    *kept.is_ready = 0;
+    memcpy(kept.from, m->other, 2 * n * sizeof *kept.from);
+    memcpy(kept.weight, s->weight, n * sizeof *kept.weight);
+    memcpy(kept.rows, s->known, LAG_ABREAST * n * sizeof *kept.rows);
+}
+
+/* What the latest step is foreseen from stays. */
+static void recall(void *self, LagMotion *m, double *place, double begins, double length, double t, double *y)
+{
+    LagPirk *s = self;
+    const int n = m->n;
+    const Kept kept = kept_at(place, n);
+    Legendre p;
+    if (*kept.is_ready == 0) {
+        const double begin_now = s->begin, length_now = s->length;
+        s->begin = begins;
+        s->length = length;
+        memcpy(s->weight, kept.weight, (size_t)n * sizeof *s->weight);
+        refine(s, m, kept.from, kept.rows);
+        memcpy(kept.rows, s->dense.coefficient, (size_t)(DEGREES * n) * sizeof *kept.rows);
+        s->begin = begin_now;
+        s->length = length_now;
+        s->dense.is_ready = 0;
+        *kept.is_ready = 1;
+    }
+    const double share = (t - begins) / length;
+    legendre(share, &p);
+    read_rows(kept.from, kept.rows, n, n, length, share, &p, y);
+}
+
+const LagRecord lag_pirk_record = {keep, recall};

@@ -2,6 +2,7 @@
 #ifndef LAG_PIRK_DENSE_H
 #define LAG_PIRK_DENSE_H
 
+#include "state/method.h"
 #include "state/motion.h"
 #include "numbers/wide.h"
 
@@ -25,5 +26,8 @@ double lag_pirk_second_look(struct LagPirk *pirk, LagMotion *motion, const doubl
 
 /* State y at t in the latest step. */
 void lag_pirk_dense_read(struct LagPirk *pirk, LagMotion *motion, double t, double *y);
+
+/* Of motions without attitudes: 1 + 19 n numbers a step. */
+extern const LagRecord lag_pirk_record;
 
 #endif

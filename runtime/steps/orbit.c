@@ -194,10 +194,19 @@ static void restart(void *self, LagMotion *m)
     (void)self, (void)m;
 }
 
+/* Where nobody watches the motion, rows are read from a step as long as there are any to come: half a swing without events is followed
+ * by others without. */
+static double end_of_step(const LagRun *run)
+{
+    const LagSettings *settings = &run->settings;
+    const double end = lag_min(run->segment_end, settings->t_stop);
+    return isinf(end) || settings->max_step > 0 || run->model->n_guards > 0 ? lag_step_aim(run) : end;
+}
+
 static LagStatus step(LagRun *run)
 {
     LagMotion *m = &run->motion;
-    const double t = m->t, t_new = lag_step_aim(run);
+    const double t = m->t, t_new = end_of_step(run);
     read_state(run, t_new, m->other);
     memset(m->other_carry, 0, 2 * (size_t)m->n * sizeof *m->other_carry);
     lag_project_forget(run);

@@ -25,6 +25,11 @@ RUBBED = """model Rubbed
   Block b(m = 2, base = world, v(start = 1)); DryFriction f(F = 0.5, rate = b.v);
 end Rubbed;"""
 
+BRAKED = """model Braked
+  World world; Revolute h[2](a = {world, bar[1].b}, phi(start = {1, 0.5})); Bar bar[2](each m = 1, each L = 1, a = h.b);
+  TorsionDryFriction f(tau = 0.5, a = world, b = h[1].b);
+end Braked;"""
+
 
 def model_of(text: str, folder: Path) -> lag.Model:
     path = folder / "scene.lag"
@@ -67,11 +72,11 @@ def test_of_the_rows_of_the_beginning_one_always_holds(rows: list[Any]) -> None:
 @pytest.mark.parametrize(
     ("name", "tolerance", "solver", "rule"),
     [("chain", 1e-8, Solver.PIRK, "smooth"), ("pendulum", 1e-8, Solver.TAYLOR, "cheap series"),
-     ("four_bar", 1e-4, Solver.ERK5, "loose"), ("four_bar", 1e-8, Solver.ERK, "usual")],
+     ("braked", 1e-2, Solver.ERK5, "loose"), ("braked", 1e-3, Solver.ERK, "usual")],
 )  # fmt: skip
-def test_the_row_told_decides_at_its_limit(name: str, tolerance: float, solver: Solver, rule: str) -> None:
+def test_the_row_told_decides_at_its_limit(name: str, tolerance: float, solver: Solver, rule: str, tmp_path: Path) -> None:
     """A tolerance at the limit is on the side that the reason says, and one a little farther is not."""
-    model = lag.load(EXAMPLES / f"{name}.lag")
+    model = model_of(BRAKED, tmp_path) if name == "braked" else lag.load(EXAMPLES / f"{name}.lag")
     choice = begun(model, tolerance)
     assert (choice.solver, choice.rule) == (solver, rule)
     if (limit := choice.facts["limit"]) > 0:

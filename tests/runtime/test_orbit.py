@@ -47,6 +47,21 @@ def test_a_thousand_swings_cost_as_much_as_one(tolerance: float, most: float) ->
     assert run.statistics.rhs_evaluations < 2 * once.statistics.rhs_evaluations + 10
 
 
+@pytest.mark.parametrize("tolerance", [1e-4, 1e-8])
+def test_swings_of_loops_are_read_from_steps_of_collocation(tolerance: float) -> None:
+    """Rows inside of them have the digits of their ends; how many rows there are changes nothing but what reads them."""
+    model = lag.load(EXAMPLES / "scissor_lift.lag")
+    at = np.linspace(0, 40, 2001)
+    exact = model.simulate(at=at, stop=40, solver="implicit", tolerance=1e-13)
+    run, few = (model.simulate(at=times, stop=40, tolerance=tolerance) for times in (at, at[::1000]))
+    assert run.statistics.solver is Solver.PIRK and run.statistics.choice.rule == "swing"
+    assert run.statistics.steps < 12 and run.statistics.steps_by[Solver.ORBIT] == 1
+    assert run.statistics.steps == few.statistics.steps
+    for name in model.coordinate_names:
+        assert np.abs(run[name] - exact[name]).max() < 0.1 * tolerance
+        assert np.array_equal(run[name][::1000], few[name])
+
+
 @pytest.mark.parametrize(("phi", "w"), [(0.3, 1.5), (-1.0, 4.0), (3.1, 0.0), (0.0, 6.2), (3.14159, 0.0)])
 def test_starts_in_motion_and_near_the_top(phi: float, w: float) -> None:
     """The first turn comes later, or late; rows before it, between the turns and after them."""
