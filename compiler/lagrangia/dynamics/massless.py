@@ -232,7 +232,8 @@ class _Places:
             if not moved[:, column].is_zero():
                 _refuse(direction, "and a contact or an event acts on it (not supported yet)", _SMALL_MASS)
             if not self._is_linear(balance):
-                _refuse(direction, "and what acts on it is not linear in rates, as friction is not (not supported yet)")
+                _refuse(direction, "and what acts on it is not linear in rates, as friction is not (not supported yet)",
+                        "a spring in a row with dry friction is a JenkinsSpring(k = ..., F = ..., stretch = x)", _SMALL_MASS)
 
     def _is_linear(self, balance: ca.SX) -> bool:
         """Whether it is linear in rates, whatever their signs."""
