@@ -55,6 +55,7 @@ from lagrangia.language.limits import (
 from lagrangia.language.mentions import leaves
 from lagrangia.language.moving_inputs import with_moving_inputs
 from lagrangia.language.names import Names
+from lagrangia.language.open_flanges import find_open_flanges
 from lagrangia.language.other_starts import with_other_starts
 from lagrangia.language.overrides import override_tree
 from lagrangia.language.samplers import check_held, declare_held
@@ -170,7 +171,7 @@ class _Flattening:
         for check in (refuse_states_elsewhere, check_held, check_delays):
             check(model, self.report)
         self.report.raise_errors()
-        looks = (find_unread, find_idle, find_without_effect, find_short_vectors)
+        looks = (find_unread, find_idle, find_open_flanges, find_without_effect, find_short_vectors)
         found = (d for look in looks for d in look(model, root, self.table).diagnostics)
         warnings = (*self.report.diagnostics, *found)
         return with_moving_inputs(with_other_starts(replace(model, warnings=warnings)))

@@ -16,6 +16,7 @@ from lagrangia.language.never import find_never
 from lagrangia.language.spaces import ANNOTATION
 from lagrangia.language.tree import (
     Argument,
+    Assignment,
     Boolean,
     Call,
     ClassDefinition,
@@ -29,7 +30,9 @@ from lagrangia.language.tree import (
     Number,
     Range,
     Reference,
+    Results,
     Syntax,
+    WhileBlock,
 )
 from lagrangia.language.unread import inside
 
@@ -229,12 +232,43 @@ def _look_at_functions(functions: Iterable[ClassDefinition], report: Report) -> 
             if argument.name not in _FOR_PEOPLE and not argument.name.startswith("__"):
                 report.warning(CODE, f"the annotation '{argument.name}' has no effect here", argument.name_span,
                                *([_OF_FUNCTIONS[argument.name]] if argument.name in _OF_FUNCTIONS else []))
-        mentioned = set(_words((function.elements, function.sections)))
+        mentioned = _read_in(function)
         for element in function.elements:
             if isinstance(element, Declaration) and "output" not in element.prefixes and element.name not in mentioned:
                 what = "input" if "input" in element.prefixes else "variable"
                 report.warning(CODE, f"nothing reads the {what} '{element.name}' of {function.name}", element.name_span,
                                "leave it out")
+
+
+def _read_in(function: ClassDefinition) -> set[str]:
+    """The names in a function that its results, assertions and branches depend on, sizes and other declarations among them."""
+    if any(isinstance(e, Extends) for e in function.elements):  # what it extends may read all of it
+        return set(_words((function.elements, function.sections)))
+    needed = {e.name for e in function.elements if isinstance(e, Declaration) and "output" in e.prefixes}
+    statements: list[tuple[set[str], set[str]]] = []  # which names each gives a value, and which ones that is made of
+    for element in function.elements:
+        if isinstance(element, Declaration):
+            needed |= set(_words((element.dimensions, element.arguments))) | set(element.type_name.split("."))
+            statements.append(({element.name}, set(_words((element.binding,)))))
+    pending: list[Any] = [clause for section in function.sections for clause in section.clauses]
+    while pending:
+        clause = pending.pop()
+        if isinstance(clause, ForBlock | WhileBlock):
+            pending += clause.body
+            needed |= set(_words((clause.iterators if isinstance(clause, ForBlock) else clause.condition,)))
+        elif isinstance(clause, IfBlock):
+            pending += (*clause.then, *clause.otherwise)
+            needed |= set(_words((clause.condition,)))
+        elif isinstance(clause, Assignment):
+            items = clause.target.items if isinstance(clause.target, Results) else (clause.target,)
+            targets = [item for item in items if isinstance(item, Reference)]
+            needed |= set(_words(tuple(part.subscripts for item in targets for part in item.parts)))
+            statements.append(({item.parts[0].name for item in targets}, set(_words((clause.value,)))))
+        else:
+            needed |= set(_words((clause,)))
+    while new := {name for given, made_of in statements if given & needed for name in made_of} - needed:
+        needed |= new
+    return needed
 
 
 class _This:
