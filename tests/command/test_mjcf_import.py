@@ -141,6 +141,18 @@ def test_what_has_no_counterpart_is_told(folder: Path, capsys: pytest.CaptureFix
         assert f"no counterpart: {what}\n" in told
 
 
+def test_attributes_that_nothing_reads_are_told(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    text = SCENE.replace('<joint damping="0.3"/>', '<joint dampng="0.3"/>').replace('gravity="0 0.5', 'grvity="0 0.5')
+    text = text.replace('name="swing"', 'name="swing" gravcomp="1"').replace("fullinertia=", 'moment="3" fullinertia=')
+    Path("scene.xml").write_text(text, encoding="utf-8")
+    assert main(["import", "scene.xml"]) == 1
+    told = [line for line in capsys.readouterr().err.splitlines() if "no counterpart" in line]
+    assert len(told) == 4
+    for what in ("dampng of <joint>, which is unknown (did you mean 'damping'?)", "grvity of <option>", "gravcomp of body swing",
+                 "moment of <inertial>"):
+        assert any(what in line for line in told)
+
+
 @pytest.mark.parametrize("change, told", [
     (('class="lighter" type', 'class="heavy" type'), "there is no class of defaults 'heavy'"),
     (('axis="0 1 2"', 'axis="0 0 0"'), "the axis of joint lift has no direction"),

@@ -27,6 +27,7 @@ end Swing;
         ("AxialSpring spring(a = world, b = bar.b, k = 1);", ""),
         ("Spring spring(a = shift(world, {1, 2}), b = bar.b, k = 1);", ""),
         ("Cart cart(at = bar.b);", ""),
+        ("Weld weld(a = bar.b, offset = {0.5, 0.5});", ""),
     ],
 )
 def test_two_components_where_space_has_three_are_told(scene, statement: str, told: str) -> None:

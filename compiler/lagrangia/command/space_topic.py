@@ -20,7 +20,8 @@ gravity with a third component, or one of the words below. Nothing is declared; 
             Cylinder, Cone (about z), Ball, Box(size = {a, b, c}) reckon theirs
   loads     AppliedForce(force = {Fx, Fy, Fz}), BodyForce, AppliedTorque(torque = {Mx, My, Mz}) in the world's axes, TorquePair;
             of one's own: energy work M on f.attitude. A motor in a hinge: energy work tau on hinge.phi. Two components where
-            space has three are told (L0306), but in shift(a, {x, y}) and in components, which may be written for the plane
+            space has three are told (L0306), but in shift(a, {x, y}), in places as Weld(offset = {x, y}), and in components,
+            which may be written for the plane
   hinges    TorsionSpring, TorsionDamper, TorsionStop, TorsionDryFriction, DCMotor, Gear and TorquePair(torque = 3) act about the
             hinge between their frames, or several about parallel axes: TorsionSpring(a = hinge.a, b = hinge.b, k = 2). Of one's
             own: hinge_angle(a, b). A ball joint has no such angle, nor has a Universal as a whole: bind twist = u.phi_a

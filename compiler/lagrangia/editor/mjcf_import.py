@@ -12,6 +12,7 @@ from lagrangia.base.diagnostics import Span, fail
 from lagrangia.editor.mjcf_inertia import Mass, shape_mass, together, written_mass
 from lagrangia.editor.mjcf_motors import motor_lines
 from lagrangia.editor.mjcf_reading import SINGLE, Angles, Defaults, Joint, Vector, Written, turned, turned_moments, with_included
+from lagrangia.editor.mjcf_words import unknown_words
 from lagrangia.editor.modelica_import import Imported
 from lagrangia.editor.robot_text import Names, Place, counted, difference, inertia_matrix, number, quoted, radians, row
 from lagrangia.fmu.xmltree import Element
@@ -325,6 +326,7 @@ class _Scene:
             self.equations.append(f"{first.coordinate} = {' + '.join(terms) or '0'};".replace("+ -", "- "))
 
     def _tell_rest(self) -> None:
+        self.left_out.update(unknown_words(self.root))
         for element in self.root.children:
             if element.tag not in _UNSEEN:
                 self.left_out[f"<{element.tag}>"] += 1

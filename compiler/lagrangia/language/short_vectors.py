@@ -1,7 +1,8 @@
 """Vectors that a scene in space has and that were given two components: forces, gravity, directions. Their z is 0, which is told.
 
-Not told: what is 0 in any case; defaults of declarations, which are written for plane and space alike; shift(a, {x, y}), which
-means z = 0; and components of classes, as one that is written for the plane stands in space as it is.
+Not told: what is 0 in any case; defaults of declarations, which are written for plane and space alike; shift(a, {x, y}) and other
+places, as Weld(offset = {x, y}), which mean z = 0; and components of classes, as one that is written for the plane stands in
+space as it is.
 """
 
 from lagrangia.base.diagnostics import Report, Span
@@ -12,6 +13,8 @@ from lagrangia.language.instances import Instance, Slot
 from lagrangia.language.space_values import is_fitted
 from lagrangia.language.tree import Array, Flat, Number
 from lagrangia.language.unread import inside
+
+_PLACE = "m"  # the unit of shifts
 
 
 def find_short_vectors(model: FlatModel, root: Instance, table: ClassTable) -> Report:
@@ -25,7 +28,9 @@ def find_short_vectors(model: FlatModel, root: Instance, table: ClassTable) -> R
             if not isinstance(slot, Slot) or slot.binding is None or not is_fitted(slot.declaration):
                 continue
             variable, place = model.variables.get(slot.path), slot.binding.expression.span
-            if variable is None or not _is_padded(variable.binding) or place in told or _is_default(slot) or not any(
+            if variable is None or variable.unit == _PLACE or not _is_padded(variable.binding) or place in told:
+                continue
+            if _is_default(slot) or not any(
                     text.source is place.source and text.start <= place.start < text.end for text in texts):
                 continue
             told.add(place)
