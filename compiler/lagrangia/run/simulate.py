@@ -19,7 +19,7 @@ from lagrangia.run.guards import of_guard, warnings_of
 from lagrangia.run.request import Experiment, Values, check_parameters
 from lagrangia.run.runtime import GUARDED, Failure, Run, Settings, Statistics, Status
 from lagrangia.run.scene import Scene
-from lagrangia.run.solvers import number_of
+from lagrangia.run.solvers import AUTO, number_of
 
 _PAUSE, _FIRST = 0.1, 0.02  # seconds between two looks at the clock and the keyboard; before the first one on a tape
 _MANY_STEPS, _MUCH = 100, 100.0
@@ -28,6 +28,8 @@ DOUBTFUL = 0.1  # of all energy: an account that misses by more
 HOPELESS = 0.5  # the same: no errors of integrals alone
 _BESIDE, _NO_LENGTH, _MOST_LENGTHS = "1e-3", 1e-9, 100  # m: a start beside 0, what is 0, and how many are tried
 _TIGHT, _FAINT = 1e-9, 1e-5  # a tolerance, and a miss of all energy, that may be near what rounding allows
+_OTHERS = "pirk", "erk9", "implicit"  # what else may pass dead points, in which order
+_BY_ROUNDING = Status.STEP_TOO_SMALL, Status.TURNED_OFF, Status.CONSTRAINTS_OPEN
 _LITTLE = 1e-9  # J: less may be rounding of energies that cancel
 
 
@@ -51,6 +53,7 @@ class Progress:
     events: Sequence[float] = ()  # times of the first ones, s
     ended: str = ""  # what terminate(...) has said, and when
     limits: Counter[int] = field(default_factory=Counter)  # what limited steps when somebody looked, as Statistics.worst has it
+    failed: Status | None = None  # how the run time ended the run, where that raised RunError
     warned: list[str] = field(default_factory=list)  # assertions that warn and do not hold, and since when
 
 
@@ -69,7 +72,9 @@ def simulate(
     """
     run = start_run(scene, engine, experiment, values)
     progress = progress_of(scene, experiment, parameters=run.parameters, engine=engine.how)
-    return progress, _all_rows(_Parts(scene, engine, run, values, complete), progress, watch)
+    parts = _Parts(scene, engine, run, values, complete)
+    may_choose_again = experiment.solver == AUTO and scene.sizes["loops_know_time"]
+    return progress, (_passing_rows if may_choose_again else _all_rows)(parts, progress, watch)
 
 
 def progress_of(scene: Scene, experiment: Experiment, **known: Any) -> Progress:
@@ -139,6 +144,46 @@ class _Parts:
         return replace(self, engine=engine, run=start_run(self.scene, engine, experiment, self.values), complete=None)
 
 
+def _passing_rows(parts: _Parts, progress: Progress, watch: Callable[[Progress], None] | None) -> Iterator[Sequence[float]]:
+    """Rows of `auto`, told when all are known. Rounding decides near dead points of what is driven in time: should the run fail
+    there, those of the first other choice that passes."""
+    begin = replace(progress, limits=Counter(), warned=[])
+    own = rows, error = _known_rows(parts, progress, watch)
+    kept, is_lost = replace(progress), progress.failed in _BY_ROUNDING or bool(loss(progress))
+    for solver in _OTHERS if is_lost else ():
+        if progress.interrupted or (error is None and not loss(progress)):
+            break
+        _set(progress, replace(begin, limits=Counter(), warned=[], seconds=progress.seconds))
+        try:
+            run = start_run(parts.scene, parts.engine, replace(progress.experiment, solver=solver), parts.values)
+        except RunError:
+            continue
+        rows, error = _known_rows(replace(parts, run=run), progress, watch)
+    if error is not None or loss(progress):
+        _set(progress, kept)
+        rows, error = own
+    yield from rows
+    if error is not None:
+        raise error
+
+
+def _known_rows(parts: _Parts, progress: Progress, watch: Callable[[Progress], None] | None
+                ) -> tuple[list[Sequence[float]], RunError | None]:
+    """All rows, and why there are no more."""
+    rows: list[Sequence[float]] = []
+    try:
+        rows.extend(_all_rows(parts, progress, watch))
+    except RunError as error:
+        return rows, error
+    return rows, None
+
+
+def _set(progress: Progress, other: Progress) -> None:
+    """Makes it say what the other one says."""
+    for name in vars(other):
+        setattr(progress, name, getattr(other, name))
+
+
 def _all_rows(parts: _Parts, progress: Progress, watch: Callable[[Progress], None] | None) -> Iterator[Sequence[float]]:
     """A run that wants the matrix of implicit steps, which waits in large scenes, is done once more with it: up to there its
     steps are the same, so that rows that were told before are not told again."""
@@ -183,6 +228,7 @@ def _rows(parts: _Parts, progress: Progress, watch: Callable[[Progress], None] |
                     progress.ended, progress.time = explain(parts.scene, run.failure), run.failure.time
                     return False
                 if rows.status not in (Status.OK, Status.PAUSED):
+                    progress.failed = rows.status
                     raise RunError(explain(parts.scene, run.failure, run.parameters))
     return False
 
