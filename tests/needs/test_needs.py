@@ -397,3 +397,17 @@ def test_references_of_attitudes_are_no_time() -> None:
     found = example("top")
     assert not found["explicit time"].is_needed and not found["time events"].is_needed
     assert not found["products of inertia"].is_needed
+
+
+@pytest.mark.parametrize(("name", "told"), [
+    ("free_bar", "constant are those of 'bar.center.x', of 'bar.center.phi'"),
+    ("bouncing_ball", "constant between events is that of 'x.s'"),
+    ("gyroscope", "constant are those of 'outer.phi', of 'spinning.phi'"),
+    ("top", "constant are those of 'tip.S' about the z axis of what carries it, of 'tip.S' about its own z axis"),
+])
+def test_momenta_that_nothing_changes_are_named(name: str, told: str) -> None:
+    assert example(name)["changing momenta"].why == told
+
+
+def test_momenta_that_change_are_not_named() -> None:
+    assert all("changing momenta" not in example(name) for name in ("double_pendulum", "rolling_disc", "four_bar"))

@@ -113,3 +113,12 @@ def test_a_planet_has_an_effective_potential(tmp_path: Path, capsys: pytest.Capt
           potential -k/out.s;
         end Orbit;""")
     assert "φ' = p_φ/(m s²)" in told and "p_φ²/(2 m s²)" in told and "E = ½ m s'² + V_eff" in told
+
+
+def test_a_gyroscope_in_gimbals_has_an_effective_potential(capsys: pytest.CaptureFixture[str]) -> None:
+    """Its lines are too wide with the inertia about the vertical written out, which has a name of its own there."""
+    assert main(["equations", str(Path(__file__).parents[2] / "models" / "examples" / "gyroscope.lag")]) == 0
+    told = " ".join(capsys.readouterr().out.split())
+    assert ("V_eff = 0.02 m g cos φ_inner + (p_φ,outer − p_φ,spinning cos φ_inner)²/(2 J_φ,outer) + p_φ,spinning²/(2 I_rotor,3)"
+            in told)
+    assert "J_φ,outer = I_inner_gimbal,3 cos² φ_inner + (I₂ + 0.0004 m + I_rotor,1) sin² φ_inner + I_outer_gimbal,3" in told

@@ -27,6 +27,7 @@ from lagrangia.needs.along_axes import Skipped, skipped_along_axes
 from lagrangia.needs.conditions import find_corners
 from lagrangia.needs.dependence import changes
 from lagrangia.needs.islands import MOST_COORDINATES, find_islands
+from lagrangia.needs.momenta import constant_momenta
 from lagrangia.needs.origins import is_linear, place_of_nonlinear_term, place_of_time, place_of_world
 from lagrangia.needs.spectrum import Spectrum, find_spectrum
 from lagrangia.run.runtime import Solver
@@ -390,6 +391,7 @@ def _products(parts: _Parts) -> Iterable[Need]:
     sources += [load.statement.span for load in energies.loads] + [span for _, span in parts.moved]
     yield Need("energy quadrature", flows, "power flows in or out" if flows else "T + V is constant",
                _line(sources[0] if sources and flows else None), saving="two integrals in every step")
+    yield from _momenta(parts)
     spans = [(loop or span.text, span) for loop, span in
              zip(parts.initial.residual_loops, parts.initial.residual_spans, strict=True)]
     yield _listed("assembly", spans, "start values are given or zero", _counted(len(spans), "equation"),
@@ -397,6 +399,15 @@ def _products(parts: _Parts) -> Iterable[Need]:
     yield _inputs(parts)
     yield Need("compilation", True, f"{scene.notes['rhs_operations']} operations in the right-hand side; kept in the cache, "
                "parameters change without it")
+
+
+def _momenta(parts: _Parts) -> Iterable[Need]:
+    """Those that nothing changes, for people: what runs does not lean on them."""
+    if parts.motion.constrained is not None or parts.scene.n > _MOST_COUNTED:
+        return
+    if found := constant_momenta(parts.kinematics, parts.motion, parts.given):
+        constant = f"constant {'between events ' if parts.kinematics.graph.model.whens else ''}"
+        yield Need("changing momenta", False, f"{constant}{'is that' if len(found) == 1 else 'are those'} {_few(found)}")
 
 
 def _inputs(parts: _Parts) -> Need:

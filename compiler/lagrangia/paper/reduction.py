@@ -4,6 +4,7 @@ M_cc = L D L^T of the cyclic coordinates; with r = L^-1 p their rates are L^-T D
 Source: E.J. Routh, A Treatise on the Stability of a Given State of Motion (1877).
 """
 
+from collections.abc import Mapping
 from dataclasses import replace
 from fractions import Fraction
 
@@ -11,8 +12,8 @@ import sympy as sp
 
 from lagrangia.algebra.with_sympy import Expr
 from lagrangia.paper.book import WIDEST_MATRIX, WIDEST_TYPESET, Book, constants_block, equal
-from lagrangia.paper.document import Block, Display, paragraph, say
-from lagrangia.paper.layout import Bracket, Name, Node, Numeral, Power, Quotient, Total, added, product
+from lagrangia.paper.document import Block, Display, display, paragraph, say
+from lagrangia.paper.layout import Bracket, Name, Node, Numeral, Power, Quotient, Relation, Total, added, product
 from lagrangia.paper.presentation import Presentation
 from lagrangia.paper.typeset import text
 from lagrangia.paper.widths import typeset_width
@@ -61,22 +62,41 @@ def _laid_out(book: Book, left: int, order: list[int], L: dict[tuple[int, int], 
     r: dict[int, Expr] = {}
     for j in order:
         r[j] = e.ring.tidy(p[j] - sum((L[j, i] * r[i] for i in order if (j, i) in L), sp.S.Zero))
-    lines: list[Node] = []
-    for j in reversed(order):
-        own: Node = Quotient(known.sum(r[j]), known.sum(D[j]))
-        others = [known.sum(e.ring.tidy(-L[i, j] * e.scene.v[i])) for i in order if (i, j) in L]
-        lines.append(equal(book.rate(j), added(own, *others)))
-    effective = book.own("V", "eff")
-    squares = [Quotient(Power(_bracketed(known.sum(r[j])), _TWO), product([_TWO, _factor(known.sum(D[j]))]))
-               for j in reversed(order)]
     V = e.ring.tidy(e.V_elastic + e.V_field)
-    lines.append(equal(effective, added(*([book.sum(V)] if V != 0 else []), *squares)))
     moving = product([Numeral(Fraction(1, 2)), book.presentation.coefficient(e.M[left][left]), Power(book.rate(left), _TWO)])
-    lines.append(equal(book.own("E"), added(moving, effective)))
-    if any(text(x).width > WIDEST_MATRIX or typeset_width(x) > WIDEST_TYPESET for x in lines):
-        return []  # quotients are not broken
+
+    def lines(inertia: Mapping[int, Node]) -> list[Node]:
+        found: list[Node] = []
+        for j in reversed(order):
+            others = [known.sum(e.ring.tidy(-L[i, j] * e.scene.v[i])) for i in order if (i, j) in L]
+            found.append(equal(book.rate(j), added(Quotient(known.sum(r[j]), inertia[j]), *others)))
+        squares = [Quotient(Power(_bracketed(known.sum(r[j])), _TWO), product([_TWO, _factor(inertia[j])]))
+                   for j in reversed(order)]
+        found.append(equal(effective, added(*([book.sum(V)] if V != 0 else []), *squares)))
+        return [*found, equal(book.own("E"), added(moving, effective))]
+
+    effective = book.own("V", "eff")
+    whole: dict[int, Node] = {j: known.sum(D[j]) for j in order}
+    short = {j: Name("J", names[j].sub) if _factor(x) is not x else x for j, x in whole.items()}
+    told = lines(whole)
+    inside: list[Block] = []
+    if not all(map(_fits, told)):
+        told = lines(short)
+        inside = [paragraph(say("with")), *display([equal(short[j], whole[j]) for j in order if short[j] is not whole[j]])]
+        if not all(_fits(part) for line in told for part in _terms(line)):  # quotients are not broken
+            return []
     words = say("As these momenta are constant, {0} alone is left to move, in an effective potential:", book.q[left])
-    return [paragraph(words), Display(tuple(lines))]
+    return [paragraph(words), Display(tuple(told)), *inside]
+
+
+def _terms(line: Node) -> list[Node]:
+    """Of a relation, what lines are broken between."""
+    right = line.right if isinstance(line, Relation) else line
+    return [term for _, term in right.items] if isinstance(right, Total) else [right]
+
+
+def _fits(x: Node) -> bool:
+    return text(x).width <= WIDEST_MATRIX and typeset_width(x) <= WIDEST_TYPESET
 
 
 def _bracketed(node: Node) -> Node:

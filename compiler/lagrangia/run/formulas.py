@@ -64,6 +64,17 @@ def zero_masses(scene: Scene, parameters: Sequence[float]) -> list[str]:
             if p.unit in MASSES and value == 0 and not _is_massless(p)]
 
 
+def zero_directions(scene: Scene, parameters: Sequence[float]) -> list[str]:
+    """Vectors without unit, as axes are, that are 0 among the values of all parameters and were not declared so."""
+    vectors: dict[str, list[tuple[Parameter, float]]] = {}
+    for p, value in zip(scene.parameters, parameters, strict=True):
+        stem, _, place = p.name.rpartition("[")
+        if p.unit in ("", "1") and place in ("1]", "2]", "3]"):
+            vectors.setdefault(stem, []).append((p, value))
+    return [stem for stem, parts in vectors.items()
+            if len(parts) > 1 and all(value == 0 for _, value in parts) and any(p.value != 0 for p, _ in parts)]
+
+
 def _is_massless(parameter: Parameter) -> bool:
     return parameter.unit in MASSES and parameter.compiled == 0
 

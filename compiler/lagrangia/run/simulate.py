@@ -14,7 +14,7 @@ from lagrangia.base.diagnostics import Diagnostic, LagError, RunError, tell_miss
 from lagrangia.base.records import dataclass
 from lagrangia.run.engines import Engine
 from lagrangia.run.event_log import log_events
-from lagrangia.run.formulas import zero_masses
+from lagrangia.run.formulas import zero_directions, zero_masses
 from lagrangia.run.guards import of_guard, warnings_of
 from lagrangia.run.request import Experiment, Values, check_parameters
 from lagrangia.run.runtime import GUARDED, Failure, Run, Settings, Statistics, Status
@@ -283,10 +283,11 @@ def explain(scene: Scene, failure: Failure, parameters: Sequence[float] = ()) ->
                 f"({scene.notes['felt']}) presses by them more than it takes, so that there is no solution, or several "
                 f"(Painleve's paradox), or accelerations are not finite{where} for another reason; try less friction")
     if failure.status is Status.NOT_FINITE:
-        zero = ", ".join(map("'{}'".format, zero_masses(scene, parameters)[:4])) if parameters else ""
-        told = f" ({zero} {'are' if ',' in zero else 'is'} 0)" if zero else ""
-        return (f"at t = {failure.time:.6g} the accelerations are not finite{where}: a coordinate that moves no mass{told}, "
-                f"{kinetic}points that coincide, or a function outside its domain; look at the parameters and start values")
+        told, directions = (_are_zero(find(scene, parameters)) if parameters else "" for find in (zero_masses, zero_directions))
+        axis = f"an axis, or another direction, of the length 0{directions}, " if directions else ""
+        return (f"at t = {failure.time:.6g} the accelerations are not finite{where}: {axis}a coordinate that moves no "
+                f"mass{told}, {kinetic}points that coincide, or a function outside its domain; look at the parameters and "
+                "start values")
     if failure.status is Status.STEP_TOO_SMALL:
         return _of_short_steps(scene, failure, where, kinetic)
     if failure.status in (Status.EVENTS_GO_ON, Status.NO_IMPULSE):
@@ -309,6 +310,11 @@ def explain(scene: Scene, failure: Failure, parameters: Sequence[float] = ()) ->
     if failure.status is Status.TOO_MANY_STEPS:
         return (f"the limit of steps is reached at t = {failure.time:.6g}{where}; raise --max-steps, or loosen the tolerance")
     return f"the run stopped at t = {failure.time:.6g}: {failure.status.name.lower().replace('_', ' ')}"
+
+
+def _are_zero(names: Sequence[str]) -> str:
+    told = ", ".join(map("'{}'".format, names[:4]))
+    return f" ({told} {'are' if len(names) > 1 else 'is'} 0)" if names else ""
 
 
 def _of_short_steps(scene: Scene, failure: Failure, where: str, kinetic: str) -> str:
