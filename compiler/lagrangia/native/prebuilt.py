@@ -5,8 +5,10 @@ alone. A library goes with the digest of its sources and flags; one that was bui
 
 It is compiled for this machine's processor and, with less care, for any of the platform: which is taken is decided where it is
 loaded. LAGRANGIA_KINDS=all compiles for all kinds with the same care, as a wheel for others should be. Widths of registers change
-no digit (no contraction, no fused multiply-add, sums in a fixed order). A library is of one kind throughout: where instructions
-with and without wide registers take turns, implicit steps take twice as long.
+no digit (no contraction, sums in a fixed order). Fused multiply-adds do: products that say that they are rounded with their sums
+are, wherever the processor can (avx2 and avx512 have the same digits), and "any" rounds them twice; its rows differ in their last
+digits, within their errors. A library is of one kind throughout: where instructions with and without wide registers take turns,
+implicit steps take twice as long.
 
 Two libraries more, one a version of the standard, are binaries of FMUs: for any processor, and any scene (runtime/fmi/stored.c).
 """
@@ -23,8 +25,8 @@ if TYPE_CHECKING:
     from concurrent.futures import Future
 
 SUFFIX = {"win32": ".dll", "darwin": ".dylib"}.get(sys.platform, ".so")
-# No contraction and no -ffast-math: the same digits on every machine, and the compensated sums of the run time stay intact.
-# A product that is rounded with its sum says so (numbers/wide.h).
+# No contraction and no -ffast-math: the same digits on every machine that fuses, and the compensated sums of the run time stay
+# intact. A product that is rounded with its sum says so, and is rounded by itself where the processor cannot (numbers/wide.h).
 FLAGS = ("-std=c99", "-ffp-contract=off", "-fno-math-errno", "-fvisibility=hidden",
          *(() if sys.platform == "win32" else ("-fPIC",)))
 LIBRARIES = () if sys.platform == "win32" else ("-lm",)
