@@ -55,6 +55,20 @@ def test_a_model_is_loaded_from_its_text() -> None:
         lag.loads(Path("x.lag"))  # type: ignore[arg-type]
 
 
+def test_a_scene_is_remembered_by_what_the_cache_has(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("LAGRANGIA_CACHE", str(tmp_path / "cache"))
+    text, file = "model A Block b(m = 1, base = world, along = {1, 0}, v(start = 2)); end A;", tmp_path / "a.lag"
+    file.write_text(text, encoding="utf-8")
+    lag.load(file)
+    first, again = lag.load(file), lag.load(file)
+    assert first.is_cached and again.scene is first.scene
+    for kept in (tmp_path / "cache" / "scenes").iterdir():
+        kept.write_bytes(b"damaged")
+    assert not lag.load(file).is_cached
+    file.write_text(text.replace("= 2", "= 3"), encoding="utf-8")
+    assert [lag.load(file).simulate(stop=1)["b.s"][-1] for _ in range(2)] == pytest.approx([3, 3])
+
+
 def test_a_sweep_is_a_table_in_a_notebook() -> None:
     scene = EXAMPLES[0].with_name("quarter_car.lag")
     sweep = lag.load(scene).simulate_many(parameters={"m1": range(1, 31)}, outputs=["max(car.s)"])

@@ -7,6 +7,7 @@ texts of imported files are checked when the scene is read.
 import hashlib
 import json
 from collections.abc import Mapping
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +17,8 @@ from lagrangia.base.store import find_kept, keep, key_of, prune
 from lagrangia.run.formulas import AS_DECLARED, Formulas
 from lagrangia.run.scene import Scene, from_json, to_json
 
+_MOST, _LARGE = 16, 1 << 18  # scenes that a process remembers; bytes of one that is read anew each time
+
 
 def find_scene(path: Path, model: str | None, structural: Mapping[str, Any], outputs: tuple[str, ...],
                formulas: Formulas = AS_DECLARED) -> Scene | None:
@@ -23,10 +26,17 @@ def find_scene(path: Path, model: str | None, structural: Mapping[str, Any], out
     try:
         imports, _, scene = (find_kept("scenes", _key(path, model, structural, outputs, formulas)) or b"").partition(b"\n")
         if all(_digest(Path(name)) == digest for name, digest in json.loads(imports).items()):
-            return from_json(scene)
+            return _remembered(scene) if len(scene) < _LARGE else from_json(scene)
     except (OSError, ValueError, KeyError, TypeError, AttributeError):
         pass
     return None
+
+
+@lru_cache(maxsize=_MOST)
+def _remembered(text: bytes) -> Scene:
+    """The same scene for the same text: nobody changes one, and reading it takes longer than finding it. Raises ValueError,
+    KeyError, TypeError."""
+    return from_json(text)
 
 
 def keep_scene(scene: Scene, path: Path, model: str | None, structural: Mapping[str, Any], outputs: tuple[str, ...],
