@@ -60,6 +60,32 @@ def test_a_mass_between_two_thresholds_swings_ever_farther() -> None:
     assert len(found) >= 3 and np.abs(found - np.cumsum(times)).max() < 1e-11
 
 
+STRING = """model Breaks "ball on a string that breaks when it pulls more than 25 N: by the force that the motion takes"
+  parameter Length L = 1;
+  PointMass ball(m = 1);
+  Length slack = L - distance(world, ball.center);
+  Force T = ball.m/L*(dot(ball.center.v, ball.center.v) + dot({0, -9.81[m/s2]}, ball.center.r));
+  Hysteresis torn(low = -1e9, high = 25, u = T/1[N]);
+initial equation
+  ball.center.x = -L; ball.center.y = 0; ball.center.v[1] = 0; ball.center.v[2] = -1;
+equation
+  when slack < 0 and torn.y < 0.5 then reinit(der(slack), 0); end when;
+  annotation(experiment(StopTime = 1.2, Tolerance = 1e-9));
+end Breaks;"""
+
+
+def test_a_string_breaks_where_it_pulls_too_much() -> None:
+    """Where 3 g sin + 1 = 25; the ball flies on. An event that asks for the contact's own force says to write it so."""
+    sine, g = 24 / (3 * 9.81), 9.81
+    run = lag.loads(STRING).simulate()
+    broken = run.events[0]
+    left, rate = 1.2 - broken, np.sqrt(1 + 2 * g * sine)
+    x, y = -np.sqrt(1 - sine**2) + sine * rate * left, -sine - np.sqrt(1 - sine**2) * rate * left - g * left**2 / 2
+    assert len(run.events) == 1 and (run["ball.center.x"][-1], run["ball.center.y"][-1]) == pytest.approx((x, y), abs=1e-8)
+    with pytest.raises(lag.LagError, match="Hysteresis torn"):
+        assert lag.loads(STRING.replace("torn.y < 0.5", "contact_force(slack) < 25")).scene
+
+
 @pytest.mark.parametrize("version", VERSIONS)
 @pytest.mark.parametrize("kind", KINDS)
 def test_fmus_switch_where_the_run_does(version: str, kind: str, tmp_path: Path) -> None:

@@ -81,6 +81,10 @@ def equation_of(name: str) -> int:
     return int(name.removeprefix(f"{CONSTRAINT_FORCE}(").removesuffix(")"))
 
 
+_BREAKING = ("what breaks has to remember it, as the force is 0 once it lets go: write the force by places and rates, and a relay "
+             "of it, Hysteresis torn(low = -1e9, high = 25, u = m*v^2/L/1[N]) and: when x < 0 and torn.y < 0.5 then ...")
+
+
 def speaks_of_contact_forces(model: FlatModel, expression: Flat) -> bool:
     """Whether an expression, or what it refers to, has the force of a contact in it."""
     return any(map(_is_contact_force, reached([expression], _bindings(model))))
@@ -101,8 +105,9 @@ def _keep_contact_forces_out(model: FlatModel, report: Report) -> None:
     bindings = _bindings(model)
     for expressions, what, span in (*_of_positions(model), *_of_parameters(model)):
         if any(map(_is_contact_force, reached(expressions, bindings))):
+            hints = (_BREAKING,) if what == "an event" else ()
             report.error("L0914", f"{what} cannot depend on a contact force", span,
-                         "forces and dissipation functions can, as mu*contact_force(x)*abs(rate)")
+                         "forces and dissipation functions can, as mu*contact_force(x)*abs(rate)", *hints)
 
 
 def _keep_rates_out(model: FlatModel, report: Report, is_one: Callable[[Flat], bool], what: str) -> None:
