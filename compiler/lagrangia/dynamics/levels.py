@@ -44,6 +44,7 @@ class Levels:
     moving: ca.SX
     numbering: Numbering = field(default_factory=Numbering)
     cases: int = 0
+    may_rest: bool = False  # whether both sides of a comparison may be equal for a while
 
     def of(self, truth: ca.SX) -> ca.SX | None:
         """Of a condition, 1 where it is true and 0 where it is not; far from 0 where nothing that moves decides. None where it
@@ -99,6 +100,7 @@ class Levels:
         return _chosen(self._of_truth(atom, known), then, otherwise)
 
     def _of_smooth(self, d: ca.SX, is_true_at_0: bool, known: _Known) -> Level:
+        self.may_rest |= not self._moves(d) and not (d.is_constant() and float(d) != 0)
         if d.is_constant():
             return float(d) >= 0 if is_true_at_0 else float(d) > 0
         if self._moves(d):
@@ -114,7 +116,9 @@ class Levels:
         step, low, high = ca.jacobian(inner, n), *self._range(x, known)
         is_line = operations_in(inner).isdisjoint(CORNERS) and step.is_constant() and float(step) != 0
         if is_line and not self._moves(inner):
-            first = _first(float(step), -ca.substitute(inner, n, ca.SX(0)) / step, is_true_at_0)
+            place = as_expression(-ca.substitute(inner, n, ca.SX(0)) / step)
+            self.may_rest |= not place.is_constant() or float(place).is_integer()
+            first = _first(float(step), place, is_true_at_0)
             if first.is_constant() and not low < float(first) < high:
                 return (low >= float(first)) == (float(step) > 0)
             return as_expression(x - first if float(step) > 0 else first - x)

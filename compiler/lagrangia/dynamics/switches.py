@@ -14,14 +14,17 @@ more than it rubs.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import field, replace
+from typing import NoReturn
 
 import casadi as ca
 
 from lagrangia.algebra.numbering import Numbering, rebuilt
 from lagrangia.algebra.scalars import Expression, as_expression, symbol, symbols_in
-from lagrangia.algebra.with_casadi import CORNERS, operations_in
+from lagrangia.algebra.with_casadi import CORNERS, STEPS, operations_in
+from lagrangia.base.diagnostics import fail
 from lagrangia.base.records import dataclass
 from lagrangia.dynamics.held_switches import RELATIONS, SIGNS, WHOLE, Holding, Pair, direction_in, ordered, pair_of, rest_asked
+from lagrangia.dynamics.levels import Levels
 from lagrangia.dynamics.motion import Motion
 from lagrangia.dynamics.same_conditions import match
 
@@ -173,12 +176,13 @@ class _Finding:
     """What is found in the forces: differences of what conditions compare, rates of which it is asked whether they rest, and
     pairs of those of which it is asked whether both do."""
 
-    moving: frozenset[int]
+    moving: ca.SX
     v: ca.SX
     numbering: Numbering
     found: dict[Pair, Expression] = field(default_factory=dict)
     asked: list[tuple[Pair, ...]] = field(default_factory=list)
     both: dict[tuple[Pair, Pair], None] = field(default_factory=dict)
+    equal: dict[Pair, bool] = field(default_factory=dict)  # which may be equal for a while: how these are compared
 
     def note(self, op: int, numbers: list[int], operands: list[Expression]) -> None:
         """Of an instruction."""
@@ -195,12 +199,15 @@ class _Finding:
             if op in RELATIONS or len(rest[0]) > 1:  # of |a|, which is found by itself
                 return
         pair = rest[0][0] if rest else pair_of(self.numbering, op, numbers)
+        is_of_first = pair is not None and (op == ca.OP_LT) == (numbers[0] == pair[0])
+        if pair in self.equal and (op == ca.OP_SIGN or self.equal[pair] != is_of_first):
+            _refuse_equal()
         if pair is None or pair in self.found:
             return
         g = self._difference(op, numbers, operands, pair)
         if op in (*WHOLE, ca.OP_ATAN2) and _is_rate(self.v, g):  # nothing holds it there
             return
-        if not self.moving.isdisjoint(symbols_in(g)):
+        if self._moves(g):
             self.found[pair] = g
 
     def _difference(self, op: int, numbers: list[int], operands: list[Expression], pair: Pair) -> Expression:
@@ -208,7 +215,19 @@ class _Finding:
         if op in WHOLE:
             return as_expression(ca.sin(ca.pi * operands[0]))
         a, b = (operands[0], as_expression(0.0)) if op in SIGNS or op == ca.OP_ATAN2 else operands
-        return as_expression(a - b if numbers[0] == pair[0] else b - a)
+        difference, is_first = as_expression(a - b if numbers[0] == pair[0] else b - a), numbers[0] == pair[0]
+        if op not in (ca.OP_LT, ca.OP_LE, ca.OP_SIGN) or operations_in(difference).isdisjoint(STEPS):
+            return difference
+        levels = Levels(self.moving)
+        level = levels.of(a <= b if op == ca.OP_LE else a < b)
+        if levels.may_rest and op == ca.OP_SIGN and self._moves(difference):
+            _refuse_equal()
+        if levels.may_rest:
+            self.equal[pair] = (op == ca.OP_LT) == is_first
+        return difference if level is None else as_expression(-level if is_first else level)
+
+    def _moves(self, x: Expression) -> bool:
+        return not symbols_in(self.moving).isdisjoint(symbols_in(x))
 
     def _note_square(self, operands: list[Expression]) -> None:
         """Of a^2 > 0, a^4 > 0 or a^2 == 0: a."""
@@ -219,7 +238,7 @@ class _Finding:
             root = as_expression(root.dep(0))
         number = self.numbering.number(root)
         pair = ordered(number, self.numbering.of_number(0.0))
-        if not self.moving.isdisjoint(symbols_in(root)):
+        if self._moves(root):
             self.found.setdefault(pair, root if pair[0] == number else as_expression(-root))
 
     def _note_direction(self, norm: Expression) -> None:
@@ -237,11 +256,16 @@ class _Finding:
         self.both[a, b] = None
 
 
+def _refuse_equal() -> NoReturn:
+    fail("L0914", "not supported yet: a force that tells numbers apart on both sides which may be equal for a while, as "
+         "sign(floor(x)) does", None, "compare what moves: if x >= 1 then 1 elseif x >= 0 then 0 else -1")
+
+
 def conditions_in(forces: Sequence[ca.SX], movers: ca.SX, v: ca.SX, numbering: Numbering
                   ) -> tuple[dict[Pair, Expression], dict[Pair, Expression], tuple[tuple[Pair, Pair], ...]]:
     """Differences of what conditions in the forces compare, of those that `movers` decide; symbols for the rates of which it
     is asked whether they rest; and pairs of the latter that are asked about together."""
-    finding = _Finding(symbols_in(movers), v, numbering)
+    finding = _Finding(movers, v, numbering)
     rebuilt(forces, numbering, finding.note)
     rests, found = _rests(v, finding.found, finding.asked), finding.found
     found = _without_unused(forces, found, rests, numbering) if rests else found

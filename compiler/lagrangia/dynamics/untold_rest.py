@@ -10,6 +10,7 @@ with all signs as in a direction, forces at rest are not those of ever slower mo
 """
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 import casadi as ca
 import numpy as np
@@ -17,13 +18,13 @@ import numpy as np
 from lagrangia.algebra.numbering import Numbering, rebuilt
 from lagrangia.algebra.orthogonal import Vector
 from lagrangia.algebra.scalars import Expression, as_expression, operate, symbol, symbols_in
-from lagrangia.algebra.with_casadi import CORNERS
-from lagrangia.base.diagnostics import Span, fail
+from lagrangia.algebra.with_casadi import CORNERS, STEPS
+from lagrangia.base.diagnostics import LagError, Span, fail
 from lagrangia.dynamics.dissipation import gradient_by_rates
 from lagrangia.dynamics.energies import Energies
 from lagrangia.dynamics.held_switches import SIGNS, WHOLE, Holding, Pair, pair_of, rest_asked
 from lagrangia.dynamics.motion import Motion
-from lagrangia.dynamics.switches import bends
+from lagrangia.dynamics.switches import bends, conditions_in
 
 _ASKING = (ca.OP_LT, ca.OP_LE, ca.OP_EQ, ca.OP_NE, *WHOLE)
 _TURNING = (ca.OP_LT, ca.OP_LE, ca.OP_SIGN, ca.OP_FABS)
@@ -38,13 +39,24 @@ _HINT = ("what holds at rest is told by F_static, mu_static or tau_static of the
 
 
 def refuse_untold_rest(energies: Energies, motion: Motion) -> None:
-    """Raises LagError L0918, placed at the term of the energies that jumps so, or at the load."""
+    """Raises LagError L0918, placed at the term of the energies that jumps so, or at the load; L0914 for conditions of them that
+    are not taken."""
+    if not motion.operations.isdisjoint(STEPS):
+        _refuse_equal(energies, motion)
     if not bends(motion) or not _is_untold((motion.unsolved or motion).h, motion.v):
         return
     for force, span in _apart(energies, motion.v):
         if _is_untold(force, motion.v):
             _refuse(span)
     _refuse(None)
+
+
+def _refuse_equal(energies: Energies, motion: Motion) -> None:
+    for force, span in _apart(energies, motion.v):
+        try:
+            conditions_in([ca.densify(force)], ca.vertcat(motion.t, motion.q, motion.v, motion.u), motion.v, Numbering())
+        except LagError as error:
+            raise LagError(replace(found, span=span) for found in error.diagnostics) from None
 
 
 def _refuse(span: Span | None) -> None:

@@ -81,8 +81,8 @@ def equation_of(name: str) -> int:
     return int(name.removeprefix(f"{CONSTRAINT_FORCE}(").removesuffix(")"))
 
 
-_BREAKING = ("what breaks has to remember it, as the force is 0 once it lets go: write the force by places and rates, and a relay "
-             "of it, Hysteresis torn(low = -1e9, high = 25, u = m*v^2/L/1[N]) and: when x < 0 and torn.y < 0.5 then ...")
+_BREAKING = ("what breaks has to remember it, as the force is 0 once it lets go: write the force by places and rates, and a "
+             "relay of it, Hysteresis torn(low = -1e9, high = 25, u = m*v^2/L/1[N]) and: when x < 0 and torn.y < 0.5 then ...")
 
 
 def speaks_of_contact_forces(model: FlatModel, expression: Flat) -> bool:
