@@ -469,7 +469,7 @@ class _Flattening:
     def _bind_variables(self) -> tuple[Equation, ...]:
         """Equations `y = expression` of variables without a binding become their bindings; the others are constraints."""
         self.variables.update(declare_held(self.samplers, self.variables, self.report))
-        mechanics = mechanics_of(self.energies, self.works, self.frame_equations, self.whens)
+        mechanics = mechanics_of(self.energies, self.works, self.frame_equations, self.whens, self.variables)
         found = find_states(self.variables, [*self.equations, *self.joined], self.ends, mechanics, self.report)
         self.states = found.states
         self.variables.update(found.variables)

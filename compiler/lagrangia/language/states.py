@@ -29,12 +29,13 @@ class FoundStates:
     equations: tuple[Equation, ...]
 
 
-def mechanics_of(energies: Sequence[Energy], works: Sequence[Work], frames: Sequence[FrameEquation], whens: Sequence[When]
-                 ) -> list[Flat]:
-    """What tells masses, places and resets; not forces."""
+def mechanics_of(energies: Sequence[Energy], works: Sequence[Work], frames: Sequence[FrameEquation], whens: Sequence[When],
+                 variables: Mapping[str, Variable]) -> list[Flat]:
+    """What tells masses, places and resets of rates; not forces."""
     return [*(energy.value for energy in energies), *(work.position for work in works),
             *(side for equation in frames for side in (equation.left, equation.right)),
-            *(reset.rate for when in whens for reset in when.resets)]
+            *(rate for when in whens for reset in when.resets
+              if not (isinstance(rate := reset.rate, Ref) and variables[rate.name].kind == "coordinate"))]
 
 
 def find_states(variables: Mapping[str, Variable], equations: Sequence[Equation], ends: Set[str], mechanics: Sequence[Flat],
@@ -42,7 +43,7 @@ def find_states(variables: Mapping[str, Variable], equations: Sequence[Equation]
     """`ends`: variables of connectors, whose rates are held unless an equation gives one alone. Reports L0901 for arrays of
     states, L0231 for a second equation of the same."""
     states, left = dict[str, State](), list[Equation]()
-    variables = {**variables, **_idle_coordinates(variables, equations, mechanics)}
+    variables = {**variables, **_idle_coordinates(variables, equations, ends, mechanics)}
     for equation in equations:
         found = _state_of(equation, variables, ends)
         if found is None:
@@ -63,8 +64,8 @@ def find_states(variables: Mapping[str, Variable], equations: Sequence[Equation]
     return FoundStates(states, made, energies, works, tuple(left))
 
 
-def _idle_coordinates(variables: Mapping[str, Variable], equations: Sequence[Equation], mechanics: Sequence[Flat]
-                      ) -> dict[str, Variable]:
+def _idle_coordinates(variables: Mapping[str, Variable], equations: Sequence[Equation], ends: Set[str],
+                      mechanics: Sequence[Flat]) -> dict[str, Variable]:
     """Coordinates that are states, as variables: one equation, not linear, gives the rate; nothing else that holds reads them."""
     bindings = {name: variable.binding for name, variable in variables.items()}
     candidates = dict[str, Equation]()
@@ -76,7 +77,7 @@ def _idle_coordinates(variables: Mapping[str, Variable], equations: Sequence[Equ
             bindings[equation.left.name] = equation.right
         elif len(names) == 1 and names.isdisjoint(candidates) and not variables[min(names)].shape and not _is_virtual(equation):
             candidates[names.pop()] = equation
-        else:
+        elif _state_of(equation, variables, ends) is None:
             read += [equation.left, equation.right]
     known = dict[str, int]()
     found = {name for name, equation in candidates.items()
