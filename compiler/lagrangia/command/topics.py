@@ -222,7 +222,8 @@ level. Redundant constraints, massless links and singular positions are part of 
 loops and what is redundant. A place without mass between springs, dampers, gears and loads is where their forces are in balance:
 given by others where that is linear, else one more constraint, between positions or, with linear dampers, between rates
 (massless.py); PointMass knot(final m = 0) makes one in the plane. A mass is none where its value is 0, whatever it is bound to
-and however it is given (-p m=0 compiles the scene once more; in sweeps, where it is 0 in all runs; in FMUs, where it is final).
+and however it is given (-p m=0 compiles the scene once more; in sweeps, where it is 0 in all runs; in FMUs, and on pages of lag
+play, where sliders could change it, where it is final).
 --reactions reports the force and torque of every joint and tie, by Lagrange's equations of released directions
 (released_directions.py), and of a Motion what it takes: motor.reaction, a force along what it prescribes, or a torque.
 So near a dead point that rounding decides a force, it is written as NaN, and the run ends with exit code 1.

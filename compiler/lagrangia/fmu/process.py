@@ -11,6 +11,7 @@ import signal
 import subprocess
 import sys
 import threading
+import time
 from array import array
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, field
@@ -21,6 +22,7 @@ from typing import Any
 
 from lagrangia.base.diagnostics import fail
 from lagrangia.base.records import dataclass
+from lagrangia.base.spelling import plain_text
 
 KINDS = {"me": "ModelExchange", "cs": "CoSimulation"}
 SPOKEN = {"me": "Model Exchange", "cs": "Co-Simulation"}
@@ -29,6 +31,8 @@ _MOST_FILE = 1 << 30  # bytes
 _MEMORY = (2 << 30, 8 << 30)  # bytes: half of the machine's, within these
 _PATIENCE = 5  # seconds: of processor time beyond the time that is allowed; for the end of the log
 _LINES = 6  # of the log, in a message
+_RUN = "LAGRANGIA_FMU_RUN"  # in the environment of all processes of a run: the name of its folder
+_PAUSE, _MOST_LOOKS = 0.02, 100  # seconds, for processes to end, and how often
 
 
 @dataclass(frozen=True)
@@ -83,7 +87,7 @@ class Outcome:
     @property
     def said(self) -> list[str]:
         """What the FMU said last, line by line."""
-        return [line[:300] for line in self.log.splitlines() if line.strip()][-_LINES:]
+        return [plain_text(line[:300]) for line in self.log.splitlines() if line.strip()][-_LINES:]
 
     @property
     def explanation(self) -> str:
@@ -135,7 +139,8 @@ def _wait(folder: Path, seconds: float | None) -> tuple[bytes, dict[str, Any]]:
     """The end of what was printed, and what the worker itself cannot tell of its end."""
     home = str(Path(__file__).resolve().parents[2])
     paths = [home, *filter(None, [os.environ.get("PYTHONPATH")])]
-    environment = os.environ | {"PYTHONPATH": os.pathsep.join(paths), "PYTHONIOENCODING": "utf-8", "OPENBLAS_NUM_THREADS": "1"}
+    environment = os.environ | {"PYTHONPATH": os.pathsep.join(paths), "PYTHONIOENCODING": "utf-8", "OPENBLAS_NUM_THREADS": "1",
+                                _RUN: folder.name}
     command = [sys.executable, "-m", "lagrangia.fmu.worker", str(folder)]
     process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, cwd=folder, env=environment,
                                start_new_session=True)
@@ -149,19 +154,36 @@ def _wait(folder: Path, seconds: float | None) -> tuple[bytes, dict[str, Any]]:
     except KeyboardInterrupt:
         ended = {"interrupted": True}
     finally:
-        _end(process)
+        _end(process, folder.name)
     tail.join(_PATIENCE)
     return tail.kept, ended
 
 
-def _end(process: "subprocess.Popen[bytes]") -> None:
-    """With all that it has started and left in its group."""
+def _end(process: "subprocess.Popen[bytes]", run: str) -> None:
+    """With all that it has started: what is left in its group, and what has left that, but not forgotten which run it is of."""
     with contextlib.suppress(OSError):
         if hasattr(os, "killpg"):
             os.killpg(process.pid, signal.SIGKILL)
         else:
             process.kill()
     process.wait()
+    for _ in range(_MOST_LOOKS):
+        if not (others := _processes_of(run)):
+            break
+        for other in others:
+            with contextlib.suppress(OSError):
+                os.kill(other, signal.SIGKILL)
+        time.sleep(_PAUSE)
+
+
+def _processes_of(run: str) -> list[int]:
+    """Those that live and have its name in their environment, where the system tells."""
+    told, found = f"{_RUN}={run}\0".encode(), []
+    for file in Path("/proc").glob("[0-9]*/environ"):
+        with contextlib.suppress(OSError):
+            if told in file.read_bytes():
+                found.append(int(file.parent.name))
+    return found
 
 
 def _spoken(code: int) -> str:
@@ -184,4 +206,5 @@ def _collect(folder: Path, job: Job, log: bytes, ended: Mapping[str, Any]) -> Ou
     result = json.loads(read("result.json") or b"{}")
     reached = rows[-1 - len(columns)] if rows else job.times[0]
     told = {"message": "", **result, **ended, "faults": tuple(result.get("faults", ())), "time": reached}
+    told["message"] = plain_text(told["message"])
     return Outcome(columns, rows, log=log.decode(errors="replace"), **told)
