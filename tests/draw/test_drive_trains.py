@@ -12,7 +12,7 @@ import pytest
 import lagrangia as lag
 from lagrangia.draw.drive_parts import Part, parts_of
 from lagrangia.draw.drive_symbols import symbol_of
-from lagrangia.draw.drive_train import Sketch, draw_train, sketch_of
+from lagrangia.draw.drive_train import Sketch, draw_train, icon_of_train, sketch_of
 
 Scene = Callable[[str], lag.Model]
 Point = tuple[float, float]
@@ -170,3 +170,22 @@ def test_rods_discs_and_what_acts_between_two_ends_are_no_boxes() -> None:
     drawn = {kind: symbol_of(kind, a, b, False)[0] for kind in ("Disc", "Rod", "Torque2", "Force2")}
     shapes = {kind: [np.round(stroke.points, 6).tolist() for stroke in strokes] for kind, strokes in (*drawn.items(), ("", box))}
     assert all(shapes[one] != shapes[other] for one in shapes for other in shapes if one != other)
+
+
+def test_sources_of_motion_show_what_they_prescribe() -> None:
+    """A graph each, against time: an angle that swings, a rate that grows, an acceleration, a rate that stays."""
+    a, b = np.array([0.0, 0.0]), np.array([13.0, 0.0])
+    graphs = [symbol_of(kind, a, b, True)[0][-1].points for kind in ("Position", "Speed", "Accelerate", "ConstantSpeed")]
+    for graph in graphs:
+        assert abs(graph[:, 0] - 6.5).max() < 3.0 and abs(graph[:, 1]).max() < 2.2  # within its box
+    assert len({tuple(np.round(graph[:, 1], 6)) for graph in graphs}) == 4
+
+
+def test_the_icon_of_a_drive_train_is_its_first_parts(scene: Scene) -> None:
+    """It was an empty box."""
+    flat = scene("""model M Rotational.ConstantSpeed motor(w_fixed = 1); Rotational.Spring s(c = 1, flange_a = motor.flange);
+      Rotational.Inertia j[20](each J = 1); equation connect(s.flange_b, j[1].flange_a);
+      for i in 1:19 loop connect(j[i].flange_b, j[i + 1].flange_a); end for; end M;""").compilation.flat
+    icon, whole = icon_of_train(flat), draw_train(flat, {})
+    assert icon is not None and whole is not None
+    assert icon.paths and not icon.labels and icon.width < 70.0 < whole.width

@@ -1,6 +1,6 @@
 """Symbols of the components of drive trains, between two ends in millimetres."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +19,9 @@ _GEARS = ("IdealGear", "LossyGear", "IdealLever")
 _WHEELS = ("IdealGearR2T", "IdealRollingWheel")
 _TURNS = ("Torque", "ConstantTorque", "TorqueStep", "LinearSpeedDependentTorque", "QuadraticSpeedDependentTorque",
           "EddyCurrentTorque")
+_DRIVES = {  # of time in [0, 1], what a source prescribes, in [-1, 1]
+    "Position": lambda t: np.sin(2 * np.pi * t), "Speed": lambda t: 2 * t - 1, "Accelerate": lambda t: 2 * t**2 - 1,
+    "ConstantSpeed": lambda t: 0.4 + 0 * t}
 _PUSHES = ("Force", "ConstantForce", "ForceStep", "LinearSpeedDependentForce", "QuadraticSpeedDependentForce", "EddyCurrentForce")
 
 
@@ -91,11 +94,21 @@ def _beside_it(kind: str, middle: Vector) -> list[Stroke]:
         return [Stroke(middle[None], BODIES, "normal", "white", True, 2.4),
                 Stroke(np.array([middle, middle + np.array([1.1, 1.6])]), HINGES, "normal")]
     box = _box(middle, (3.0, 2.2), "white")
+    if kind in _DRIVES:
+        return [box, *_graph(middle, _DRIVES[kind])]
     if kind == "HingeFlange":
         return [box, Stroke(middle[None], HINGES, "normal", "white", True, 1.0)]
     if kind == "SliderFlange":
         return [box, Stroke(middle + np.array([[-2.0, 0.0], [2.0, 0.0]]), HINGES, "normal"), _box(middle, (0.9, 0.6), "white")]
     return [box]
+
+
+def _graph(middle: Vector, prescribed: Callable[[Vector], Vector]) -> list[Stroke]:
+    """Of what a source prescribes against time, with its axes."""
+    time = np.linspace(0.0, 1.0, 21)
+    curve = middle + np.column_stack((4.4 * (time - 0.5), 1.3 * prescribed(time)))
+    axes = [middle + np.array([[-2.5, -1.7], [2.5, -1.7]]), middle + np.array([[-2.2, -1.9], [-2.2, 1.8]])]
+    return [*(Stroke(axis, HINGES, "thin") for axis in axes), Stroke(curve, HINGES, "normal")]
 
 
 def _given(places: Sequence[Sequence[float]], numbers: list[Vector], measure: str = "") -> Given:

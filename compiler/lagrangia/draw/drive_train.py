@@ -25,6 +25,7 @@ _FOOT = 1.0  # mm, between lines down from one symbol
 _WORDS = 0.75 * FONT  # mm, of the middle of words above a symbol
 _DOT = 0.55  # mm
 _ROOM = 2.0  # mm, between two names, and between two rows
+_IN_AN_ICON = 4  # parts
 
 
 @dataclass(frozen=True)
@@ -74,12 +75,19 @@ def names_elsewhere(flat: FlatModel, names: Mapping[str, str]) -> dict[str, str]
     return {name: symbol for name, symbol in names.items() if name not in told}
 
 
+def icon_of_train(flat: FlatModel) -> Page | None:
+    """The first parts of a drive train, without names; None where a scene has no components with flanges."""
+    parts = parts_of(flat)[:_IN_AN_ICON]
+    return replace(_drawn(parts, [Words(()) for _ in parts], flat), labels=()) if parts else None
+
+
 def draw_train(flat: FlatModel, names: Mapping[str, str]) -> Page | None:
     """The page of a drive train; None where a scene has no components with flanges."""
     parts = parts_of(flat)
-    if not parts:
-        return None
-    words = [_words(part, names) for part in parts]
+    return _drawn(parts, [_words(part, names) for part in parts], flat) if parts else None
+
+
+def _drawn(parts: Sequence[Part], words: Sequence[Words], flat: FlatModel) -> Page:
     sketch = sketch_of(parts, [word.width for word in words])
     strokes, labels = list(_lines(sketch)), []
     for part, (a, b), word in zip(parts, sketch.ends, words, strict=True):

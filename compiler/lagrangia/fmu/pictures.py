@@ -10,6 +10,7 @@ import numpy as np
 from lagrangia.base.records import dataclass
 from lagrangia.compile.pipeline import Compilation
 from lagrangia.draw.drawing import figures_of
+from lagrangia.draw.drive_train import icon_of_train
 from lagrangia.draw.page import LINES
 from lagrangia.draw.raster import rasterise
 from lagrangia.draw.strokes import Stroke
@@ -46,8 +47,8 @@ def draw_icon(model: Exportable, start: Sequence[float]) -> Icon:
                parameters)
     states = States(*(np.array(column, dtype=float).reshape(-1, 1) for column in columns))
     page = icon_of(model.compilation, _told_apart(figures_of(model)), states)
-    if not page.paths:  # a scene of energies alone, whose components have no drawing: a box, as of any block
-        page = replace(page, paths=(Stroke(_BOX, 0, "normal", "none", True),))
+    if not page.paths:  # a drive train; or a scene of energies alone, whose components have no drawing: a box, as of any block
+        page = icon_of_train(model.compilation.flat) or replace(page, paths=(Stroke(_BOX, 0, "normal", "none", True),))
     scale = (_PIXELS - 2 * _MARGIN) / max(page.width, page.height)
     image = rasterise(page, scale, _LINE / (LINES["normal"] * scale), (_PIXELS, _PIXELS))
     png = io.BytesIO()

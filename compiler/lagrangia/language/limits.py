@@ -74,8 +74,9 @@ def unit_of(names: Names, slot: Slot) -> str:
 
 def display_unit_of(names: Names, slot: Slot) -> str:
     """Raises LagError L0208; L0301 for one that is none, or that the variable cannot be shown in."""
-    unit, shown = _text(names, slot, "unit"), _text(names, slot, "displayUnit")
+    shown = _text(names, slot, "displayUnit")
     if shown:
+        unit = _text(names, slot, "unit")
         place = slot.attributes["displayUnit"].expression.span
         if read_unit(shown, place).dimension != read_unit(unit or "1", place).dimension:
             fail("L0301", f"what is in {unit or '1'} cannot be shown in {shown}", place)

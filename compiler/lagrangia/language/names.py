@@ -190,13 +190,13 @@ class Names(Calls):
 
     def flatten(self, node: Expression, scope: Scope) -> Flat:
         """An expression with full names, in SI units, its structural values put in. Raises LagError."""
-        match node:
+        match node:  # what stands most often comes first
+            case Reference():
+                return self._in_pass(node, scope) if scope.iterators else self.resolve(node, scope)
             case Number():
                 return in_si(node)
             case Boolean() | String() | EnumerationLiteral():
                 return node
-            case Reference():
-                return self._in_pass(node, scope) if scope.iterators else self.resolve(node, scope)
             case Unary(operator, operand, span):
                 inner = self.flatten(operand, scope)
                 if operator == "+":
