@@ -27,6 +27,8 @@ algorithm
 end later;
 function all_of input R r[:]; output Real y; algorithm y := 0; for i loop y := y + r[i].a*r[i].b; end for; y := y + size(r, 1);
 end all_of;
+function by_name input Real v[E]; output Real y;
+algorithm y := 0; for e in E loop y := y + v[e]; end for; y := y + v[E.b]; end by_name;
 function parts input S s[:]; output Real y; algorithm y := 10*size(s, 1) + size(s[1].r, 1); end parts;
 function chosen input E e; input String s = "x"; output Real y;
 algorithm y := if e == E.a then 7 else if s == "x" then 8 else 9; end chosen;
@@ -56,6 +58,7 @@ VALUES = {
     "sum(if e == E.b then 3 else Integer(e) for e in E)": 7.0, "sum(t[c] for c in Boolean) + t[true]": 5.0,
     "sum(sum(u[j] for j in pick[i, :]) for i in 1:2)": 7.0, "Integer(E(3))": 3.0, "sum(v[{E.a, E.c}])": 4.0,
     "sum(square(w))": 91.0, "sum(weighed(u, {1, 2}))": 18.0, "later(u)": 6.0, "all_of(r)": 9.0,
+    "by_name({1, 2, 4})": 9.0,
     "parts({S({R(i), R(2)}) for i in 1:4})": 42.0, "chosen(E.a) + chosen(E.b) + chosen(E.b, \"y\")": 24.0,
     "sum(z[i]*i for i)": 30.0, "sum(m)": 10.0, "sum(none)": 0.0, "jump + jumps[1]*jumps[2]": 23.0, "sum(where_it_is)": 3.0,
 }

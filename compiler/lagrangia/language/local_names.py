@@ -5,7 +5,7 @@ from dataclasses import replace
 
 from lagrangia.base.diagnostics import Span, fail
 from lagrangia.language.component_sizes import shape_of_records
-from lagrangia.language.enumerations import subscripts_of
+from lagrangia.language.enumerations import ordinal_of, subscripts_of
 from lagrangia.language.function_variables import Assertion, Tree, flat_of, part_of
 from lagrangia.language.instances import Scope
 from lagrangia.language.names import Names
@@ -74,6 +74,8 @@ class LocalNames(Names):
             return list(range(1, size + 1))
         inner = scope.bind("end", size)
         flat = self.flatten(node, inner)
+        if (ordinal := ordinal_of(flat)) is not None:
+            return ordinal
         if not isinstance(flat, Array):
             return self.integer(node, inner, "a subscript")
         return subscripts_of(flat.items, node.span)
