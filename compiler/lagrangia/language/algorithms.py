@@ -176,7 +176,8 @@ class _Builder:
                          "of inputs alone it may be ':'; write: Real y[size(x, 1)]")
                 found.append(shape[k])
                 continue
-            found.append(self._local().integer(dimension, self._scope(dimension.span), "the size of an array"))
+            count = self.names.count_of_literals(dimension) if isinstance(dimension, Reference) else None
+            found.append(count or self._local().integer(dimension, self._scope(dimension.span), "the size of an array"))
             if shape is not None and shape[k] != found[-1]:
                 fail("L0303", f"{what} is an array of {found[-1]}, and is given one of {shape[k]}", self.span)
         return tuple(found)
