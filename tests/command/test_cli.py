@@ -251,7 +251,7 @@ def test_the_last_model_runs_unless_another_is_named(lag: Lag) -> None:
 
 
 def test_a_run_that_reaches_its_limit_of_steps_keeps_its_rows(lag: Lag) -> None:
-    outcome = lag("simulate", EXAMPLES / "pendulum.lag", "--max-steps", 10)
+    outcome = lag("simulate", EXAMPLES / "pendulum.lag", "--max-steps", 4)
     assert outcome.code == 1
     assert "limit of steps" in outcome.err
     assert 1 < len(table("pendulum.csv")["time"]) < 501
