@@ -28,7 +28,7 @@ DOUBTFUL = 0.1  # of all energy: an account that misses by more
 HOPELESS = 0.5  # the same: no errors of integrals alone
 _BESIDE, _NO_LENGTH, _MOST_LENGTHS = "1e-3", 1e-9, 100  # m: a start beside 0, what is 0, and how many are tried
 _TIGHT, _FAINT = 1e-9, 1e-5  # a tolerance, and a miss of all energy, that may be near what rounding allows
-_OTHERS = "pirk", "erk9", "implicit"  # what else may pass dead points, in which order
+_OTHERS = "pirk", "erk", "erk9", "implicit"  # what else may pass singular positions, in which order
 _BY_ROUNDING = Status.STEP_TOO_SMALL, Status.TURNED_OFF, Status.CONSTRAINTS_OPEN
 _LITTLE = 1e-9  # J: less may be rounding of energies that cancel
 
@@ -73,7 +73,7 @@ def simulate(
     run = start_run(scene, engine, experiment, values)
     progress = progress_of(scene, experiment, parameters=run.parameters, engine=engine.how)
     parts = _Parts(scene, engine, run, values, complete)
-    may_choose_again = experiment.solver == AUTO and scene.sizes["loops_know_time"]
+    may_choose_again = experiment.solver == AUTO and scene.sizes["n_multipliers"] > 0
     return progress, (_passing_rows if may_choose_again else _all_rows)(parts, progress, watch)
 
 
@@ -145,8 +145,8 @@ class _Parts:
 
 
 def _passing_rows(parts: _Parts, progress: Progress, watch: Callable[[Progress], None] | None) -> Iterator[Sequence[float]]:
-    """Rows of `auto`, told when all are known. Rounding decides near dead points of what is driven in time: should the run fail
-    there, those of the first other choice that passes."""
+    """Rows of `auto` where loops are closed, told when all are known. Rounding decides near dead points and where linkages lie
+    flat: should the run fail there, those of the first other choice that passes."""
     begin = replace(progress, limits=Counter(), warned=[])
     own = rows, error = _known_rows(parts, progress, watch)
     kept, is_lost = replace(progress), progress.failed in _BY_ROUNDING or bool(loss(progress))
