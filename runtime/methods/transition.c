@@ -3,8 +3,7 @@
  *
  * Entries of exp(A h) that are wrong by eps change the slowest motions most: a free one by up to eps (norm t)^2 / 2 at the time t. In
  * 1 200 random scenes, stiff ones among them, it was at most 1/80 of eps (norm t)^2; their energy accounts asked for LOST. Where
- * doubles do not suffice, the run goes on by the method that it would have begun with otherwise, as where nothing changes
- * accelerations: then series take one step, and rows of polynomials cost less than products.
+ * doubles do not suffice, the run goes on by the method that it would have begun with otherwise.
  */
 #include "methods/transition.h"
 
@@ -49,8 +48,6 @@ int lag_transition_serves(LagRun *run)
     const LagSettings *settings = &run->settings;
     const double tolerance = fmax(settings->tolerance, LAG_SMALLEST_TOLERANCE);
     if (!lag_transition_build(&s->matrices, run->p, run->d))
-        return 0;
-    if (s->matrices.norm == 0 && run->methods.behind.to != LAG_SOLVER_LINEAR)
         return 0;
     s->until = settings->t_start + sqrt(tolerance / (LOST * DBL_EPSILON)) / s->matrices.norm;
     return settings->t_stop <= s->until;

@@ -57,14 +57,6 @@ def test_digits_do_not_depend_on_the_tolerance(n: int, load: str, scene: Write) 
                 assert getattr(run.energy, part) == pytest.approx(getattr(exact.energy, part), abs=rounding)
 
 
-@pytest.mark.parametrize("name", ["atwood", "free_bar"])
-def test_constant_accelerations_are_left_to_series(name: str) -> None:
-    """Polynomials are exact in one step, and 2.4 times as fast to read 500 rows from."""
-    run, _, error = both(lag.load(EXAMPLES / f"{name}.lag"), 1e-4)
-    assert run.statistics.solver is Solver.TAYLOR and run.statistics.steps <= 3
-    assert error < 1e-14
-
-
 def test_a_table_of_inputs(scene: Write) -> None:
     model = scene(row(2, "u"))
     times = np.array([0, 0.4, 1.1, 1.1, 3.0])
