@@ -64,8 +64,8 @@ static void clear(LagRun *run)
     run->methods.islands.are_started = 0;
     lag_switches_reset(run);
     /* a run does not depend on what this memory was used for before */
-    run->rests = run->troubled = run->careful = run->doubtful = run->plunged = run->plunges = 0;
-    run->calm_step = 0;
+    run->rests = run->troubled = run->careful = run->doubtful = run->plunged = run->plunges = run->sinking = 0;
+    run->calm_step = run->refused = 0;
     lag_unsure_reset(run);
     lag_branch_forget(run);
     run->motion.energy = run->motion.doubt = run->motion.looseness = run->motion.work_error = 0;

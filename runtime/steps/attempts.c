@@ -23,8 +23,8 @@ static const double WAY[LAG_WAYS] = {1, 0.77, 1.29, 0.6, 0.45, 0.9, 1.1, 0.35}, 
 static const double NOISE = 1e-6, FAINT_NOISE = 1e-9, MENDED = 0.25, SUNK = 0.1, MUCH_LONGER = 1.5, MENDABLE = 50, MILD = 2;
 /* Rejections in a row: methods of low order do not find into a motion that sets in out of nothing, and sweeps may not come nearer. What
  * is nearly singular to steps as long as those of sweeps; the length that others begin with there, as a share of the planned one. */
-enum { HOPELESS = 4 };
-static const double NEARLY = 10, TO_OTHERS = 0.35;
+enum { HOPELESS = 4, SINKING = 3, SURELY = 5 };
+static const double NEARLY = 10, TO_OTHERS = 0.35, SHARE = 0.75, SEEN = 3;
 /* By which the shortest of the lengths has a smaller error, and a still shorter attempt again, where these are none of rounding. */
 static const double FALL = 0.01, FALL_AGAIN = 0.2;
 
@@ -101,6 +101,17 @@ static double next_way(LagRun *run, LagAttempts *attempts, double shorter)
     return attempts->planned * WAY[best];
 }
 
+/* Steps that take a share of what is left again and again lead into a singular position, however small their errors are: soon where it
+ * is seen, and where it is not, later. */
+static int is_sinking(LagRun *run, const LagAttempts *attempts)
+{
+    if (attempts->rejected == 1) {
+        run->sinking = run->sinking > 0 && attempts->planned < SHARE * run->refused ? run->sinking + 1 : 1;
+        run->refused = attempts->planned;
+    }
+    return run->sinking >= SINKING && (run->sinking >= SURELY || lag_singularity(run, attempts->planned) > SEEN);
+}
+
 /* Near singular positions at once, with a length that leads across, and for good: there will be more of them. Where time has no
  * shorter steps (what was held is let go, and begins from nothing), there is nothing to wait for; nor where a linkage is driven in
  * time, as a crank by its slide: short steps lead so near its dead points that rounding decides. There the others
@@ -111,7 +122,8 @@ int lag_attempts_leave(LagRun *run, const LagAttempts *attempts, double h, doubl
     const int is_last = shorter < lag_step_smallest(run->motion.t);
     if (!leaves)
         return 0;
-    if (!run->model->loops_know_time && !is_last) {
+    const int sinks = is_loop && is_sinking(run, attempts);
+    if (!run->model->loops_know_time && !is_last && !sinks) {
         if (is_loop && is_mendable(run, attempts, h, error))
             return 0;
         if (attempts->rejected < HOPELESS && (!is_loop || lag_singularity(run, attempts->planned) < NEARLY))
@@ -152,6 +164,7 @@ void lag_attempts_end(LagRun *run, const LagAttempts *attempts, double h, double
     const int was_rejected = attempts->rejected > 0;
     run->careful = 0;
     run->statistics.tolerance_missed += error > 1;
+    run->sinking = h > run->refused ? 0 : run->sinking;
     run->troubled = was_rejected ? run->troubled + 1 : 0;
     /* after a plunge the calm step stays for a while: should a singular position be near after all, it leads across */
     const int has_plunged = attempts->depth > 0 && attempts->depth < IN_VAIN;
