@@ -1,7 +1,7 @@
 """Assertions and terminate: where they break, whatever runs; what they say; and that the motion knows nothing of them."""
 
 from collections.abc import Callable
-from math import acos, sqrt
+from math import acos, pi, sqrt
 from pathlib import Path
 
 import numpy as np
@@ -200,3 +200,38 @@ def test_what_is_wrong_is_told(stated: str, code: str, said: str, scene: Write) 
         scene(FALLING.replace("STATED", stated)).simulate()
     assert [d.code for d in found.value.diagnostics] == [code]
     assert said in found.value.diagnostics[0].render()
+
+
+SWINGING = """
+model Swinging
+  World world(gravity = {0, 0});
+  Block b(m = 1, base = world, s(start = 1));
+  Spring k(k = 1, stretch = b.s);
+  Real s = b.s, v = der(b.s);
+equation
+  STATED
+  annotation(experiment(StopTime = 7));
+end Swinging;
+"""
+JUMPING = {"floor(3*s) < -1": acos(-1 / 3), "ceil(s) <= 0": pi / 2, "sign(s) < 0": pi / 2, "rem(3*s, 1) < -0.5": acos(-1 / 6),
+           "div(3*s, 1) <= -2": acos(-2 / 3), "integer(4*s) <= -2 or v > 2": acos(-0.25), "not (floor(2*s) > -1)": pi / 2,
+           "(if v > 0 then s else -1) > 0.5": 2 * pi - pi / 3, "(if s > 0 then 1 else -1)*v > 0.3": pi / 2,
+           "mod(time, 1) > 0.7 and s < 0": 1.7, "max(floor(3*s), floor(3*v)) < 0": pi / 2}
+
+
+@pytest.mark.parametrize("condition", JUMPING)
+def test_conditions_that_jump_break_and_end_where_they_say(condition: str, scene: Write) -> None:
+    """s = cos t, v = -sin t: what jumps has no root, and what rests at 0, as floor does, is not beyond it."""
+    ends, breaks = (scene(SWINGING.replace("STATED", stated)) for stated in
+                    (f'when {condition} then terminate("there"); end when;', f'assert(not ({condition}), "not there");'))
+    for solver in ("auto", "erk", "pirk", "implicit"):
+        assert ends.simulate(solver=solver, tolerance=1e-9)["time"][-1] == pytest.approx(JUMPING[condition], abs=1e-7)
+        with pytest.raises(RunError) as failed:
+            breaks.simulate(solver=solver, tolerance=1e-9)
+        assert time_in(str(failed.value)) == pytest.approx(JUMPING[condition], abs=1e-7)
+
+
+def test_what_jumps_on_both_sides_of_equality_is_told(scene: Write) -> None:
+    with pytest.raises(LagError, match="L0225") as refused:
+        scene(SWINGING.replace("STATED", 'assert((if floor(s) == 1 then 2*v else v) > -2, "odd");'))
+    assert "in a way that is not taken apart" in str(refused.value)

@@ -6,9 +6,11 @@ import casadi as ca
 
 from lagrangia.algebra.duals import Scalar
 from lagrangia.algebra.scalars import as_expression, symbols_in
+from lagrangia.algebra.with_casadi import STEPS, operations_in
 from lagrangia.base.diagnostics import fail
 from lagrangia.base.records import dataclass
 from lagrangia.constraints.parameters import scalars
+from lagrangia.dynamics.levels import Levels
 from lagrangia.frames.kinematics import Kinematics
 from lagrangia.language.flat import FlatModel, Guard
 from lagrangia.language.mentions import children
@@ -49,7 +51,7 @@ def find_guarding(kinematics: Kinematics) -> Guarding:
     model, tau = kinematics.graph.model, kinematics.symbols.tau
     values, seen, shown, kinds = [], [], [], []
     for guard in model.guards:
-        g = ca.substitute(as_expression(kinematics.evaluator.value(guard.level)), tau, ca.SX(1))
+        g = _level(kinematics, guard)
         told = dict(_shown(kinematics, guard))
         is_constant = not ca.depends_on(g, _following(kinematics)) and kinematics.algebra.changing.isdisjoint(symbols_in(g))
         if guard.kind == "end" and is_constant:
@@ -60,6 +62,20 @@ def find_guarding(kinematics: Kinematics) -> Guarding:
         seen += [ca.substitute(as_expression(x), tau, ca.SX(1)) for x in told.values()]
         kinds.append(KINDS[guard.kind] + (OF_PARAMETERS if is_constant else 0))
     return Guarding(ca.densify(ca.vertcat(ca.SX(0, 1), *values, *seen)), tuple(shown), tuple(kinds))
+
+
+def _level(kinematics: Kinematics, guard: Guard) -> ca.SX:
+    """0 or more as long as the run goes on. Raises LagError L0225 where it jumps in a way that is not taken apart."""
+    value, tau = kinematics.evaluator.value, kinematics.symbols.tau
+    moving = ca.vertcat(kinematics.symbols.time, kinematics.algebra.state, _following(kinematics))
+    g, truth = (ca.substitute(as_expression(value(x)), tau, ca.SX(1)) for x in (guard.level, guard.condition))
+    if operations_in(g).isdisjoint(STEPS) or symbols_in(moving).isdisjoint(symbols_in(g)):
+        return g
+    level = Levels(moving).of(truth)
+    if level is None:
+        fail("L0225", "this changes where something in it jumps, in a way that is not taken apart",
+             guard.condition.span.within(guard.span), "compare with <, <=, > or >= in it, not with == or <>")
+    return as_expression(-level) if guard.kind == "end" else level
 
 
 def _following(kinematics: Kinematics) -> ca.SX:
