@@ -65,7 +65,7 @@ static void clear(LagRun *run)
     lag_switches_reset(run);
     /* a run does not depend on what this memory was used for before */
     run->rests = run->troubled = run->careful = run->doubtful = run->plunged = run->plunges = run->sinking = 0;
-    run->calm_step = run->refused = 0;
+    run->calm_step = run->refused = run->sunk_from = 0;
     lag_unsure_reset(run);
     lag_branch_forget(run);
     run->motion.energy = run->motion.doubt = run->motion.looseness = run->motion.work_error = 0;

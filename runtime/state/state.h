@@ -77,6 +77,7 @@ struct LagRun {
     double calm_step;     /* length of those that were not, lately */
     double refused;       /* length that the last step was first tried with that was rejected */
     int sinking;          /* steps that were rejected at first, each shorter than the one before, and none longer in between */
+    double sunk_from;     /* refused length of the first of these */
     int plunged;          /* for so many steps more: one was much shorter than calm ones, to resolve a quick passage */
     int plunges;          /* of late, with few steps between them */
     int rests;            /* nothing moves, until something else happens: see rest.h */

@@ -23,8 +23,8 @@ static const double WAY[LAG_WAYS] = {1, 0.77, 1.29, 0.6, 0.45, 0.9, 1.1, 0.35}, 
 static const double NOISE = 1e-6, FAINT_NOISE = 1e-9, MENDED = 0.25, SUNK = 0.1, MUCH_LONGER = 1.5, MENDABLE = 50, MILD = 2;
 /* Rejections in a row: methods of low order do not find into a motion that sets in out of nothing, and sweeps may not come nearer. What
  * is nearly singular to steps as long as those of sweeps; the length that others begin with there, as a share of the planned one. */
-enum { HOPELESS = 4, SINKING = 3, SURELY = 5 };
-static const double NEARLY = 10, TO_OTHERS = 0.35, SHARE = 0.75, SEEN = 3;
+enum { HOPELESS = 4, SINKING = 3 };
+static const double NEARLY = 10, TO_OTHERS = 0.35, SHARE = 0.75, DEEP = 0.1;
 /* By which the shortest of the lengths has a smaller error, and a still shorter attempt again, where these are none of rounding. */
 static const double FALL = 0.01, FALL_AGAIN = 0.2;
 
@@ -101,15 +101,16 @@ static double next_way(LagRun *run, LagAttempts *attempts, double shorter)
     return attempts->planned * WAY[best];
 }
 
-/* Steps that take a share of what is left again and again lead into a singular position, however small their errors are: soon where it
- * is seen, and where it is not, later. */
+/* Steps that take a share of what is left again and again lead into a singular position, however small their errors are. */
 static int is_sinking(LagRun *run, const LagAttempts *attempts)
 {
     if (attempts->rejected == 1) {
-        run->sinking = run->sinking > 0 && attempts->planned < SHARE * run->refused ? run->sinking + 1 : 1;
+        const int goes_on = run->sinking > 0 && attempts->planned < SHARE * run->refused;
+        run->sinking = goes_on ? run->sinking + 1 : 1;
+        run->sunk_from = goes_on ? run->sunk_from : attempts->planned;
         run->refused = attempts->planned;
     }
-    return run->sinking >= SINKING && (run->sinking >= SURELY || lag_singularity(run, attempts->planned) > SEEN);
+    return run->sinking >= SINKING && attempts->planned < DEEP * run->sunk_from;
 }
 
 /* Near singular positions at once, with a length that leads across, and for good: there will be more of them. Where time has no
