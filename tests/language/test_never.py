@@ -93,3 +93,6 @@ def test_of_a_run_its_own_start_and_stop_count(scene: Write, capsys: pytest.Capt
         main(["simulate", str(file), "--output", "-", *asked])
         told = capsys.readouterr().err
         assert told.count("L0224") == len(kept) and all(f"'{condition}'" in told for condition in kept), asked
+    main(["draw", str(file), "--output", "-", "--at", "18"])
+    told = capsys.readouterr().err
+    assert told.count("L0224") == 2 and "'time > 15'" not in told and "'time < 12'" not in told

@@ -132,6 +132,9 @@ SAME = {  # forces that jump where something in a condition does, and the same b
         "s < 0.5 and s > 0.25 or s < 1 and s > 0.75 or s < 1.5 and s > 1.25 then 1 else 0)",
     "(if floor(s) + floor(s + 0.3) > 0 then 1 else -1)": "(if s > 0.7 then 1 else -1)",
     "(if (if s > 0.2 then 1 - s else s) > 0 then 1 else 2)": "(if s > 0.2 and s < 1 or s > 0 and s < 0.2 then 1 else 2)",
+    "(if sign(s - 0.5)*s > 0.25 then 1 else 0)": "(if s > 0.5 or s < -0.25 then 1 else 0)",
+    "max(mod(s, 0.7) - 0.3, 0)": "(if mod(s, 0.7) > 0.3 then mod(s, 0.7) - 0.3 else 0)",
+    "abs(mod(s, 0.7) - 0.3)": "(if mod(s, 0.7) > 0.3 then mod(s, 0.7) - 0.3 else 0.3 - mod(s, 0.7))",
 }
 
 

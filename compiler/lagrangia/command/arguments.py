@@ -20,7 +20,7 @@ from lagrangia.compile.sources import refuse_others
 from lagrangia.language.values import read_value
 from lagrangia.model import Model
 from lagrangia.run.remarks import given_remarks, input_remarks
-from lagrangia.run.request import USUAL, Experiment, Request
+from lagrangia.run.request import USUAL, Request
 from lagrangia.view.curves import require_format
 
 _HEAD = 8192  # characters
@@ -71,11 +71,14 @@ def allowed_codes(options: Namespace) -> tuple[str, ...]:
     return given
 
 
-def tell_warnings(options: Namespace, model: Model, run: Experiment | None = None) -> None:
-    """What the model says in vain: of its own experiment, or of this run."""
-    limits = model.scene.notes.get("timed_warnings", {}) if run is not None else {}
-    tell(options, model, [text for text in model.warnings if run is None or text not in limits or (
-        limits[text][0] <= run.start and run.stop <= limits[text][1])])
+def tell_warnings(options: Namespace, model: Model) -> None:
+    """What the model says in vain, in its own experiment or in the run that is asked for. Raises LagError L0706."""
+    limits = model.scene.notes.get("timed_warnings", {})
+    start, stop, at = (getattr(options, name, None) for name in ("start", "stop", "at"))
+    begin = model.scene.start if start is None else start
+    end = stop if stop is not None else max(moments(at), default=model.scene.stop) if at is not None else model.scene.stop
+    tell(options, model, [text for text in model.warnings if text not in limits or (
+        limits[text][0] <= begin and end <= limits[text][1])])
 
 
 def tell_inputs(options: Namespace, model: Model, experiment: Any, given: Any) -> None:
@@ -170,6 +173,11 @@ def number(text: str, option: str) -> float:
         fail("L0706", f"'{text}' after {option} is no number")
 
 
+def moments(texts: str) -> list[float]:
+    """Those after --at, s. Raises LagError L0706."""
+    return [number(text, "--at") for text in texts.split(",") if text.strip()]
+
+
 def view_asked(text: str | None) -> tuple[float, float] | None:
     """Azimuth and elevation after --view, degrees. Raises LagError L0706."""
     if text is None:
@@ -188,7 +196,7 @@ def asked(options: Namespace, parameters: Mapping[str, Any], initial: Mapping[st
         return getattr(options, name, getattr(USUAL, name))
 
     texts = getattr(options, "at", None)
-    at = None if texts is None else [number(text, "--at") for text in texts.split(",") if text.strip()]
+    at = None if texts is None else moments(texts)
     return Request(given("start"), given("stop"), given("tolerance"), given("interval"), at, given("solver"), given("max_step"),
                    given("max_steps"), parameters, initial, inputs, outputs)
 

@@ -68,7 +68,7 @@ def simulate_command(options: Namespace) -> int:
     asked_for, request = request, _from_rest(options, model, request, experiment.start)
     values = check_values(scene, request.parameters, request.initial, request.inputs)
     picture = _planned(options, model, request) if options.plot is not None else None
-    tell_warnings(options, model, experiment)
+    tell_warnings(options, model)
     tell_inputs(options, model, experiment, request.inputs)
     tell_given(options, model, asked_for)
     tell_measures = _measuring(model, measured, request) if measured else None

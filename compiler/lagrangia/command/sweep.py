@@ -77,7 +77,7 @@ def _prepare(options: Namespace) -> tuple[Model, Job]:
     varied = {name: text for name, text in given.items() if name not in model.structural}
     request = asked(options, varied, dict(assignments(options.initial, "--initial")), read_inputs(options.input, scene))
     experiment = plan(scene, request)
-    tell_warnings(options, model, experiment)
+    tell_warnings(options, model)
     tell_inputs(options, model, experiment, request.inputs)
     tell_given(options, model, request, names_of_runs(options.runs))
     design = Design(options.runs, options.samples, options.seed, options.sampling, options.together, options.seconds_per_run,

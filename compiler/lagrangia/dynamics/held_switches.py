@@ -8,7 +8,7 @@ from lagrangia.algebra.numbering import Numbering
 from lagrangia.algebra.scalars import Expression, apply, as_expression, operate, symbols_in
 
 RELATIONS = (ca.OP_LT, ca.OP_LE, ca.OP_FMIN, ca.OP_FMAX)
-_JUMPS = (ca.OP_LT, ca.OP_LE, ca.OP_SIGN)
+JUMPS = (ca.OP_LT, ca.OP_LE, ca.OP_SIGN)
 SIGNS = (ca.OP_FABS, ca.OP_SIGN)
 _EQUALITIES = (ca.OP_EQ, ca.OP_NE)
 _EVEN = (ca.OP_FABS, ca.OP_SQ)
@@ -138,7 +138,7 @@ class Holding:
             return self._whole(op, operands[0], is_positive)
         if op == ca.OP_FABS:
             self.absolute[self.numbering.of(op, numbers)] = pair, numbers[0]
-        if op not in _JUMPS:
+        if op not in JUMPS:
             is_positive = self._bounded(is_positive)
         if op == ca.OP_SIGN:
             return self._sign(pair, numbers[0])
@@ -147,7 +147,7 @@ class Holding:
         if op == ca.OP_FABS:
             return as_expression((2 * is_positive - 1 if numbers[0] == pair[0] else 1 - 2 * is_positive) * operands[0])
         is_less = is_positive if numbers[1] == pair[0] else self._opposite(is_positive)
-        if op in _JUMPS:
+        if op in JUMPS:
             return self._noted(is_less, self._shares_in(is_less))
         smaller, larger = operands if op == ca.OP_FMIN else operands[::-1]
         return as_expression(self._chosen(is_less, smaller) + self._chosen(self._opposite(is_less), larger))

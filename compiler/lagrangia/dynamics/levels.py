@@ -174,7 +174,9 @@ class Levels:
 
     def _with(self, d: ca.SX, part: ca.SX, value: ca.SX | float) -> ca.SX:
         """With another value for a part of it, however that is written."""
-        if part.is_symbolic() or d.is_constant():
+        if d.is_constant():
+            return d
+        if part.is_symbolic():
             return as_expression(ca.substitute(d, part, as_expression(value)))
         number = self.numbering.number(part)
 

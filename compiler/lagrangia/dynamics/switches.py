@@ -23,7 +23,18 @@ from lagrangia.algebra.scalars import Expression, as_expression, symbol, symbols
 from lagrangia.algebra.with_casadi import CORNERS, STEPS, operations_in
 from lagrangia.base.diagnostics import fail
 from lagrangia.base.records import dataclass
-from lagrangia.dynamics.held_switches import RELATIONS, SIGNS, WHOLE, Holding, Pair, direction_in, ordered, pair_of, rest_asked
+from lagrangia.dynamics.held_switches import (
+    JUMPS,
+    RELATIONS,
+    SIGNS,
+    WHOLE,
+    Holding,
+    Pair,
+    direction_in,
+    ordered,
+    pair_of,
+    rest_asked,
+)
 from lagrangia.dynamics.levels import Levels
 from lagrangia.dynamics.motion import Motion
 from lagrangia.dynamics.same_conditions import match
@@ -183,6 +194,7 @@ class _Finding:
     asked: list[tuple[Pair, ...]] = field(default_factory=list)
     both: dict[tuple[Pair, Pair], None] = field(default_factory=dict)
     equal: dict[Pair, bool] = field(default_factory=dict)  # which may be equal for a while: how these are compared
+    either: set[Pair] = field(default_factory=set)  # the same, of which so far only the larger or the smaller is asked for
 
     def note(self, op: int, numbers: list[int], operands: list[Expression]) -> None:
         """Of an instruction."""
@@ -200,8 +212,11 @@ class _Finding:
                 return
         pair = rest[0][0] if rest else pair_of(self.numbering, op, numbers)
         is_of_first = pair is not None and (op == ca.OP_LT) == (numbers[0] == pair[0])
-        if pair in self.equal and (op == ca.OP_SIGN or self.equal[pair] != is_of_first):
+        if pair in self.equal and op in JUMPS and (op == ca.OP_SIGN or self.equal[pair] != is_of_first):
             _refuse_equal()
+        if pair in self.either and op in JUMPS:
+            self.either.discard(pair)
+            self.found.pop(pair, None)
         if pair is None or pair in self.found:
             return
         g = self._difference(op, numbers, operands, pair)
@@ -216,15 +231,20 @@ class _Finding:
             return as_expression(ca.sin(ca.pi * operands[0]))
         a, b = (operands[0], as_expression(0.0)) if op in SIGNS or op == ca.OP_ATAN2 else operands
         difference, is_first = as_expression(a - b if numbers[0] == pair[0] else b - a), numbers[0] == pair[0]
-        if op not in (ca.OP_LT, ca.OP_LE, ca.OP_SIGN) or operations_in(difference).isdisjoint(STEPS):
+        if op == ca.OP_ATAN2 or operations_in(difference).isdisjoint(STEPS):
             return difference
         levels = Levels(self.moving)
         level = levels.of(a <= b if op == ca.OP_LE else a < b)
         if levels.may_rest and op == ca.OP_SIGN and self._moves(difference):
             _refuse_equal()
-        if levels.may_rest:
+        if levels.may_rest and op not in JUMPS:
+            self.either.add(pair)
+        elif levels.may_rest:
             self.equal[pair] = (op == ca.OP_LT) == is_first
-        return difference if level is None else as_expression(-level if is_first else level)
+        if level is None:
+            fail("L0914", "not supported yet: a force that compares what jumps in a way that is not taken apart", None,
+                 "compare with <, <=, > or >= in it, not with == or <>, and fewer things that jump at once")
+        return as_expression(-level if is_first else level)
 
     def _moves(self, x: Expression) -> bool:
         return not symbols_in(self.moving).isdisjoint(symbols_in(x))
