@@ -137,6 +137,18 @@ def test_auto_passes_dead_points_where_another_choice_does(scene: Write) -> None
     assert any(passed)
 
 
+def test_where_nothing_passes_the_first_choice_tells_why(scene: Write) -> None:
+    """The rod is too short, and what acts late is for some solvers only: these are no choices (L0704 came, and no row)."""
+    model = scene("""model Short World world(gravity = {0, -9.81}); Real z(start = 1);
+      Angle phi = 1.1*sin(4.7*time + 0.6);
+      Revolute O(a = world, phi(start = 1.1*sin(0.6))); Body crank(m = 1, I = 0.1, center = O.b);
+      Frame pin = shift(O.b, {0.28, 0}); Block slide(m = 2, base = world); Link rod(L = 0.28, a = pin, b = slide.center);
+      Motion drive(of = slide.s, to = 0.5*(1 + time)*cos(phi));
+    equation der(z) = -delay(z, 0.1); end Short;""")
+    with pytest.raises(RunError, match="cannot be continued"):
+        model.simulate(stop=1)
+
+
 def _passes(model: lag.Model, solver: str, tolerance: float) -> bool:
     try:
         return not model.simulate(at=[0.5, 1, 2], solver=solver, tolerance=tolerance).statistics.energy_is_open

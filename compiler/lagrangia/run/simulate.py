@@ -150,7 +150,7 @@ def _passing_rows(parts: _Parts, progress: Progress, watch: Callable[[Progress],
     begin = replace(progress, limits=Counter(), warned=[])
     own = rows, error = _known_rows(parts, progress, watch)
     kept, is_lost = replace(progress), progress.failed in _BY_ROUNDING or bool(loss(progress))
-    for solver in _OTHERS if is_lost else ():
+    for solver in (x for x in _OTHERS if is_lost and x not in parts.scene.refused):
         if progress.interrupted or (error is None and not loss(progress)):
             break
         _set(progress, replace(begin, limits=Counter(), warned=[], seconds=progress.seconds))
@@ -160,7 +160,7 @@ def _passing_rows(parts: _Parts, progress: Progress, watch: Callable[[Progress],
             continue
         rows, error = _known_rows(replace(parts, run=run), progress, watch)
     if error is not None or loss(progress):
-        _set(progress, kept)
+        _set(progress, replace(kept, interrupted=progress.interrupted))
         rows, error = own
     yield from rows
     if error is not None:
