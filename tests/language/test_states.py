@@ -216,11 +216,12 @@ equation
 end A;"""
 
 
-@pytest.mark.parametrize("more", ["", "F = 2*z;", "der(F) = -2[1/s]*z;", "F = z; when time > 2 then reinit(z, 0); end when;"])
+@pytest.mark.parametrize("more", ["", "der(b.s)", "F = 2*z;", "der(F) = -2[1/s]*z;", "F = z; when time > 2 then reinit(z, 0); end when;"])
 def test_coordinates_that_forces_alone_read_are_states(more: str, scene: Scene) -> None:
     """der(z) may be anything: nothing holds it, as z moves no mass."""
-    text = BRISTLES.replace("MORE", more)
-    text = text.replace("coordinate", "output Length F; coordinate") if more else text
+    text = BRISTLES.replace("MORE", more if "=" in more else "")
+    text = text.replace("der(z) = rate", "der(z) = b.v - abs(der(b.s))*1e3[1/m]*z") if more == "der(b.s)" else text
+    text = text.replace("coordinate", "output Length F; coordinate") if "=" in more else text
     model, plain = scene(text), lag.loads(text.replace("coordinate Length z", "Length z(start = 0)"))
     assert "z" in model.scene.signals.values()
     assert model.simulate(at=[1, 3])["z"] == pytest.approx(plain.simulate(at=[1, 3])["z"], rel=1e-12)

@@ -11,9 +11,9 @@ from lagrangia.language.enumerations import Enumerations, from_to
 from lagrangia.language.folding import fold
 from lagrangia.language.implied_ranges import sizes_asked
 from lagrangia.language.instances import Scope, StructuralValues
-from lagrangia.language.tree import EnumerationLiteral, Expression, Flat, Iterator, Number, Range, Ref, Reference
+from lagrangia.language.tree import EnumerationLiteral, Expression, Flat, Iterator, Number, Range, Ref, Reference, Unary
 
-_OF_NUMBERS = "numbers in equal distances: linspace(0, 2, 5), or {0.5*i for i in 0:4}"
+_ONE_UNIT = "write: 0[m]:0.5[m]:2[m]"
 _UNROLLED = "the loops and sums of this model unroll to"
 _MOST_ITERATIONS = 100_000  # of one loop
 _MOST_OPERATIONS = 300_000  # of all loops of a model, each times the clauses in it: some 10 us each
@@ -95,7 +95,7 @@ class Loops(Enumerations, StructuralValues, Protocol):
 
     def _range(self, node: Range, scope: Scope) -> Sequence[int | Flat]:
         """Raises LagError L0209, L0210, L0214."""
-        ends = [self.flatten(end, scope) for end in (node.start, node.stop)]
+        ends = [self.flatten(end, scope) for end in (node.start, node.stop, node.step) if end is not None]
         if isinstance(ends[0], EnumerationLiteral) and node.step is None:
             return from_to(ends[0], ends[1])
         values = [self.number(end, scope, "the end of a range") for end in (node.start, node.stop)]
@@ -103,11 +103,25 @@ class Loops(Enumerations, StructuralValues, Protocol):
         if step == 0 or (values[1] - values[0]) / step > _MOST_ITERATIONS:
             fail("L0209", f"a range of more than {_MOST_ITERATIONS} values", node.span)
         count = max(0, floor((values[1] - values[0]) / step + _SLACK) + 1)
-        if values[0].is_integer() and step.is_integer():
+        unit = _unit_of(ends, node.span)
+        if unit is None and values[0].is_integer() and step.is_integer():
             return range(int(values[0]), int(values[0]) + count * int(step), int(step))
-        if any(isinstance(end, Number) and end.unit for end in ends):
-            fail("L0210", "a range with units that are not whole numbers", node.span, _OF_NUMBERS)
-        return [Number(values[0] + k * step, None, node.span) for k in range(count)]
+        return [Number(values[0] + k * step, unit, node.span) for k in range(count)]
+
+
+def _unit_of(ends: Sequence[Flat], span: Span) -> str | None:
+    """The unit that the ends and the step of a range have. Raises LagError L0210 where it is not one."""
+    units = [_written(end) for end in ends]
+    if len(set(units)) > 1:
+        fail("L0210", "the ends and the step of a range have one unit", span, _ONE_UNIT)
+    return units[0]
+
+
+def _written(node: Flat) -> str | None:
+    """The unit of a number, also of a negative one."""
+    if isinstance(node, Unary):
+        return _written(node.operand)
+    return node.unit if isinstance(node, Number) else None
 
 
 def _whole(item: Flat) -> int | None:

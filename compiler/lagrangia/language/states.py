@@ -71,8 +71,8 @@ def _idle_coordinates(variables: Mapping[str, Variable], equations: Sequence[Equ
     candidates = dict[str, Equation]()
     read = list(mechanics)
     for equation in equations:
-        names = {inner.name for node in nodes(equation.left, equation.right) if isinstance(node, Call) and node.function == "der"
-                 and isinstance(inner := node.arguments[0], Ref) and variables[inner.name].kind == "coordinate"}
+        names = _rates_in([side for side in (equation.left, equation.right) if _is_coordinate_rate(side, variables)], variables)
+        names = names if len(names) == 1 else _rates_in((equation.left, equation.right), variables)
         if isinstance(equation.left, Ref) and _is_open(variables[equation.left.name]) and bindings[equation.left.name] is None:
             bindings[equation.left.name] = equation.right
         elif len(names) == 1 and names.isdisjoint(candidates) and not variables[min(names)].shape and not _is_virtual(equation):
@@ -87,6 +87,16 @@ def _idle_coordinates(variables: Mapping[str, Variable], equations: Sequence[Equ
     read += [side for name, equation in candidates.items() if name not in found for side in (equation.left, equation.right)]
     found -= {node.name for node in reached(read, bindings) if isinstance(node, Ref)}
     return {name: replace(variables[name], kind="variable") for name in found}
+
+
+def _rates_in(sides: Iterable[Flat], variables: Mapping[str, Variable]) -> set[str]:
+    """The coordinates whose rates stand there."""
+    return {str(node.arguments[0]) for node in nodes(*sides) if _is_coordinate_rate(node, variables)}
+
+
+def _is_coordinate_rate(node: Flat, variables: Mapping[str, Variable]) -> TypeGuard[Call[Flat]]:
+    return (isinstance(node, Call) and node.function == "der" and isinstance(inner := node.arguments[0], Ref)
+            and variables[inner.name].kind == "coordinate")
 
 
 def _is_virtual(equation: Equation) -> bool:
