@@ -80,3 +80,19 @@ def test_a_spring_about_a_hinge_that_closes_a_loop() -> None:
     at = np.linspace(0, 0.6, 4)
     runs = [model.simulate(at=at, tolerance=1e-10) for model in (flat, spatial)]
     assert np.array(runs[1]["a.phi"]) == pytest.approx(np.array(runs[0]["a.phi"]), abs=1e-8)
+
+
+@pytest.mark.parametrize("frames", [
+    "p = turn(world, 30[deg], {0, 0, 1}), q = turn(p, 90[deg], {1, 0, 0}), r = shift(h.b, {1, 0, 0})",
+    "q = world, p = turn(h.b, 90[deg], {1, 0, 0}), r = turn(p, 30[deg], {0, 0, 1})",
+])
+def test_fixed_turns_beyond_one_about_another_axis_do_not_count(frames: str) -> None:
+    """Their axes have the same numbers as the hinge's, but point elsewhere: 30 degrees were added."""
+    model = lag.loads(f"""model Turned
+      World world(gravity = {{0, 0, 0}});
+      Frame {frames};
+      Revolute h(a = q, axis = {{0, 0, 1}}, phi(start = 0.3));
+      Body b(m = 1, I = {{1, 1, 1}}, center = h.b);
+      TorsionSpring s(k = 2, a = world, b = r);
+    end Turned;""")
+    assert model.simulate(at=[1.0], tolerance=1e-10)["h.phi"][-1] == pytest.approx(0.3 * np.cos(np.sqrt(2)), abs=1e-9)

@@ -60,7 +60,8 @@ VALUES = {
     "sum(square(w))": 91.0, "sum(weighed(u, {1, 2}))": 18.0, "later(u)": 6.0, "all_of(r)": 9.0,
     "by_name({1, 2, 4})": 9.0,
     "parts({S({R(i), R(2)}) for i in 1:4})": 42.0, "chosen(E.a) + chosen(E.b) + chosen(E.b, \"y\")": 24.0,
-    "sum(x for x in 0[deg]:90[deg]:180[deg])/270[deg]": 1.0, "sum(x for x in -1[m]:2[m])/1[m]": 2.0, "sum(z[i]*i for i)": 30.0, "sum(m)": 10.0, "sum(none)": 0.0, "jump + jumps[1]*jumps[2]": 23.0, "sum(where_it_is)": 3.0,
+    "sum(x for x in 0[deg]:90[deg]:180[deg])/270[deg]": 1.0, "sum(x for x in -1[m]:2[m])/1[m]": 2.0,
+    "sum(z[i]*i for i)": 30.0, "sum(m)": 10.0, "sum(none)": 0.0, "jump + jumps[1]*jumps[2]": 23.0, "sum(where_it_is)": 3.0,
 }
 
 

@@ -17,6 +17,7 @@ SCENES = {  # with what changes nothing
     "Rotational.Damper d(d = 3, flange_a = s.flange_b, flange_b = k.flange_a);": "",
     "Rotational.Spring s(c = 2, flange_a = j.flange_b); equation s.flange_b.phi = 0.1;": "",
     "Rotational.Fixed f(phi0 = 1); output Angle y = f.flange.phi;": "",
+    "Rotational.IdealGear g(ratio = 2, flange_a = j.flange_b); Angle y = g.flange_b.phi;": "",
 }
 
 

@@ -216,7 +216,8 @@ equation
 end A;"""
 
 
-@pytest.mark.parametrize("more", ["", "der(b.s)", "F = 2*z;", "der(F) = -2[1/s]*z;", "F = z; when time > 2 then reinit(z, 0); end when;"])
+@pytest.mark.parametrize("more", ["", "der(b.s)", "F = 2*z;", "der(F) = -2[1/s]*z;",
+                                  "F = z; when time > 2 then reinit(z, 0); end when;"])
 def test_coordinates_that_forces_alone_read_are_states(more: str, scene: Scene) -> None:
     """der(z) may be anything: nothing holds it, as z moves no mass."""
     text = BRISTLES.replace("MORE", more if "=" in more else "")

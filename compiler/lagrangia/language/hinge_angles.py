@@ -105,13 +105,14 @@ class _Ways:
         if any(self._is_attitude(turns[k]) for k in hinges):
             fail("L0221", f"a ball joint is {told}: no one angle says how it is turned", span, _OF_BALLS)
         axis, total = self._axis(turns[hinges[0]]), None
-        for k, step in enumerate(turns):
-            side = 1 if k == hinges[0] else _side(axis, self._axis(step))
-            if side == 0 and hinges[0] < k <= hinges[-1]:
-                fail("L0221", f"the axes of the hinges {told} are not plainly parallel: no one angle says how they turn", span,
-                     _INSTEAD)
-            if side:
-                total = _plus(total, step.amount, -side if step.is_inverse else side)
+        sides = [1 if k == hinges[0] else _side(axis, self._axis(step)) for k, step in enumerate(turns)]
+        if 0 in sides[hinges[0] : hinges[-1]]:
+            fail("L0221", f"the axes of the hinges {told} are not plainly parallel: no one angle says how they turn", span,
+                 _INSTEAD)
+        first = 1 + max((k for k in range(hinges[0]) if sides[k] == 0), default=-1)  # beyond a fixed turn about another axis
+        last = min((k for k in range(hinges[-1], len(sides)) if sides[k] == 0), default=len(sides))  # parallel ones are not so
+        for step, side in list(zip(turns, sides, strict=True))[first:last]:
+            total = _plus(total, step.amount, -side if step.is_inverse else side)
         assert total is not None
         return total
 

@@ -44,7 +44,8 @@ def _useless(model: FlatModel, parts: Mapping[str, list[str]]) -> dict[str, str]
         return {}
     felt: dict[str, set[str]] = {name: set() for name in free}
     bindings = {name: variable.binding for name, variable in model.variables.items()}
-    for component, values in _stated(model).items():
+    read = [binding for name, binding in bindings.items() if binding is not None and not _is_inside(name, parts)]
+    for component, values in [*_stated(model).items(), ("", read)]:
         for leaf in leaves(values, bindings):
             if isinstance(leaf, Ref) and leaf.name in free:
                 felt[leaf.name].add(component)
@@ -56,6 +57,14 @@ def _useless(model: FlatModel, parts: Mapping[str, list[str]]) -> dict[str, str]
         for by in felt.values():
             by.difference_update(found)
     return idle
+
+
+def _is_inside(name: str, parts: Mapping[str, list[str]]) -> bool:
+    """Whether a variable is one of these components, or of a part of one."""
+    path = name.rpartition(".")[0]
+    while path and path not in parts:
+        path = path.rpartition(".")[0]
+    return bool(path)
 
 
 def _is_other_name(name: str, of: str, bindings: Mapping[str, Flat | None]) -> bool:
