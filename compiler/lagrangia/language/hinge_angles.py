@@ -106,7 +106,7 @@ class _Ways:
             fail("L0221", f"a ball joint is {told}: no one angle says how it is turned", span, _OF_BALLS)
         axis, total = self._axis(turns[hinges[0]]), None
         sides = [1 if k == hinges[0] else _side(axis, self._axis(step)) for k, step in enumerate(turns)]
-        if 0 in sides[hinges[0] : hinges[-1]]:
+        if 0 in sides[hinges[0] : hinges[-1] + 1]:
             fail("L0221", f"the axes of the hinges {told} are not plainly parallel: no one angle says how they turn", span,
                  _INSTEAD)
         first = 1 + max((k for k in range(hinges[0]) if sides[k] == 0), default=-1)  # beyond a fixed turn about another axis
