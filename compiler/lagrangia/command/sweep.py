@@ -76,9 +76,8 @@ def _prepare(options: Namespace) -> tuple[Model, Job]:
     scene = model.scene
     varied = {name: text for name, text in given.items() if name not in model.structural}
     request = asked(options, varied, dict(assignments(options.initial, "--initial")), read_inputs(options.input, scene))
-    experiment = plan(scene, request)
     tell_warnings(options, model)
-    tell_inputs(options, model, experiment, request.inputs)
+    tell_inputs(options, model, plan(scene, request), request.inputs)
     tell_given(options, model, request, names_of_runs(options.runs))
     design = Design(options.runs, options.samples, options.seed, options.sampling, options.together, options.seconds_per_run,
                     options.keep, options.until)

@@ -12,7 +12,7 @@ from lagrangia.language.tree import Call, Expression, Number, Part, Reference
 def sizes_asked(name: str, body: Sequence[Any], span: Span) -> list[Expression]:
     """size(x, k) for each place in the clauses or expressions where the iterator stands as the k-th subscript of x."""
     found: dict[str, Expression] = {}
-    for reference in _references(tuple(body)):
+    for reference in references(tuple(body)):
         for at, part in enumerate(reference.parts):
             for k, subscript in enumerate(part.subscripts, 1):
                 if isinstance(subscript, Reference) and str(subscript) == name and not subscript.parts[0].subscripts:
@@ -26,12 +26,13 @@ def _first(part: Part) -> Part:
     return replace(part, subscripts=tuple(Number(1.0, None, part.span, True) for _ in part.subscripts))
 
 
-def _references(node: Any) -> Iterator[Reference]:
+def references(node: Any) -> Iterator[Reference]:
+    """Those in a piece of syntax, from its first to its last."""
     if isinstance(node, Reference):
         yield node
     if isinstance(node, tuple):
         for item in node:
-            yield from _references(item)
+            yield from references(item)
     elif is_dataclass(node) and not isinstance(node, Span):
         for one in fields(node):
-            yield from _references(getattr(node, one.name))
+            yield from references(getattr(node, one.name))

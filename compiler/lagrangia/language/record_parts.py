@@ -1,12 +1,13 @@
 """What a record has that its constructor is not given: its default, of which other parts are as they are given."""
 
 from collections.abc import Iterator, Mapping
-from dataclasses import fields, is_dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 from lagrangia.base.diagnostics import Span
 from lagrangia.language.classes import ClassTable
-from lagrangia.language.tree import Call, ClassDefinition, Declaration, Expression, Made, Reference
+from lagrangia.language.implied_ranges import references
+from lagrangia.language.tree import Call, ClassDefinition, Declaration, Expression, Made
 
 
 def default_of(table: ClassTable, declaration: Declaration) -> Expression | None:
@@ -60,11 +61,4 @@ def _needed(name: str, declared: Mapping[str, Declaration], given: Mapping[str, 
 
 def _names(node: Any) -> Iterator[str]:
     """What the names in a piece of syntax begin with."""
-    if isinstance(node, Reference):
-        yield node.parts[0].name
-    if isinstance(node, tuple):
-        for item in node:
-            yield from _names(item)
-    elif is_dataclass(node) and not isinstance(node, Span):
-        for one in fields(node):
-            yield from _names(getattr(node, one.name))
+    return (reference.parts[0].name for reference in references(node))
