@@ -37,6 +37,11 @@ double lag_candidates_size(const LagSliding *s, int count, int k)
     return lag_max(other < 0 ? 0 : size_of(s, count, other), size_of(s, count, k));
 }
 
+double lag_candidates_tie(const LagSliding *s, int count, int k, double rounding)
+{
+    return s->is_light[k] ? rounding * lag_candidates_size(s, count, k) / fabs(s->jump[k + k * count]) : 0;
+}
+
 void lag_candidates_solve(LagRun *run, int count)
 {
     LagSliding *s = &run->sliding;

@@ -17,6 +17,10 @@ double lag_candidates_rate(const LagSliding *s, int count, int k, int by_all);
 /* The size of its terms, which tells what of it is rounding: of both components of a slip in the plane, the larger one. */
 double lag_candidates_size(const LagSliding *s, int count, int k);
 
+/* How near the share of candidate k is to an end that it is taken for: where its jump moves no mass, but a first-order state that is to
+ * stay beside the motion (the slip of a spring in a row with friction). Rounding of such a share would end it again and again. */
+double lag_candidates_tie(const LagSliding *s, int count, int k, double rounding);
+
 /* Shares of those that slide. */
 void lag_candidates_solve(LagRun *run, int count);
 

@@ -37,8 +37,8 @@ static void note_noise(LagRun *run)
     }
 }
 
-/* What slides has energies of the size of what jumps would set in motion. */
-static void note_sizes(LagRun *run, double t, const double *y)
+/* What slides has energies of the size of what jumps would set in motion, as candidate j does. */
+static void note_sizes(LagRun *run, double t, const double *y, int count, int j)
 {
     LagSliding *s = &run->sliding;
     const int n = run->model->n;
@@ -50,6 +50,7 @@ static void note_sizes(LagRun *run, double t, const double *y)
     }
     lag_energies(run, t, s->state_here, energies);
     s->energy = lag_max(fabs(energies[0]), s->energy);
+    s->is_light[j] = energies[0] == 0 && s->jump[j + j * count] < 0;
 }
 
 /* How much another share of candidate j changes all rates and accelerations, by the share: into its columns. */
@@ -128,7 +129,7 @@ void lag_jumps_find(LagRun *run, double t, const double *y, int count, LagJumpsA
             find_unit(run, t, y, count, j);
         probe(run, t, y, count, j, find_change(run, j, where));
         if (where != LAG_ELSEWHERE)
-            note_sizes(run, t, y);
+            note_sizes(run, t, y, count, j);
     }
     for (int k = 0; k < count; ++k) {
         double *jump = &s->jump[k + k * count];

@@ -62,13 +62,14 @@ static void begin_states(LagSliding *s, int count, int is_first)
 static int better(const LagSliding *s, int count, int k)
 {
     const double rate = lag_candidates_rate(s, count, k, 1), rounding = ROUNDING * lag_candidates_size(s, count, k);
+    const double tie = lag_candidates_tie(s, count, k, ROUNDING);
     switch (s->state[k]) {
     case LAG_LOW: return rate > rounding ? LAG_SLIDES : LAG_LOW;
     case LAG_HIGH: return rate < -rounding ? LAG_SLIDES : LAG_HIGH;
     case LAG_SLIDES:
         if (fabs(rate) > rounding) /* others hold what it would: its own velocity is to be another one */
             return rate < 0 ? LAG_LOW : s->limit[k] < INFINITY ? LAG_HIGH : LAG_SLIDES;
-        return s->share[k] < s->least[k] ? LAG_LOW : s->share[k] > s->limit[k] ? LAG_HIGH : LAG_SLIDES;
+        return s->share[k] < s->least[k] + tie ? LAG_LOW : s->share[k] > s->limit[k] - tie ? LAG_HIGH : LAG_SLIDES;
     default: return LAG_GIVEN;
     }
 }
@@ -260,6 +261,7 @@ static int hold(LagRun *run, int count)
         const int i = s->which[k];
         run->switches.held[i] = *lag_share(run, i);
         run->switches.slides[i] = s->state[k] == LAG_SLIDES;
+        s->is_tied[i] = s->is_light[k] && !goes(s, count, k) && (s->state[k] == LAG_LOW || s->state[k] == LAG_HIGH);
         run->switches.is_idle[i] = s->state[k] == LAG_GIVEN && s->jump[k + k * count] == 0 && lag_rubs_alone(run->model, i)
             && !(lag_rubs_on_what_rests(run, i) && goes(s, count, k)); /* which may press it soon */
         if (s->state[k] == LAG_SLIDES && s->limit[k] == INFINITY && s->share[k] > LARGE * s->unit[k])
@@ -312,7 +314,7 @@ static int find_openness(const LagSliding *s, int count, int k, int is_jump, dou
     const double jump = is_jump ? fabs(s->jump[k + k * count]) : 0, rate = fabs(s->rate[s->which[k]]);
     const int is_at_end = s->state[k] == LAG_HIGH || (is_jump && s->state[k] == LAG_LOW), slides = s->state[k] == LAG_SLIDES;
     if (is_at_end)
-        return rate <= TIE * jump ? JUST_HOLDS : TOLD;
+        return rate <= TIE * jump && !s->is_light[k] ? JUST_HOLDS : TOLD;
     return (is_jump || !slides) && jump + rate <= FAINT * size ? NOTHING_ACTS : TOLD;
 }
 

@@ -42,6 +42,16 @@ static void lay_out_holds(LagSliding *s, const LagModel *model, size_t count, La
     s->held.early = EARLY;
 }
 
+static void lay_out_knowledge(LagSliding *s, size_t most, LagArena *arena)
+{
+    s->is_new = lag_take_ints(arena, most);
+    s->is_light = lag_take_ints(arena, most);
+    s->open = lag_take_ints(arena, most);
+    s->known = lag_take_ints(arena, most);
+    s->known_share = lag_take(arena, most);
+    s->known_rate = lag_take(arena, most);
+}
+
 static void layout_cones(LagSliding *s, const LagModel *model, LagArena *arena)
 {
     s->leaves = lag_take_ints(arena, (size_t)model->n_cones);
@@ -59,18 +69,15 @@ void lag_sliding_layout(LagSliding *s, const LagModel *model, int size, LagArena
     s->which = lag_take_ints(arena, most);
     s->state = lag_take_ints(arena, most);
     s->next = lag_take_ints(arena, most);
+    lay_out_knowledge(s, most, arena);
     layout_cones(s, model, arena);
-    s->is_new = lag_take_ints(arena, most);
-    s->open = lag_take_ints(arena, most);
-    s->known = lag_take_ints(arena, most);
-    s->known_share = lag_take(arena, most);
-    s->known_rate = lag_take(arena, most);
     s->share = lag_take(arena, most);
     s->share_here = lag_take(arena, most);
     s->jump = lag_take(arena, most * most);
     s->middle = lag_take(arena, most);
     s->change = lag_take(arena, most);
     s->still = lag_take_ints(arena, whole > 0 ? (size_t)model->n : 0);
+    s->is_tied = lag_take_ints(arena, (size_t)model->n_switches);
     s->error = lag_take(arena, count);
     s->before = lag_take(arena, count);
     s->most_jump = lag_take(arena, count);
@@ -132,6 +139,7 @@ void lag_sliding_end(LagRun *run)
     for (int k = 0; k < run->model->n_rests; ++k)
         *lag_rest(run, k) = 0;
     memset(run->switches.is_idle, 0, (size_t)run->model->n_switches * sizeof *run->switches.is_idle);
+    memset(run->sliding.is_tied, 0, (size_t)run->model->n_switches * sizeof *run->sliding.is_tied);
 }
 
 double *lag_share(const LagRun *run, int i) { return &run->d[run->model->n_modes + i]; }
@@ -160,7 +168,7 @@ double lag_sliding_drift(const LagRun *run, int i)
 double lag_sliding_held(const LagRun *run, int i)
 {
     const double before = run->sliding.before[i];
-    return run->switches.slides[i] ? lag_min(MOVED * before, LAG_SLIDING_FAR * lag_sliding_drift(run, i)) : 0;
+    return run->switches.slides[i] || run->sliding.is_tied[i] ? lag_min(MOVED * before, LAG_SLIDING_FAR * lag_sliding_drift(run, i)) : 0;
 }
 
 void lag_sliding_note_impact(LagRun *run, const double *g)

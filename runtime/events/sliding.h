@@ -19,6 +19,7 @@ typedef struct {
     int *which;      /* most: which they are */
     int *state, *next; /* most: of candidates */
     int *is_new;     /* most: nothing is known of its jump */
+    int *is_light;   /* most: its jump moves no mass, but first-order states */
     int *open, *known; /* most: whether nothing tells at the present time what they do, and what they did before that was asked */
     double *known_share, *known_rate; /* most: the same; the latter with the jump of friction */
     double *share;   /* most */
@@ -31,6 +32,7 @@ typedef struct {
     double *base, *least, *limit; /* most: the share that jumps are measured from; the least and the largest that slide */
     double *unit;    /* most: what shares are measured by; 1 but for contacts */
     double *noise;   /* most: dg/dt that is rounding */
+    int *is_tied;    /* n_switches: nothing moves its g from 0 on the side where it is held, but rounding and errors */
     double *error;   /* n_switches: of g that is one tolerance */
     double *most_jump; /* n_switches: change of dg/dt by the own share, the largest so far */
     double *before;  /* n_switches: how far g was from 0 before the impact of this moment; infinity: there was none */
