@@ -147,6 +147,8 @@ def _idle(statement: Statement, model: FlatModel, bindings: Mapping[str, Flat | 
     """What it would have to speak of, to do anything; "" where it does."""
     value = statement.value if isinstance(statement, Energy) else statement.position
     if _vanishes(statement.force if isinstance(statement, Work) else value, bindings, set()):
+        if isinstance(statement, Work) and statement.is_signal and _is_reset(value, model):
+            return ""
         return "a force of 0" if isinstance(statement, Work) else "an energy of 0"
     needs_rates = isinstance(statement, Energy) and statement.kind != "potential"
     moves = False
@@ -158,6 +160,12 @@ def _idle(statement: Statement, model: FlatModel, bindings: Mapping[str, Flat | 
             return ""
         needs_rates &= not is_rate
     return "no rate" if moves else "nothing that moves"
+
+
+def _is_reset(coordinate: Flat, model: FlatModel) -> bool:
+    """Whether events set the state whose coordinate this is: it rests in between."""
+    set_there = {reset.rate.name for when in model.whens for reset in when.resets if isinstance(reset.rate, Ref)}
+    return str(coordinate) in {state.coordinate for name, state in model.states.items() if name in set_there}
 
 
 def _vanishes(node: Flat, bindings: Mapping[str, Flat | None], others: set[str]) -> bool:

@@ -274,7 +274,7 @@ def require_bindings(variables: Mapping[str, Variable], equations: Sequence[Equa
                         "alone follow from what equations hold together")
             report.error("L0211", f"the variable '{variable.name}' has no value", variable.span, hint,
                          "what the motion decides is a coordinate: declare it with `coordinate`; a first-order state "
-                         f"has an equation for its rate, der({name}) = ...")
+                         f"has an equation for its rate, der({name}) = ...; what events decide is given a value in a `when`")
 
 
 def flanges_of(table: ClassTable, connector: Instance) -> dict[str, str]:

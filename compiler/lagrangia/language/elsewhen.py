@@ -1,7 +1,7 @@
 """elsewhen: an event of its own, that has to exclude the one before to mean what it does in Modelica."""
 
 from lagrangia.base.diagnostics import Report
-from lagrangia.language.events import COMPARED, are_alike
+from lagrangia.language.events import COMPARED, are_alike, without_not
 from lagrangia.language.folding import fold
 from lagrangia.language.tree import Binary, Flat, WhenBlock
 
@@ -19,6 +19,7 @@ def warn_of_both(first: Flat, other: Flat, block: WhenBlock, report: Report) -> 
 
 def exclude(a: Flat, b: Flat) -> bool:
     """Whether two conditions cannot be true at once: one number is above what another condition keeps it below."""
+    a, b = without_not(a), without_not(b)
     if not (isinstance(a, Binary) and isinstance(b, Binary) and a.operator in COMPARED and b.operator in COMPARED):
         return False
     for (small, large), (low, high) in ((_sides(a), _sides(b)), (_sides(b), _sides(a))):

@@ -119,11 +119,12 @@ class State:
 
 @dataclass(frozen=True)
 class Reset:
-    """`reinit(rate, value)`: the rate is to have this value after the event."""
+    """`reinit(rate, value)`: the rate is to have this value after the event; or n = value, of a discrete variable (`is_kept`)."""
 
     rate: Flat
     value: Flat
     span: Span
+    is_kept: bool = False
 
 
 @dataclass(frozen=True)

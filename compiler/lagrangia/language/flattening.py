@@ -9,16 +9,16 @@ from lagrangia.base.diagnostics import Diagnostic, LagError, Report, Span, TooMu
 from lagrangia.language.algorithms import Functions
 from lagrangia.language.alike_elements import Alike
 from lagrangia.language.array_connections import joined_elements
-from lagrangia.language.assertions import ending_of, guard_of
+from lagrangia.language.assertions import guard_of
 from lagrangia.language.attitudes import ROTATION
 from lagrangia.language.call_equations import refuse_call
 from lagrangia.language.chosen_equations import chosen_of
 from lagrangia.language.classes import ClassTable
 from lagrangia.language.connections import Bindings, Connection, bound_to, connected, flanges_of, require_bindings
 from lagrangia.language.delays import check_delays, declare_delays, variable_of, with_delays
+from lagrangia.language.discrete import as_numbers
 from lagrangia.language.drawing_words import figure_of
-from lagrangia.language.elsewhen import warn_of_both
-from lagrangia.language.events import level_of
+from lagrangia.language.event_clauses import EventClauses
 from lagrangia.language.experiments import allowed_of, experiment_of
 from lagrangia.language.flat import (
     Energy,
@@ -27,10 +27,6 @@ from lagrangia.language.flat import (
     FlatModel,
     Frame,
     FrameEquation,
-    Guard,
-    Held,
-    Reset,
-    Sampler,
     State,
     Variable,
     When,
@@ -39,7 +35,17 @@ from lagrangia.language.flat import (
 )
 from lagrangia.language.hinge_angles import hinge_angles
 from lagrangia.language.idle import find_idle
-from lagrangia.language.instances import FrameSlot, Instance, Member, Modification, Scope, Slot, is_absent, outside
+from lagrangia.language.instances import (
+    DISCRETE_TYPES,
+    FrameSlot,
+    Instance,
+    Member,
+    Modification,
+    Scope,
+    Slot,
+    is_absent,
+    outside,
+)
 from lagrangia.language.instantiation import Instantiation
 from lagrangia.language.kept_components import KeptComponents
 from lagrangia.language.limits import (
@@ -84,15 +90,12 @@ from lagrangia.language.tree import (
     Result,
     Results,
     String,
-    Unary,
     WhenBlock,
     WorkTerm,
 )
 from lagrangia.language.unread import find_unread
 from lagrangia.language.without_effect import find_without_effect
 
-_AT_EVENTS = ("write: reinit(der(x), value);",
-              "values that are held between instants: when sample(0, 0.01) then u = ...; end when;")
 _MOMENTS = {"initial": "an initial equation", "when": "an event", "sample": "a value that is held"}
 
 
@@ -131,12 +134,9 @@ class _Flattening:
         self.initial: list[Equation] = []
         self.whens: list[When] = []
         self.figures: list[Figure] = []
-        self.resets: list[Reset] = []  # of the `when` that is being read
-        self.endings: list[tuple[str, Span]] = []  # likewise: what is said where it ends the run
         self.guards = self.names.guards
         self.at_rest: Span | None = None  # initial equation equilibrium();
-        self.samplers: list[Sampler] = []
-        self.held: list[Held] = []  # likewise
+        self.events = EventClauses(self.names, report, self._clause)
         self.structural: dict[str, float | bool | str] = {}
         self.components: dict[str, str] = {}
         self.flanges: dict[str, str] = {}
@@ -163,7 +163,7 @@ class _Flattening:
             tuple(self.energies), tuple(self.works), tuple(self.initial), tuple(self.whens), self.functions.flat,
             self.structural,
             experiment_of(self.table, definition, self.names, Scope(root)), definition.name_span, (), tuple(self.figures),
-            self.states, self.names.lookups, samplers=tuple(self.samplers), guards=tuple(dict.fromkeys(self.guards)),
+            self.states, self.names.lookups, samplers=tuple(self.events.samplers), guards=tuple(dict.fromkeys(self.guards)),
             at_rest=self.at_rest, allowed=allowed_of(self.table, definition), components=self.components, found=self.found,
             repeats=self.repeats, flanges=self.flanges, connections=tuple((c.a, c.b) for c in self.connections),
         )
@@ -266,6 +266,8 @@ class _Flattening:
         if binding is not None and (declaration.dimensions or declaration.annotation):
             binding = self.fitted(binding, slot)
         start = self.names.flatten_bound(slot.attributes["start"]) if "start" in slot.attributes else None
+        if slot.base in DISCRETE_TYPES:
+            binding, start = self.events.declare(slot, binding, start)
         self.variables[slot.path] = Variable(
             slot.path, kind, slot.dimensions, unit_of(self.names, slot), display_unit_of(self.names, slot), binding, start,
             flag_of(self.names, slot, "fixed"), least_of(slot, read_limit(self.names, slot, "min")),
@@ -326,7 +328,7 @@ class _Flattening:
             case CallEquation() | WhenBlock() if kind == "sample":
                 fail("L0222", "what is held from an instant on is said by u = ...", clause.span)
             case CallEquation(call, _) if kind == "when":
-                self._add_reset(call, scope, place)
+                self.events.add_call(call, scope, place)
             case CallEquation(call, _) if kind == "drawing":
                 self.figures.append(figure_of(call, scope, place, self.names))
             case CallEquation(Call("equilibrium", arguments, named, _), _) if kind == "initial" and not arguments and not named:
@@ -340,7 +342,7 @@ class _Flattening:
                 flat = self.names.flatten(force, scope), self.names.flatten(position, scope)
                 self.works.append(Work(*flat, scope.instance.path, place))
             case WhenBlock() if kind == "equation":
-                self._add_when(clause, scope, place)
+                self.events.add(clause, scope, place)
             case _:
                 fail("L0222", "an algorithm belongs into a function", clause.span,
                      "write equations, y = ...; or call a function that has the algorithm")
@@ -356,11 +358,9 @@ class _Flattening:
             for name in fields:
                 self._clause(kind, Equality(Field(left, name, left.span), Field(right, name, right.span), "", clause.span), scope)
             return
-        if kind == "when":
-            fail("L0222", "what happens at an event is said by reinit", clause.span, *_AT_EVENTS)
-        sides = self.names.flatten(left, scope), self.names.flatten(right, scope)
-        if kind == "sample":
-            self._add_held(*sides, clause.span, place)
+        sides = as_numbers(left, self.names.flatten(left, scope), self.names.flatten(right, scope))
+        if kind in ("when", "sample"):
+            self.events.assign(kind, *sides, place)
         elif kind == "initial":
             self.initial.append(Equation(*sides, place))
         else:
@@ -408,67 +408,14 @@ class _Flattening:
         self.frames_joined.add(key)
         self.frame_equations.append(FrameEquation(a, b, span))
 
-    def _add_when(self, block: WhenBlock, scope: Scope, place: Span) -> None:
-        if block.otherwise is not None:
-            if isinstance(block.condition, Call) and block.condition.function == "sample":
-                fail("L0222", "elsewhen cannot follow a sampler", block.otherwise.span, "write two of them: when ... end when;")
-            first, other = (self.names.flatten(b.condition, scope) for b in (block, block.otherwise))
-            warn_of_both(first, other, block.otherwise, self.report)
-            self._clause("equation", block.otherwise, scope)
-        if isinstance(block.condition, Call) and block.condition.function == "sample":
-            self._add_sampler(block, block.condition, scope, place)
-            return
-        condition = self.names.without_known(self.names.flatten(block.condition, scope))
-        if isinstance(condition, Array):
-            fail("L0225", "an event has one condition", block.condition.span,
-                 "write: when x > 1 then ... elsewhen x < -1 then ... end when;")
-        self.resets, self.endings = [], []
-        for part in block.body:
-            self._clause("when", part, scope)
-        if not (self.resets or self.endings) and not self.report.errors:
-            fail("L0222", "nothing happens here", block.span, "write: reinit(der(x), value);")
-        if self.resets:
-            self.whens.append(When(condition, tuple(self.resets), scope.instance.path, place))
-        for text, span in self.endings:
-            level = Unary("-", level_of(condition), condition.span)
-            self.guards.append(Guard(condition, level, text, "end", scope.instance.path, span))
-
-    def _add_sampler(self, block: WhenBlock, call: Call[Expression], scope: Scope, place: Span) -> None:
-        if len(call.arguments) != 2 or call.named:
-            fail("L0215", f"sample takes a start and an interval, not {len(call.arguments)} arguments", call.span,
-                 "write: when sample(0, 0.01) then u = ...; end when;")
-        start, interval = (self.names.flatten(argument, scope) for argument in call.arguments)
-        self.held = []
-        for part in block.body:
-            self._clause("sample", part, scope)
-        if not self.held and not self.report.errors:
-            fail("L0222", "nothing is held here", block.span, "write: when sample(0, 0.01) then u = ...; end when;")
-        self.samplers.append(Sampler(start, interval, tuple(self.held), scope.instance.path, place))
-
-    def _add_held(self, left: Flat, right: Flat, span: Span, place: Span) -> None:
-        if not isinstance(left, Ref) or left.index:
-            fail("L0232", "a variable is given the value that it holds, this is none", left.span,
-                 "write: when sample(0, 0.01) then u = ...; end when;")
-        self.held.append(Held(left.name, right, place))
-
-    def _add_reset(self, call: Expression, scope: Scope, span: Span) -> None:
-        if not isinstance(call, Call) or call.function != "reinit":
-            if isinstance(call, Call) and call.function == "terminate":
-                self.endings.append((ending_of(call, scope, span, self.names), span))
-                return
-            if isinstance(call, Call) and call.function == "assert":
-                fail("L0222", "what has to hold is said among the equations, and then holds all the time", span,
-                     'write: equation assert(x < 1, "too far");')
-            fail("L0222", "what happens at an event is said by reinit", span, "write: reinit(der(x), value);")
-        if len(call.arguments) != 2 or call.named:
-            fail("L0215", f"reinit takes a rate and its value, not {len(call.arguments)} arguments", span,
-                 "write: reinit(der(x), value);")
-        rate, value = (self.names.flatten(argument, scope) for argument in call.arguments)
-        self.resets.append(Reset(rate, value, span))
-
     def _bind_variables(self) -> tuple[Equation, ...]:
         """Equations `y = expression` of variables without a binding become their bindings; the others are constraints."""
-        self.variables.update(declare_held(self.samplers, self.variables, self.report))
+        self.variables.update(declare_held(self.events.samplers, self.variables, self.report))
+        discrete = self.events.finish(self.variables, self.equations)
+        self.variables.update(discrete.variables)
+        self.whens = discrete.whens
+        self.equations += discrete.equations
+        self.initial += discrete.initial
         mechanics = mechanics_of(self.energies, self.works, self.frame_equations, self.whens, self.variables)
         found = find_states(self.variables, [*self.equations, *self.joined], self.ends, mechanics, self.report)
         self.states = found.states

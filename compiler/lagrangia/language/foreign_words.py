@@ -36,10 +36,11 @@ FOREIGN_CALLS: Mapping[str, str] = {
                      "firstTick", "interval"), f"clocks are not of this language: {_SAMPLED}"),
     **dict.fromkeys(("activeState", "ticksInState", "timeInState", "transition", "initialState"), "state machines are not of "
                     "this language: write `when condition then ... end when` and held values for each state"),
-    **dict.fromkeys(("edge", "change"), "an event is what comes true: when x > 0 then ... end when;"),
+    **dict.fromkeys(("edge", "change"), "it is the condition of an event alone: when edge(x > 0) then, which is when x > 0 then"),
     "spatialDistribution": "what runs along a line is not of this language: delay(x, T) gives what was some time ago",
     "cardinality": "count what is connected yourself, with a parameter Integer n",
-    "initial": "what holds at the start alone stands under `initial equation`",
+    "initial": "it is the condition of an event alone: when initial() then, or when {initial(), x > 0} then; what holds at the "
+               "start stands under `initial equation`",
     "terminal": "what is asked at the end is read from the results",
     "getInstanceName": "texts are not made of names",
     "symmetric": "write the matrix: (A + transpose(A))/2",

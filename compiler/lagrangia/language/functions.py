@@ -49,9 +49,16 @@ def _ordinal(value: Flat, span: Span) -> Flat:
 
 # Functions of Modelica that are said by others: how many arguments they take, and what they stand for. Kinks are located exactly
 # whether noEvent and smooth say that they need not be or not.
+def _pre(x: Flat, span: Span) -> Flat:
+    """Of a comparison, what it is of what was before."""
+    if isinstance(x, Binary) and x.operator in ("<", "<=", ">", ">="):
+        return Binary(x.operator, _pre(x.left, span), x.right if isinstance(x.right, Number) else _pre(x.right, span), x.span)
+    return Call("pre", (x,), (), span)
+
+
 REWRITTEN: Mapping[str, tuple[int, Callable[..., Flat]]] = {
     "noEvent": (1, lambda x, span: x), "smooth": (2, lambda order, x, span: x), "homotopy": (2, lambda x, simple, span: x),
     "integer": (1, lambda x, span: Call("floor", (x,), (), span)), "div": (2, _div),
     "rem": (2, lambda a, b, span: Binary("-", a, Binary("*", b, _div(a, b, span), span), span)),
-    "semiLinear": (3, _semi_linear), "Integer": (1, _ordinal),
+    "pre": (1, _pre), "semiLinear": (3, _semi_linear), "Integer": (1, _ordinal),
 }

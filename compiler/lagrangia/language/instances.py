@@ -13,7 +13,8 @@ from lagrangia.language.classes import ENUMERATION, ClassTable
 from lagrangia.language.frame_attributes import Space
 from lagrangia.language.tree import ClassDefinition, Clause, Declaration, Expression, Flat, Reference
 
-STRUCTURAL_TYPES = frozenset({"Integer", "Boolean", "String", ENUMERATION})
+DISCRETE_TYPES = frozenset({"Integer", "Boolean"})  # of what events may give values
+STRUCTURAL_TYPES = DISCRETE_TYPES | {"String", ENUMERATION}
 
 
 def held_port(frames: Sequence[str]) -> str | None:

@@ -7,7 +7,7 @@ from lagrangia.base.diagnostics import fail
 from lagrangia.language.classes import ClassTable
 from lagrangia.language.flat import Kind
 from lagrangia.language.folding import fold
-from lagrangia.language.instances import STRUCTURAL_TYPES, Instance, Slot, outside
+from lagrangia.language.instances import DISCRETE_TYPES, STRUCTURAL_TYPES, Instance, Slot, outside
 from lagrangia.language.names import Names
 from lagrangia.language.tree import Array, Boolean, Declaration, Flat, Number, String
 from lagrangia.language.units_written import read_unit
@@ -99,13 +99,14 @@ def has_annotation(declaration: Declaration, name: str) -> bool:
 
 
 def kind_of(slot: Slot) -> Kind:
-    """What a variable is by its prefixes. Raises LagError L0219 for what varies and is no Real."""
+    """What a variable is by its prefixes. Raises LagError L0219 for what varies and is no number and not true or false."""
     prefixes = slot.declaration.prefixes
-    if slot.base in STRUCTURAL_TYPES and "parameter" not in prefixes:
-        kind = f"the {slot.base} variable" if not slot.enumeration else f"the variable of the enumeration {slot.enumeration},"
-        what = f"{kind} '{slot.declaration.name}'"
-        fail("L0219", f"not supported yet: {what}", slot.declaration.name_span,
-             "Integer, Boolean, String and enumeration parameters are supported", *(
-                 ["a condition is written where it is asked for, or as a number: Real on = if x > 1 then 1 else 0"]
-                 if slot.base == "Boolean" else []))
-    return next((kind for kind in _KINDS if kind in prefixes), "variable")
+    kind: Kind = next((kind for kind in _KINDS if kind in prefixes), "variable")
+    if slot.base in STRUCTURAL_TYPES and kind != "parameter" and (slot.base not in DISCRETE_TYPES or kind != "variable"
+                                                                 or slot.dimensions):
+        what = f"the {slot.base} {kind}" if not slot.enumeration else f"the {kind} of the enumeration {slot.enumeration},"
+        if slot.dimensions and not slot.enumeration:
+            what = f"the array of {slot.base} {kind}s"
+        fail("L0219", f"not supported yet: {what} '{slot.declaration.name}'", slot.declaration.name_span,
+             "Integer, Boolean, String and enumeration parameters are supported, and single Integer and Boolean variables")
+    return kind

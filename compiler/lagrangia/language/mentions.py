@@ -89,3 +89,36 @@ def _degree(node: Flat, name: str) -> int | None:
         case Binary("/", left, right, _):
             return 1 if (_degree(left, name), _degree(right, name)) == (1, 0) else None
     return None
+
+
+def read_now(roots: Iterable[Flat], bindings: Mapping[str, Flat | None]) -> Iterator[str]:
+    """The variables that expressions read at an instant, going through `bindings`, but for those under pre(...)."""
+    seen, stack = set[str](), [*roots]
+    while stack:
+        node = stack.pop()
+        if isinstance(node, Ref) and node.name not in seen:
+            seen.add(node.name)
+            yield node.name
+            binding = bindings.get(node.name)
+            if binding is not None:
+                stack.append(binding)
+        elif not (isinstance(node, Call) and node.function == "pre"):
+            stack += children(node)
+
+
+def rebuilt(node: Flat, change: Callable[[Flat], Flat | None]) -> Flat:
+    """An expression with what `change` gives in the places of its parts, from outside in; what that gives None for stays."""
+    if (new := change(node)) is not None:
+        return new
+    match node:
+        case Unary(operator, operand, span):
+            return Unary(operator, rebuilt(operand, change), span)
+        case Binary(operator, left, right, span):
+            return Binary(operator, rebuilt(left, change), rebuilt(right, change), span)
+        case IfExpression(condition, then, otherwise, span):
+            return IfExpression(rebuilt(condition, change), rebuilt(then, change), rebuilt(otherwise, change), span)
+        case Call(function, arguments, named, span):
+            return Call(function, tuple(rebuilt(x, change) for x in arguments), named, span)
+        case Array(items, span):
+            return Array(tuple(rebuilt(x, change) for x in items), span)
+    return node

@@ -52,6 +52,7 @@ from lagrangia.language.tree import (
     Unary,
     Whole,
 )
+from lagrangia.language.truths import NO, truth_of
 from lagrangia.language.units_written import in_si
 
 _EACH_WHOLE = "write `each` before it if every element is to have the whole of it"
@@ -429,7 +430,7 @@ class Names(Calls):
         if len(subscripts) < len(slot.dimensions):
             self._arrays[slot.path] = slot
         if not subscripts:
-            return Ref(slot.path, (), span)
+            return truth_of(Ref(slot.path, (), span), NO) if slot.base == "Boolean" else Ref(slot.path, (), span)
 
         def build(index: tuple[int, ...], left: list[int | list[int]]) -> Flat:
             if not left:

@@ -4,15 +4,15 @@ A variable that such a `when` gives a value keeps it until the next instant, sta
 pre(x) is the value before it; x itself, of another held variable, the one that it has from there on.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from lagrangia.base.diagnostics import Report, fail
 from lagrangia.language.flat import FlatModel, Held, Sampler, Variable
 from lagrangia.language.folding import fold
-from lagrangia.language.mentions import children, reached
+from lagrangia.language.mentions import reached, read_now
 from lagrangia.language.states import statements_of_motion
-from lagrangia.language.tree import Call, Flat, Ref
+from lagrangia.language.tree import Ref
 
 
 def declare_held(samplers: Sequence[Sampler], variables: Mapping[str, Variable], report: Report) -> dict[str, Variable]:
@@ -74,7 +74,7 @@ def in_order(model: FlatModel) -> list[tuple[int, Held]]:
             fail("L0212", f"'{name}' follows from itself at its instants", of[name][1].span, chain,
                  f"pre({name}) is the value before")
         pending.append(name)
-        for other in _read(of[name][1].value, bindings):
+        for other in read_now([of[name][1].value], bindings):
             if other in of:
                 visit(other)
         pending.pop()
@@ -83,18 +83,3 @@ def in_order(model: FlatModel) -> list[tuple[int, Held]]:
     for name in of:
         visit(name)
     return [*found.values()]
-
-
-def _read(root: Flat, bindings: Mapping[str, Flat | None]) -> Iterator[str]:
-    """The variables that an expression reads, but for those under pre(...)."""
-    seen, stack = set[str](), [root]
-    while stack:
-        node = stack.pop()
-        if isinstance(node, Ref) and node.name not in seen:
-            seen.add(node.name)
-            yield node.name
-            binding = bindings.get(node.name)
-            if binding is not None:
-                stack.append(binding)
-        elif not (isinstance(node, Call) and node.function == "pre"):
-            stack += children(node)

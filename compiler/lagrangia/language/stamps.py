@@ -24,7 +24,7 @@ _LISTS = ("frame_equations", "equations", "energies", "works", "initial", "figur
 _TABLES = ("variables", "frames", "structural", "components", "flanges")
 _SETS = ("ends", "inputs")
 _CHECKED = ("variables", "frame_equations", "equations", "energies", "works")  # by what looks at dimensions
-_OTHERS = ("joined", "connections", "whens", "samplers", "guards")  # what brings these is flattened one by one
+_OTHERS = ("joined", "connections", "events", "guards")  # what brings these is flattened one by one
 
 
 class Names(Protocol):

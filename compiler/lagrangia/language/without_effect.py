@@ -134,7 +134,7 @@ def _look_at_class(definition: ClassDefinition, report: Report) -> None:
         if isinstance(element, Declaration):
             known = _OF_PARAMETERS if "parameter" in element.prefixes else ()
             _look_at_annotation(element.annotation, known, report)
-            if "discrete" in element.prefixes:
+            if "discrete" in element.prefixes and element.binding is not None:
                 report.warning(CODE, "'discrete' has no effect", element.name_span, "a variable follows from what it is bound to")
     for section in definition.sections:
         if not section.clauses and section.kind != "drawing":  # which takes the place of an inherited one

@@ -1,0 +1,200 @@
+"""Discrete variables: `when condition then n = pre(n) + 1; end when;` gives n a value that it keeps until the next event
+(Modelica 3.6, section 8.3.5).
+
+Each is a first-order state at rest, der(n) = 0, which the event resets. pre(n) is n before the event; n itself, of another one
+that the same `when` gives a value, what it is from there on. `when initial()` says how it begins. Those that are true or false
+are the numbers 1 and 0 (truths.py), which are read as conditions.
+"""
+
+from collections.abc import Iterable, Mapping, Sequence, Set
+from dataclasses import replace
+from functools import partial
+
+from lagrangia.base.diagnostics import Report, Span, fail
+from lagrangia.base.records import dataclass
+from lagrangia.language.elsewhen import exclude
+from lagrangia.language.flat import Equation, Reset, Variable, When
+from lagrangia.language.mentions import nodes, read_now, rebuilt
+from lagrangia.language.number_checks import CONDITIONS
+from lagrangia.language.tree import Array, Binary, Boolean, Call, Expression, Flat, IfExpression, Number, Ref, Reference, Unary
+from lagrangia.language.truths import NO, number_of, truth_of
+
+Bindings = Mapping[str, Flat | None]
+
+
+@dataclass(frozen=True)
+class Event:
+    """The assignments and resets of one condition, or of `initial()`; `chain` is one for a `when` and its elsewhen."""
+
+    condition: Flat
+    resets: tuple[Reset, ...]
+    component: str
+    span: Span
+    chain: object
+    is_start: bool = False
+
+
+def is_condition(node: Flat) -> bool:
+    """Whether it is true or false."""
+    return isinstance(node, Boolean) or (isinstance(node, Unary) and node.operator == "not") or (
+        isinstance(node, Binary) and node.operator in CONDITIONS)
+
+
+def as_numbers(left: Expression, *sides: Flat) -> tuple[Flat, Flat]:
+    """Both sides of an equation; where the left one is a Boolean variable, as numbers. Raises LagError L0302."""
+    first, second = sides
+    if isinstance(left, Reference) and isinstance(first, Binary) and isinstance(first.left, Ref):
+        return first.left, number_of(second, NO)
+    return first, second
+
+
+def find_broken(values: Iterable[Flat], types: Mapping[str, str], report: Report) -> None:
+    """Of Integer variables; `types` are those of discrete variables. Reports L0302."""
+    for value in values:
+        if (wrong := _broken(value, types)) is not None:
+            report.error("L0302", "an Integer takes whole numbers, this may be any", wrong.span,
+                         "write: integer(x), the greatest below x")
+
+
+def _broken(node: Flat, types: Mapping[str, str]) -> Flat | None:
+    """The first part that may be no whole number; None where there is none."""
+    parts: Sequence[Flat] = ()
+    match node:
+        case Number(value) if value.is_integer():
+            return None
+        case Ref(name) if types.get(name) == "Integer":
+            return None
+        case Call("floor" | "ceil" | "sign"):
+            return None
+        case Call("abs" | "min" | "max" | "mod" | "sum" | "product" | "pre", parts) | Array(parts):
+            pass
+        case Unary("-", operand):
+            parts = (operand,)
+        case Binary("+" | "-" | "*", left, right) | IfExpression(_, left, right):
+            parts = (left, right)
+        case _:
+            return node
+    return next((wrong for part in parts if (wrong := _broken(part, types)) is not None), None)
+
+
+@dataclass(frozen=True)
+class Discrete:
+    """What events give to variables, as events and equations."""
+
+    variables: dict[str, Variable]  # those that `initial()` gives a value: their starts are what was before
+    whens: list[When]
+    equations: list[Equation]  # der(n) = 0
+    initial: list[Equation]
+
+
+def find_discrete(events: Sequence[Event], variables: Mapping[str, Variable], equations: Sequence[Equation], report: Report
+                  ) -> Discrete:
+    """Reports L0231, L0232 for what cannot be given a value at an event, or is so in two places, L0212, L0237."""
+    bindings: dict[str, Flat | None] = {name: variable.binding for name, variable in variables.items()}
+    bound = {side.name for x in equations for side in (x.left, x.right) if isinstance(side, Ref)}
+    rates = {str(node.arguments[0]): x.span for x in equations for node in nodes(x.left, x.right)
+             if isinstance(node, Call) and node.function == "der"}
+    given: dict[str, Event] = {}
+    for event in events:
+        for name, span in ((x.rate.name, x.span) for x in event.resets if x.is_kept and isinstance(x.rate, Ref)):
+            _refuse(name, span, variables[name], event, bound, rates, given, report)
+            given.setdefault(name, event)
+    if report.errors:
+        return Discrete({}, [], [], [])
+    for x in equations:
+        if isinstance(x.left, Ref) and bindings.get(x.left.name) is None:
+            bindings[x.left.name] = x.right
+    found = Discrete({}, [], [], [])
+    for event in events:
+        resets = _with_new_values(event, bindings)
+        if event.is_start:
+            names = [x.rate.name for x in resets if x.is_kept and isinstance(x.rate, Ref)]
+            found.variables.update({name: replace(variables[name], is_fixed=False) for name in names})
+            found.initial.extend(Equation(x.rate, _at_start(x.value, variables), x.span, event.component) for x in resets)
+            continue
+        _warn_of_others(replace(event, resets=resets), given, bindings, report)
+        found.whens.append(When(_opened(event.condition, bindings), resets, event.component, event.span))
+    for name, event in given.items():
+        rate = Call("der", (Ref(name, (), event.span),), (), event.span)
+        found.equations.append(Equation(rate, Number(0.0, None, event.span), event.span, event.component))
+    return found
+
+
+def _refuse(name: str, span: Span, variable: Variable, event: Event, bound: Set[str], rates: Mapping[str, Span],
+            given: Mapping[str, Event], report: Report) -> None:
+    if variable.kind == "coordinate" or name in rates:
+        rate = name if variable.kind != "coordinate" else f"der({name})"
+        report.error("L0231", f"'{name}' moves, and cannot be given a value that it keeps", span,
+                     f"to make it jump, write: reinit({rate}, value);")
+    elif variable.kind != "variable" or variable.binding is not None or name in bound:
+        report.error("L0232", f"'{name}' cannot be given a value at an event: it has one", span,
+                     f"declare it without, as Real {name}(start = 0)")
+    elif variable.shape:
+        report.error("L0232", f"'{name}' cannot be given a value at an event: it is an array", span, "declare each by itself")
+    elif name in given and given[name].chain is not event.chain and not (given[name].is_start or event.is_start):
+        report.error("L0232", f"'{name}' is given a value in two places", span,
+                     "write one `when`: when a then ... elsewhen b then ... end when; or when {a, b} then ...")
+
+
+def _with_new_values(event: Event, bindings: Bindings) -> tuple[Reset, ...]:
+    """The resets of an event, so that all that they read is as before it. Raises LagError L0212."""
+    given = {x.rate.name: x for x in event.resets if x.is_kept and isinstance(x.rate, Ref)}
+    new = {name: reset.value for name, reset in given.items()}
+    if not new:
+        return event.resets
+
+    def now(node: Flat, pending: tuple[str, ...]) -> Flat | None:
+        if isinstance(node, Call) and node.function == "pre":
+            return node
+        if not isinstance(node, Ref) or node.index:
+            return None
+        if node.name in pending:
+            fail("L0212", f"'{node.name}' follows from itself at this event", given[pending[0]].span,
+                 " > ".join((*pending[pending.index(node.name) :], node.name)), f"pre({node.name}) is the value before")
+        value = new.get(node.name)
+        if value is None and (binding := bindings.get(node.name)) is not None and not new.keys().isdisjoint(
+                read_now([binding], bindings)):
+            value = binding
+        return value and rebuilt(value, partial(now, pending=(*pending, node.name)))
+
+    def first(reset: Reset) -> tuple[str, ...]:
+        return (reset.rate.name,) if reset.is_kept and isinstance(reset.rate, Ref) else ()
+
+    return tuple(replace(x, value=rebuilt(x.value, partial(now, pending=first(x)))) for x in event.resets)
+
+
+def _warn_of_others(event: Event, given: Mapping[str, Event], bindings: Bindings, report: Report) -> None:
+    """Of variables that other events give their values: where both come at once they are as before."""
+    for reset in event.resets:
+        for name in read_now([reset.value], bindings):
+            other = given.get(name)
+            if other is not None and not other.is_start and other.chain is not event.chain and not exclude(
+                    event.condition, other.condition):
+                report.warning("L0237", f"where this event and that which gives '{name}' its value come at one instant, '{name}' "
+                               "is read as it was before", reset.span, f"pre({name}) says so; in Modelica it is the new value")
+
+
+def _at_start(value: Flat, variables: Mapping[str, Variable]) -> Flat:
+    """pre(n) is where n starts."""
+
+    def before(node: Flat) -> Flat | None:
+        if isinstance(node, Call) and node.function == "pre" and isinstance(inner := node.arguments[0], Ref):
+            variable = variables[inner.name]
+            if variable.kind == "variable" and variable.binding is None:
+                return variable.start or Number(0.0, None, node.span)
+        return None
+
+    return rebuilt(value, before)
+
+
+def _opened(condition: Flat, bindings: Bindings) -> Flat:
+    """A condition with those in the places of the Boolean variables that are bound to them, so that contacts are seen."""
+
+    def meant(node: Flat) -> Flat | None:
+        if isinstance(node, Binary) and node.operator == ">" and isinstance(node.left, Ref):
+            match bindings.get(node.left.name):
+                case IfExpression(inner, Number(1.0), Number(0.0)) if node == truth_of(node.left, NO):
+                    return _opened(inner, bindings)
+        return None
+
+    return rebuilt(condition, meant)

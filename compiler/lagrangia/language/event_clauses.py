@@ -1,0 +1,158 @@
+"""`when` clauses of classes -> events, samplers and guards, and what discrete variables get."""
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, TypeGuard
+
+from lagrangia.base.diagnostics import Report, Span, fail
+from lagrangia.language.assertions import ending_of
+from lagrangia.language.discrete import Discrete, Event, find_broken, find_discrete, is_condition
+from lagrangia.language.elsewhen import warn_of_both
+from lagrangia.language.events import level_of
+from lagrangia.language.flat import Equation, Guard, Held, Reset, Sampler, Variable
+from lagrangia.language.instances import Scope, Slot
+from lagrangia.language.names import Names
+from lagrangia.language.tree import Array, Call, Clause, Expression, Flat, Ref, Unary, WhenBlock
+from lagrangia.language.truths import NO, number_of
+
+_SAMPLED = "write: when sample(0, 0.01) then u = ...; end when;"
+_AT_EVENTS = ("write: reinit(der(x), value);", "a variable of its own, which keeps its value until the next event, is given it: "
+              "n = pre(n) + 1, declared as Integer n(start = 0)")
+
+
+class EventClauses:
+    """Collects them while classes are read; `read` reads a clause of a section."""
+
+    def __init__(self, names: Names, report: Report, read: Callable[[str, Clause, Scope], None]) -> None:
+        self.names, self.report, self.read = names, report, read
+        self.samplers: list[Sampler] = []
+        self.types: dict[str, str] = {}  # of Integer and Boolean variables
+        self._whole: list[Flat] = []  # values of Integer variables
+        self._events: list[Event] = []
+        self._chains: dict[int, tuple[WhenBlock, Scope]] = {}  # the `when` that an elsewhen belongs to, by its id
+        self._resets: list[Reset] = []  # of the `when` that is being read
+        self._endings: list[tuple[str, Span]] = []  # likewise: what is said where it ends the run
+        self._held: list[Held] = []  # likewise
+
+    def __len__(self) -> int:
+        """How much was collected."""
+        return len(self._events) + len(self.samplers) + len(self.types)
+
+    def add(self, block: WhenBlock, scope: Scope, place: Span) -> None:
+        """A `when` with its elsewhen. Raises LagError L0215, L0222, L0225."""
+        conditions, chain = self._conditions(block.condition, scope), self._chain(block, scope)
+        if block.otherwise is not None:
+            if any(_is_call(x, "sample") for x in conditions):
+                fail("L0222", "elsewhen cannot follow a sampler", block.otherwise.span, "write two of them: when ... end when;")
+            for first in conditions:
+                for other in self._conditions(block.otherwise.condition, scope):
+                    if not (isinstance(first, Call) or isinstance(other, Call)):
+                        warn_of_both(first, other, block.otherwise, self.report)
+            self._chains[id(block.otherwise)] = chain
+            self.read("equation", block.otherwise, scope)
+        if any(_is_call(x, "sample") for x in conditions):
+            self._add_sampler(block, conditions, scope, place)
+            return
+        self._resets, self._endings = [], []
+        for part in block.body:
+            self.read("when", part, scope)
+        if not (self._resets or self._endings) and not self.report.errors:
+            fail("L0222", "nothing happens here", block.span, "write: reinit(der(x), value);")
+        for condition in conditions:
+            self._add_event(condition, chain, scope.instance.path, place)
+
+    def _chain(self, block: WhenBlock, scope: Scope) -> tuple[WhenBlock, Scope]:
+        known = self._chains.get(id(block))
+        return known if known is not None and known[1] is scope else (block, scope)
+
+    def _conditions(self, node: Expression, scope: Scope) -> list[Flat]:
+        """Each of {a, b}, and what edge and change say; initial() and sample(...) as calls."""
+        if isinstance(node, Array):
+            return [x for item in node.items for x in self._conditions(item, scope)]
+        if _is_call(node, "sample") or _is_call(node, "initial"):
+            wanted = 2 if node.function == "sample" else 0
+            if len(node.arguments) != wanted or node.named:
+                what = f"takes a start and an interval, not {len(node.arguments)} arguments" if wanted else "takes no arguments"
+                fail("L0215", f"{node.function} {what}", node.span, _SAMPLED if wanted else "write: when initial() then")
+            return [Call(node.function, tuple(self.names.flatten(x, scope) for x in node.arguments), (), node.span)]
+        if (_is_call(node, "edge") or _is_call(node, "change")) and len(node.arguments) == 1 and not node.named:
+            (inner,) = self._conditions(node.arguments[0], scope)
+            if node.function == "edge":
+                return [inner]
+            if not is_condition(inner):
+                fail("L0901", "not of this language: an event where a number changes", node.span,
+                     "write what happens in the `when` that gives the number its value")
+            return [inner, Unary("not", inner, node.span)]
+        condition = self.names.without_known(self.names.flatten(node, scope))
+        return list(condition.items) if isinstance(condition, Array) else [condition]
+
+    def _add_event(self, condition: Flat, chain: object, component: str, place: Span) -> None:
+        is_start = _is_call(condition, "initial")
+        if is_start and self._endings:
+            fail("L0222", "a run does not end where it begins", self._endings[0][1])
+        if self._resets:
+            self._events.append(Event(condition, tuple(self._resets), component, place, chain, is_start))
+        for text, span in self._endings:
+            level = Unary("-", level_of(condition), condition.span)
+            self.names.guards.append(Guard(condition, level, text, "end", component, span))
+
+    def _add_sampler(self, block: WhenBlock, conditions: Sequence[Flat], scope: Scope, place: Span) -> None:
+        call = conditions[0]
+        if len(conditions) > 1 or not isinstance(call, Call):
+            fail("L0901", "not supported yet: sample(...) beside other events", block.condition.span,
+                 f"what is held has instants of its own: {_SAMPLED}")
+        self._held = []
+        for part in block.body:
+            self.read("sample", part, scope)
+        if not self._held and not self.report.errors:
+            fail("L0222", "nothing is held here", block.span, _SAMPLED)
+        start, interval = call.arguments
+        self.samplers.append(Sampler(start, interval, tuple(self._held), scope.instance.path, place))
+
+    def declare(self, slot: Slot, *values: Flat | None) -> list[Flat | None]:
+        """An Integer or a Boolean variable: what it is bound to and starts at, as numbers. Raises LagError L0302."""
+        self.types[slot.path] = slot.base
+        if slot.base == "Boolean":
+            return [value and number_of(value, NO) for value in values]
+        self._whole += filter(None, values)
+        return [*values]
+
+    def assign(self, kind: str, left: Flat, right: Flat, place: Span) -> None:
+        """What a variable is from an instant (kind "sample") or an event ("when") on. Raises LagError L0222, L0232."""
+        if not isinstance(left, Ref) or left.index:
+            if kind == "sample":
+                fail("L0232", "a variable is given the value that it holds, this is none", left.span, _SAMPLED)
+            if isinstance(left, Ref):
+                fail("L0232", f"the element '{left}' of an array cannot be given a value at an event", left.span,
+                     "declare each by itself, or in an array of components")
+            fail("L0222", "what happens at an event to what moves is said by reinit", left.span, *_AT_EVENTS)
+        if self.types.get(left.name) == "Integer":
+            self._whole.append(right)
+        if kind == "sample":
+            self._held.append(Held(left.name, right, place))
+        else:
+            self._resets.append(Reset(left, right, place, is_kept=True))
+
+    def add_call(self, call: Expression, scope: Scope, span: Span) -> None:
+        """reinit and terminate. Raises LagError L0215, L0222."""
+        if not isinstance(call, Call) or call.function != "reinit":
+            if isinstance(call, Call) and call.function == "terminate":
+                self._endings.append((ending_of(call, scope, span, self.names), span))
+                return
+            if isinstance(call, Call) and call.function == "assert":
+                fail("L0222", "what has to hold is said among the equations, and then holds all the time", span,
+                     'write: equation assert(x < 1, "too far");')
+            fail("L0222", "what happens at an event is said by reinit", span, "write: reinit(der(x), value);")
+        if len(call.arguments) != 2 or call.named:
+            fail("L0215", f"reinit takes a rate and its value, not {len(call.arguments)} arguments", span,
+                 "write: reinit(der(x), value);")
+        rate, value = (self.names.flatten(argument, scope) for argument in call.arguments)
+        self._resets.append(Reset(rate, value, span))
+
+    def finish(self, variables: Mapping[str, Variable], equations: Sequence[Equation]) -> Discrete:
+        """The events, and what keeps discrete variables. Reports L0212, L0231, L0232, L0237, L0302."""
+        find_broken(self._whole, self.types, self.report)
+        return find_discrete(self._events, variables, equations, self.report)
+
+
+def _is_call(node: Expression | Flat, function: str) -> TypeGuard[Call[Any]]:
+    return isinstance(node, Call) and node.function == function

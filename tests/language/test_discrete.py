@@ -1,0 +1,126 @@
+"""Discrete variables: counters, flags and what was read at events, beside closed forms."""
+
+import math
+from pathlib import Path
+
+import pytest
+
+import lagrangia
+
+G = 9.81
+BALL = """
+model Ball "Bounces; what happens is counted, and after the third impact a flag is up"
+  Prismatic way(a = world, along = {0, 1}, s(start = 1));
+  PointMass ball(m = 1, center = way.b);
+  Integer n(start = 0);
+  Boolean low = way.s < 0, done;
+  discrete Velocity fastest(start = 0);
+  discrete Time last(start = -1), gap;
+  output Real flag = if done then 1 else 0;
+equation
+  when low then
+    reinit(der(way.s), -0.8*pre(der(way.s)));
+    n = pre(n) + 1;
+    done = n >= 3;
+    fastest = max(pre(fastest), -pre(der(way.s)));
+    gap = last - pre(last);
+    last = time;
+  end when;
+end Ball;
+"""
+COUNTS = """
+model Part "Counts how often u comes true"
+  Boolean u;
+  Integer n(start = 0);
+equation
+  when u then
+    n = pre(n) + 1;
+  end when;
+end Part;
+model Counts "x = cos(t)"
+  Block block(m = 1, base = world, s(start = 1));
+  Spring spring(k = 1, stretch = block.s);
+  Boolean down = block.s < 0, up = block.s > 0;
+  Integer first(start = 4, fixed = true), once(start = 0), both(start = 0), sampled(start = 0), jumps(start = 0);
+  Integer edges(start = 0), turns(start = 0);
+  Boolean even(start = true), then_on;
+  Part part[9](u = {block.s < 0.1*i for i in 1:9});
+  output Integer total = sum(part.n);
+equation
+  when {initial(), edge(down)} then
+    first = pre(first) + 1;
+  end when;
+  when {block.s < 0, 2*block.s < 0, time > 99} then
+    once = pre(once) + 1;
+  end when;
+  when {down, up} then
+    both = pre(both) + 1;
+  end when;
+  when change(down) then
+    edges = pre(edges) + 1;
+  end when;
+  when both > 2 then
+    jumps = pre(jumps) + 1;
+  end when;
+  when sample(0.5, 1) then
+    sampled = pre(sampled) + 1;
+    even = not pre(even);
+  end when;
+  when block.s > 0 then
+    turns = 2;
+    then_on = true;
+  elsewhen not up then
+    turns = integer(turns_of(pre(turns)));
+    then_on = false;
+  end when;
+end Counts;
+function turns_of
+  input Real x;
+  output Real y = floor(x + 1);
+end turns_of;
+"""
+
+
+def run(tmp_path: Path, text: str, name: str, **options: object) -> lagrangia.Trajectory:
+    file = tmp_path / f"{name}.lag"
+    file.write_text(text, encoding="utf-8")
+    return lagrangia.load(file, model=name).simulate(**options)
+
+
+@pytest.mark.parametrize("solver", ["auto", "erk", "implicit"])
+def test_ball(tmp_path: Path, solver: str) -> None:
+    result = run(tmp_path, BALL, "Ball", stop=2.5, solver=solver, tolerance=1e-10)
+    speed, first = math.sqrt(2 * G), math.sqrt(2 / G)
+    impacts = [first]
+    while impacts[-1] < 2.5:
+        speed *= 0.8
+        impacts.append(impacts[-1] + 2 * speed / G)
+    times = impacts[:-1]
+    end = {name: float(result[name][-1]) for name in ("n", "done", "flag", "fastest", "last", "gap")}
+    assert end == pytest.approx({"n": len(times), "done": 1, "flag": 1, "fastest": math.sqrt(2 * G), "last": times[-1],
+                                 "gap": times[-1] - times[-2]}, rel=1e-9)
+    counted = [sum(t > x for x in times) for t in result.time]
+    near = [min(abs(t - x) for x in times) < 1e-9 for t in result.time]
+    assert all(n == k for n, k, is_near in zip(result["n"], counted, near, strict=True) if not is_near)  # whole to the last digit
+    assert all(done == (k >= 3) for done, k, is_near in zip(result["done"], counted, near, strict=True) if not is_near)
+
+
+def test_lists_edges_and_the_start(tmp_path: Path) -> None:
+    """Down at pi/2 + 2 pi k, up a half turn later: within 20 s three times each; below 0.1 i once more where i > 4."""
+    result = run(tmp_path, COUNTS, "Counts", stop=20.0)
+    names = ("first", "once", "both", "edges", "jumps", "sampled", "even", "turns", "then_on", "total")
+    start, end = ({name: float(result[name][k]) for name in names} for k in (0, -1))
+    assert start == {"first": 5, "once": 0, "both": 0, "edges": 0, "jumps": 0, "sampled": 0, "even": 1, "turns": 0, "then_on": 0,
+                     "total": 0}
+    assert end == {"first": 8, "once": 3, "both": 6, "edges": 6, "jumps": 1, "sampled": 20, "even": 1, "turns": 2, "then_on": 1,
+                   "total": 9 * 3 + 5}
+
+
+def test_events_that_read_each_other_are_told(tmp_path: Path) -> None:
+    """pre(n) says what is read where both come at once."""
+    text = BALL.replace("end Ball;", "  when ball.center.y < 0 then\n    seen = n;\n  end when;\nend Ball;").replace(
+        "equation", "  Integer seen(start = 0);\nequation", 1)
+    file = tmp_path / "ball.lag"
+    for said, codes in ((text, ["L0237"]), (text.replace("seen = n;", "seen = pre(n);"), [])):
+        file.write_text(said, encoding="utf-8")
+        assert [code for code in ("L0237", "L0224") if any(code in told for told in lagrangia.load(file).warnings)] == codes
