@@ -47,7 +47,7 @@ drawing
 end Zoo;
 """
 WATCHED = """const canvas = $("scene"), box = canvas.getBoundingClientRect();
-  const x = box.left + box.width / 2, y = box.top + box.height / 2;
+  const x = box.left + box.width / 5, y = box.top + box.height / 5;  // beside all parts
   canvas.setPointerCapture = () => {};
   const send = (kind, id, dx, dy, more = {}) =>
     canvas.dispatchEvent(new PointerEvent(kind, { pointerId: id, clientX: x + dx, clientY: y + dy, ...more }));
@@ -61,6 +61,20 @@ WATCHED = """const canvas = $("scene"), box = canvas.getBoundingClientRect();
   canvas.dispatchEvent(new WheelEvent("wheel", { deltaY: -100, clientX: x, clientY: y, cancelable: true })); values.push(eye());
   values.push(Q()); lagrangia.set("hull.center.S about z", Math.PI / 2); values.push(Q()); lagrangia.go(20); values.push(Q());
   document.getElementById("defaults").click(); values.push(Q());"""
+DRAGGED = """const canvas = $("scene"), box = canvas.getBoundingClientRect(), before = { ...lagrangia.eye };
+  const point = D.frames.reduce((a, b) => point_of(a)[2] < point_of(b)[2] ? a : b), from = window_of(point_of(point));
+  canvas.setPointerCapture = () => {};
+  const send = (kind, step) => canvas.dispatchEvent(new PointerEvent(kind, { pointerId: 1, pointerType: "touch",
+    clientX: box.left + from[0] + 5 * step, clientY: box.top + from[1] + 3 * step }));
+  send("pointerdown", 0);
+  for (let step = 1; step <= 5; step++) send("pointermove", step);
+  const to = window_of(point_of(held));
+  send("pointerup", 5);
+  values.push(to[0] - from[0], to[1] - from[1], JSON.stringify(before) === JSON.stringify(lagrangia.eye), held);
+  const shown = D.shown.map(v => v.name); lagrangia.go(lagrangia.time + 0.2);
+  values.push(Object.fromEntries(D.controls.filter(c => c.kind === "start" && !c.refs).map(c => [c.name, c.now])));
+  values.push(Object.fromEntries(D.controls.filter(c => c.refs).map(c => [c.name, c.base])));
+  values.push(Object.fromEntries(shown.map(name => [name, lagrangia.value(name)])));"""
 
 
 def written(model: lag.Model, page: Path, **asked) -> Path:
@@ -155,3 +169,20 @@ def test_an_eye_is_moved_and_attitudes_are_turned_by_hand(tmp_path: Path) -> Non
     run = model.simulate(at=[0.0, 20.0], initial={"hull.center.S": start})
     assert later == pytest.approx([run[f"hull.center.S[{k}]"][-1] for k in range(1, 5)], abs=1e-8)
     assert again == pytest.approx(first, abs=1e-12)
+
+
+@needs_browser
+@pytest.mark.parametrize("name", ["robot_arm", "satellite"])
+def test_parts_follow_where_they_are_dragged(name: str, tmp_path: Path) -> None:
+    """By touch, in the plane of view, which the eye keeps; coordinates alone, or an attitude with them. The run begins there."""
+    model = lag.load(EXAMPLES / f"{name}.lag")
+    told = heard(written(model, tmp_path / "x.html"), DRAGGED)
+    assert (told["faults"], told["message"]) == ([], "")
+    right, down, is_same_eye, held, starts, attitudes, later = told["values"]
+    assert (right, down) == pytest.approx((25, 15), abs=0.01) and is_same_eye and held is None
+    coordinates = {c.name for c in model.scene.coordinates}
+    initial = {coordinate: x for coordinate, x in starts.items() if coordinate in coordinates}
+    initial |= {turn.removesuffix(" about x"): q for turn, q in attitudes.items() if turn.endswith(" about x")}
+    run = model.simulate(at=[0.0, 0.2], stop=model.scene.stop, initial=initial)
+    places = [c.name for c in model.scene.told_positions]
+    assert [later[place] for place in places] == pytest.approx([run[place][-1] for place in places], abs=1e-7)

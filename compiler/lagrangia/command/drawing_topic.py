@@ -53,9 +53,9 @@ turned by dragging, shifted by two fingers or with shift, zoomed by the wheel or
 parameters, start values and inputs, parts that can be dragged to where the motion starts, events at their exact times, and the
 digits of `lag simulate` at the same --tolerance, by formulas that hold for all that sliders set. Inputs of -u FILE.csv go on over
 time, until their slider is moved. Space runs, the right arrow steps, R goes back to the start; + - T N D as above. Scenes in
-space are turned, shifted and zoomed as in the page of `lag animate`, where in the plane parts are dragged; three sliders turn
-each attitude from where it starts. Without -o it is opened at once. It needs zig, once for each version of the run time:
-pip install ziglang.
+space are turned, shifted and zoomed as in the page of `lag animate`, but where a part is under the pointer: it is ringed, and
+follows in the plane of view. Three sliders turn each attitude from where it starts. Without -o it is opened at once. It needs
+zig, once for each version of the run time: pip install ziglang.
 """
 
 

@@ -44,12 +44,14 @@ function change(control, value) {
   else { const why = machine.message; restart(); tell(why); }
   draw();
 }
-function turn(control) {  // an attitude, from the base of its three sliders: by their vector, an angle along an axis
-  const own = D.controls.filter(c => c.refs && c.refs[0] === control.refs[0]), half = own.map(c => c.now / 2), n = Math.hypot(...half);
-  const s = n > 0 ? Math.sin(n) / n : 1, a = Math.cos(n), [x, y, z] = half.map(h => s * h), [b, u, v, w] = control.base;
-  const turned = [a * b - x * u - y * v - z * w, a * u + x * b + y * w - z * v, a * v + y * b + z * u - x * w, a * w + z * b + x * v - y * u];
-  const is_declared = n === 0 && control.base === control.quaternion;
-  control.refs.forEach((ref, i) => { if (is_declared) given.delete(ref); else given.set(ref, turned[i]); });
+function attitude_from([b, u, v, w], turn) {  // a quaternion, by a vector: an angle along an axis
+  const half = turn.map(x => x / 2), n = Math.hypot(...half), s = n > 0 ? Math.sin(n) / n : 1, a = Math.cos(n), [x, y, z] = half.map(h => s * h);
+  return [a * b - x * u - y * v - z * w, a * u + x * b + y * w - z * v, a * v + y * b + z * u - x * w, a * w + z * b + x * v - y * u];
+}
+function turn(control) {  // an attitude, from the base of its three sliders
+  const own = D.controls.filter(c => c.refs && c.refs[0] === control.refs[0]), by = own.map(c => c.now), found = attitude_from(control.base, by);
+  const is_declared = by.every(x => x === 0) && control.base === control.quaternion;
+  control.refs.forEach((ref, i) => { if (is_declared) given.delete(ref); else given.set(ref, found[i]); });
   for (const c of own) c.base = control.base;
 }
 function show(control) {

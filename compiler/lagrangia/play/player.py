@@ -38,8 +38,8 @@ _DEGREE = 180.0 / math.pi
 _TURN, _RATE = math.pi, 10.0  # sliders of angles, and of rates of what is at rest, go so far
 _FIXED = 1  # LAG_START_FIXED of model.h
 _OWN = [Path(__file__).with_name(name) for name in ("player.css", "player.html", "machine.js")]
-_FLAT, _SPATIAL, _PLAYER, _PLANE, _SPACE = (Path(__file__).with_name(f"{name}.js")
-                                            for name in ("figures", "solids", "player", "plane", "space"))
+_FLAT, _SPATIAL, _PLAYER, _DRAG, _PLANE, _SPACE = (Path(__file__).with_name(f"{name}.js")
+                                                   for name in ("figures", "solids", "player", "drag", "plane", "space"))
 
 
 class Playable(Drawable, Exportable, Protocol):
@@ -85,14 +85,14 @@ def _page(model: Playable, request: Request, values: Values, run: Trajectory, fi
     size = float(np.max(np.subtract(stage.data["high"], stage.data["low"])))
     data = {**stage.data, **_shown(described), "controls": [*_given_inputs(described, values), *_controls(described, size)],
             "given": [*_given(described, values)],
-            "inputs": _inputs(values), "n": scene.n, "movable": [] if in_space else [*_movable(described, size)],
+            "inputs": _inputs(values), "n": scene.n, "movable": [*_movable(described, size)],
             "is_looped": _is_looped(described), "tolerance": experiment.tolerance, "start": scene.start,
             "stop": experiment.stop, "window": length, "speed": speed_of(length),
             "program": _packed(program), "image": _packed(image),
             "sizes": {"n": scene.n, "values": 1 + max(v.reference for v in described.of(*_NUMBERS)),
                       "drawing": sum(stage.drawing.out_sizes)}}
-    parts = [*_OWN, _SPATIAL, *VECTORS, _PLAYER, *SEEN_BY_HAND, _SPACE] if in_space else [*_OWN, _FLAT, _PLAYER, _PLANE]
-    return written(parts, scene.description or scene.name, data)
+    own = [_SPATIAL, *VECTORS, _PLAYER, *SEEN_BY_HAND, _DRAG, _SPACE] if in_space else [_FLAT, _PLAYER, _DRAG, _PLANE]
+    return written([*_OWN, *own], scene.description or scene.name, data)
 
 
 _NUMBERS = ("time", "state", "slope", "output", "energy", "input", "parameter")  # groups of which the run time tells all
@@ -220,16 +220,41 @@ def _given(described: FmuModel, values: Values) -> Iterator[tuple[int, float]]:
                 yield v.reference, x
 
 
-def _movable(described: FmuModel, size: float) -> Iterator[dict[str, float]]:
-    """Coordinates that follow a part that is dragged, and by how much they move it about as far as the scene is large. Of loops
-    those with fixed starts, or as many as are free: the others follow from them."""
+def _movable(described: FmuModel, size: float) -> Iterator[dict[str, Any]]:
+    """Coordinates and attitudes that follow a part that is dragged, and by how much they move it about as far as the scene is
+    large. Of loops those with fixed starts, or as many as are free, and one at least: the others follow from them."""
     scene = described.scene
-    given = [k for k, v in enumerate(described.of("state")[: scene.n])
-             if v.initial != "calculated" and v.name not in scene.signals]
+    given = [(k, own) for k, own in _starts(described) if all(v.initial != "calculated" for v in own)]
     if _is_looped(described):
-        given = [k for k in given if scene.fixed[k] == _FIXED] or given[: max(0, scene.n - scene.sizes["n_holonomic"])]
-    for k in given:
-        yield {"k": k, "size": 1.0 if _unit(described.of("state")[k])[1] != 1.0 else size}
+        free = max(1, scene.n - scene.sizes["n_holonomic"])
+        given = [(k, own) for k, own in given if scene.fixed[k] == _FIXED] or _first(given, free)
+    for _, own in given:
+        is_angle = len(own) > 1 or _unit(own[0])[1] != 1.0
+        yield {"refs": [v.reference for v in own], "size": 1.0 if is_angle else size}
+
+
+def _starts(described: FmuModel) -> Iterator[tuple[int, list[Variable]]]:
+    """What a start gives: the first coordinate of each, and the variables that tell it, one, or four of an attitude."""
+    quaternions, k = {parts[0]: parts for parts in _quaternions(described.scene).values()}, 0
+    rest = {part for parts in quaternions.values() for part in parts[1:]}
+    for v in _states(described)[0]:
+        if v.name in rest or v.name in described.scene.signals:
+            k += v.name in described.scene.signals
+            continue
+        own = [described.named(part) for part in quaternions.get(v.name, [v.name])]
+        yield k, own
+        k += min(len(own), 3)
+
+
+def _first(given: Sequence[tuple[int, list[Variable]]], free: int) -> list[tuple[int, list[Variable]]]:
+    """Those that together are no more numbers than are free, an attitude three."""
+    found = []
+    for k, own in given:
+        if (free := free - min(len(own), 3)) >= 0:
+            found.append((k, own))
+        else:
+            break
+    return found
 
 
 def _is_looped(described: FmuModel) -> bool:

@@ -8,7 +8,7 @@ from lagrangia.compile.pipeline import Compilation
 from lagrangia.draw.animation import spelt
 from lagrangia.draw.values import States
 from lagrangia.language.flat import Figure
-from lagrangia.play.stage import Stage, require_short_tables
+from lagrangia.play.stage import MOST_HANDLES, Stage, require_short_tables
 from lagrangia.solids.orbit import told_form, told_whole
 from lagrangia.solids.rows import Asked, build_rows
 from lagrangia.solids.seen import LOADS, LONGEST_ARROW, SHOWN, Given, Looked, look, rods_of, stage_of, words_of
@@ -32,6 +32,7 @@ def build_space_stage(c: Compilation, figures: Sequence[Figure], states: States,
         "rods": [[rows.frames[a].start, rows.frames[b].start] for a, b in rods_of(c, looked)],
         "names": [{"words": spelt(words), "at": [place.start for place in rows.asked[k].places]}
                   for k, words in words_of(c, looked.given, names)],
+        "frames": [at.start for frame, at in rows.frames.items() if frame not in looked.grounded][:MOST_HANDLES],
         "traces": ways + [rows.frames[frame].start for frame in traces],
     }
     return Stage(tape_of(build_rows(c, figures, for_tape=True).function), data)

@@ -16,7 +16,7 @@ from lagrangia.draw.values import States, build_drawn
 from lagrangia.language.flat import Figure
 from lagrangia.native.tapes import Tape
 
-_MOST_HANDLES = 500  # frames that can be dragged
+MOST_HANDLES = 500  # frames that can be dragged
 _MOST_KNOTS = 2000  # of a table that the tape of a drawing has written out
 
 
@@ -46,7 +46,7 @@ def build_stage(c: Compilation, figures: Sequence[Figure], states: States, names
     ways += [[frame, *_frame(scenery, frame)] for frame in traces]
     moving = [frame for frame in scenery.numbers.frames if frame not in scenery.tree.grounded]
     data = {"figures": found, "arms": [[_frame(scenery, frame) for frame in pair] for pair in arms_between(scenery)],
-            "traces": ways, "frames": [_frame(scenery, frame) for frame in moving[:_MOST_HANDLES]], "symbol": scenery.symbol,
+            "traces": ways, "frames": [_frame(scenery, frame) for frame in moving[:MOST_HANDLES]], "symbol": scenery.symbol,
             "shortest": SHORTEST_ARM, "low": reel.low.tolist(), "high": reel.high.tolist()}
     return Stage(tape_of(build_drawn(c, figures, for_tape=True).function), data)
 

@@ -2,7 +2,7 @@
 const UP = unit(D.up), EAST = (() => { const k = UP.map(Math.abs).indexOf(Math.min(...UP.map(Math.abs))), e = [0, 0, 0]; e[k] = 1; const a = dot(e, UP); return unit(e.map((x, i) => x - a * UP[i])); })(), NORTH = cross(UP, EAST);
 const middle = D.low.map((x, i) => (x + D.high[i]) / 2), reach = Math.hypot(...D.low.map((x, i) => D.high[i] - x)) || 1;
 const START = { azimuth: -60 * Math.PI / 180, elevation: 22 * Math.PI / 180, zoom: 1, x: 0, y: 0 };
-let eye = { ...START };
+let eye = { ...START }, hand = null;  // of a page whose parts can be taken: take, move, leave
 
 function axes() {  // to the right, upwards, towards the eye
   const c = Math.cos(eye.azimuth), s = Math.sin(eye.azimuth), e = Math.cos(eye.elevation), z = Math.sin(eye.elevation);
@@ -54,17 +54,21 @@ function corner(g, A, h) {  // which way the world's axes point
 }
 const turn_to = (azimuth, elevation) => { eye.azimuth = azimuth * Math.PI / 180; eye.elevation = elevation * Math.PI / 180; draw(); };
 function watch() {
-  const canvas = $("scene"), held = new Map(); let moved = 0;
-  const centre = () => { const p = [...held.values()]; return [p.reduce((s, q) => s + q[0], 0) / p.length, p.reduce((s, q) => s + q[1], 0) / p.length, p.length > 1 ? Math.hypot(p[0][0] - p[1][0], p[0][1] - p[1][1]) : 0]; };
-  canvas.onpointerdown = e => { canvas.setPointerCapture(e.pointerId); held.set(e.pointerId, [e.clientX, e.clientY]); moved = held.size > 1 ? 9 : 0; };
+  const canvas = $("scene"), fingers = new Map(); let moved = 0;
+  const centre = () => { const p = [...fingers.values()]; return [p.reduce((s, q) => s + q[0], 0) / p.length, p.reduce((s, q) => s + q[1], 0) / p.length, p.length > 1 ? Math.hypot(p[0][0] - p[1][0], p[0][1] - p[1][1]) : 0]; };
+  canvas.onpointerdown = e => { 
+    if (hand && fingers.size === 0 && hand.take(e)) { moved = 0; return; }
+    canvas.setPointerCapture(e.pointerId); fingers.set(e.pointerId, [e.clientX, e.clientY]); moved = fingers.size > 1 ? 9 : 0;
+  };
   canvas.onpointermove = e => {
-    if (!held.has(e.pointerId)) return;
-    const before = centre(); held.set(e.pointerId, [e.clientX, e.clientY]); const after = centre(), x = after[0] - before[0], y = after[1] - before[1]; moved += Math.abs(x) + Math.abs(y);
-    if (held.size > 1 || e.shiftKey || e.buttons & 2) { eye.x += x; eye.y += y; if (before[2] > 0 && after[2] > 0) zoom(after[2] / before[2], after[0], after[1]); }
+    if (hand && fingers.size === 0 && hand.move(e)) { moved += 4; return; }
+    if (!fingers.has(e.pointerId)) return;
+    const before = centre(); fingers.set(e.pointerId, [e.clientX, e.clientY]); const after = centre(), x = after[0] - before[0], y = after[1] - before[1]; moved += Math.abs(x) + Math.abs(y);
+    if (fingers.size > 1 || e.shiftKey || e.buttons & 2) { eye.x += x; eye.y += y; if (before[2] > 0 && after[2] > 0) zoom(after[2] / before[2], after[0], after[1]); }
     else { eye.azimuth -= x * .008; eye.elevation = Math.max(-Math.PI / 2, Math.min(Math.PI / 2, eye.elevation + y * .008)); }
     draw();
   };
-  canvas.onpointerup = canvas.onpointercancel = e => { held.delete(e.pointerId); };
+  canvas.onpointerup = canvas.onpointercancel = e => { fingers.delete(e.pointerId); if (hand) hand.leave(); };
   canvas.onclick = () => { if (moved < 4) play(); };
   canvas.ondblclick = () => { eye = { ...START }; draw(); };
   canvas.oncontextmenu = e => e.preventDefault();
