@@ -9,6 +9,7 @@ Where no C compiler is found the wheel has none: what is installed looks for a c
 
 import shutil
 import sys
+from concurrent.futures import ThreadPoolExecutor
 from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
 from sysconfig import get_platform
@@ -45,9 +46,9 @@ class RuntimeHook(BuildHookInterface):
     def initialize(self, version: str, build_data: dict[str, Any]) -> None:
         if self.target_name != "wheel":
             return
-        ship_syntax()
+        is_built = ship_and_build()
         build_data["artifacts"].append("compiler/lagrangia/**/shipped/*")
-        if build():
+        if is_built:
             build_data["pure_python"] = False
             build_data["tag"] = f"py3-none-{get_platform().replace('-', '_').replace('.', '_')}"
             build_data["artifacts"].append("compiler/lagrangia/**/prebuilt/*")
@@ -59,6 +60,14 @@ class RuntimeHook(BuildHookInterface):
 def place() -> Path:
     (file,) = PACKAGE.rglob("prebuilt.py")
     return file.with_name("prebuilt")
+
+
+def ship_and_build() -> bool:
+    """Both at once: one is Python's work, the other that of compilers."""
+    with ThreadPoolExecutor(1) as other:
+        built = other.submit(build)
+        ship_syntax()
+        return built.result()
 
 
 def ship_syntax() -> None:
@@ -93,5 +102,4 @@ def build() -> bool:
 
 
 if __name__ == "__main__":
-    ship_syntax()
-    sys.exit(not build())
+    sys.exit(not ship_and_build())

@@ -67,6 +67,16 @@ def test_files_are_compiled_together_where_no_name_is_that_of_another(tmp_path: 
     assert len(made) <= 30
 
 
+def test_what_is_compiled_once_computes_nothing_by_registers() -> None:
+    """Its digits would be those of any processor, in libraries that round products with their sums."""
+    runtime = data_folder("runtime")
+    shared = [file for file in prebuilt.sources(runtime) if prebuilt.is_shared(file)]
+    assert len(shared) == sum(map(len, prebuilt._SHARED.values()))
+    for file in shared:
+        text = file.read_text(encoding="utf-8")
+        assert not [word for word in ("LagLanes", "LagWide", "LAG_LANES", "LAG_WIDE", "FUSED", "fma(") if word in text], file
+
+
 def test_what_is_built_is_found_and_only_then(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """With sources of one function: all of them take a quarter of a minute."""
     sources = tmp_path / "runtime"

@@ -38,7 +38,12 @@ def lark_tables(grammar: Path) -> bytes:
 
 
 def _made(grammar: Path) -> Lark:
-    text = grammar.read_text(encoding="utf-8")
+    return _analysed(grammar.read_text(encoding="utf-8"))
+
+
+@cache
+def _analysed(text: str) -> Lark:
+    """Half a second of work, which both kinds of tables are made of where the package is built."""
     return Lark(text, parser="lalr", start="file", propagate_positions=True, maybe_placeholders=True)
 
 

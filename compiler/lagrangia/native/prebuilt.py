@@ -7,8 +7,8 @@ It is compiled for this machine's processor and, with less care, for any of the 
 loaded. LAGRANGIA_KINDS=all compiles for all kinds with the same care, as a wheel for others should be. Widths of registers change
 no digit (no contraction, sums in a fixed order). Fused multiply-adds do: products that say that they are rounded with their sums
 are, wherever the processor can (avx2 and avx512 have the same digits), and "any" rounds them twice; its rows differ in their last
-digits, within their errors. A library is of one kind throughout: where instructions with and without wide registers take turns,
-implicit steps take twice as long.
+digits, within their errors. What hardly counts in any run is compiled once and goes into all of them (_SHARED). All else of a
+library is of one kind: where loops with and without wide registers take turns, implicit steps take twice as long.
 
 Two libraries more, one a version of the standard, are binaries of FMUs: for any processor, and any scene (runtime/fmi/stored.c).
 """
@@ -47,6 +47,20 @@ _KINDS: Mapping[str, tuple[tuple[str, ...], frozenset[str]]] = {
     "avx2": (("-mavx2", "-mfma"), frozenset({"avx2", "fma"})),
     "any": ((), frozenset()),
 }
+
+# By rooms, the files in which no example spends a fiftieth of its run, whatever the solver, and that compute nothing abreast.
+_SHARED: Mapping[str, frozenset[str]] = {room: frozenset(names.split()) for room, names in {
+    "base": "clock",
+    "model": "arrange hoist history inputs read_numbers schedule",
+    "numbers": "complementarity",
+    "start": "assemble blocks metric newton",
+    "state": "first_step inside onset",
+    "events": "candidates cones contact_friction impacts impulses jams jumps rest slide_settle switches",
+    "steps": "branch delays rounding sampling singular turns",
+    "methods": "equal_steps linear_pace linear_series linear_system pirk_edges transition_system",
+    "choice": "choice methods stiffness",
+    "run": "begin course islands layout parts run snapshot stepping window",
+}.items()}
 
 
 def kinds() -> tuple[str, ...]:
@@ -112,7 +126,8 @@ def sources(runtime: Path) -> list[Path]:
 @cache
 def digest(runtime: Path) -> str:
     """Changes with every source, every header and the flags."""
-    hashed = hashlib.sha256(repr((FLAGS, LEVEL, _KINDS["avx512"][0])).encode())
+    shared = [(room, sorted(names)) for room, names in _SHARED.items()]
+    hashed = hashlib.sha256(repr((FLAGS, LEVEL, _KINDS["avx512"][0], shared)).encode())
     for file in sorted(runtime.rglob("*.[ch]")):
         hashed.update(file.name.encode() + hashlib.sha256(file.read_bytes()).digest())
     return hashed.hexdigest()
@@ -174,18 +189,24 @@ def build(runtime: Path, folder: Path, command: Sequence[str]) -> None:
             _run([*command, *FLAGS, "-shared", *flags, *(item.result() for item in objects), "-o", str(fresh), *LIBRARIES], work)
             shutil.move(fresh, folder / fresh.name)
 
-        together = units(sources(runtime))
-        objects = {kind: [pool.submit(compiled, kind, unit) for unit in together] for kind in _wanted()}
+        own = units([file for file in sources(runtime) if not is_shared(file)])
+        objects = {kind: [pool.submit(compiled, kind, unit) for unit in own] for kind in _wanted()}
+        once = [pool.submit(compiled, "any", unit) for unit in units([file for file in sources(runtime) if is_shared(file)])]
         told = (f"-I{runtime / 'standard'}", f'-DLAG_BUILD="{digest(runtime)}"')
         glue = {version: [pool.submit(compiled, "any", unit, *told, *_OF_VERSION)
                           for unit in units(sorted((runtime / "fmi").glob(f"fmi{version}*.c")))] for version in FMI_VERSIONS}
         shared = [pool.submit(compiled, "any", unit, *told)
                   for unit in units([file for file in sorted((runtime / "fmi").glob("*.c")) if file.stem in _FMI])]
         for kind, made in objects.items():
-            linked(kind, made)
+            linked(kind, [*made, *once])
         for version, made in glue.items() if shared else ():
-            linked(f"fmu{version}", [*objects["any"], *shared, *made], *_exported(work))
+            linked(f"fmu{version}", [*objects["any"], *once, *shared, *made], *_exported(work))
     (folder / "digest").write_text(digest(runtime) + "\n")
+
+
+def is_shared(file: Path) -> bool:
+    """Whether a source of the run time is compiled once, for all kinds of processors."""
+    return file.stem in _SHARED.get(file.parent.name, ())
 
 
 def units(files: Sequence[Path]) -> list[list[Path]]:
