@@ -274,6 +274,8 @@ WRONG = {
     "time outside": (["--outputs", "at(99, hinge[1].phi)"], "between 0 and"),
     "parenthesis": (["--outputs", "max(hinge[1].phi"], "missing"),
     "empty range": (["-p", "m=1:2:-1"], "there is no way"),
+    "step beyond the range": (["-p", "m=1:2:20"], "a step of 20 is longer than the way from 1 to 2"),
+    "step beyond the range, down": (["-p", "m=1[kg]:900[g]:-1[kg]"], "a step of -1 is longer than the way from 1 to 0.9"),
     "empty value": (["-p", "m=1,,2"], "before or behind one of the commas"),
     "empty last value": (["-p", "m=1,"], "before or behind one of the commas"),
     "empty argument": (["-p", "m=linspace(1,,2,3)"], "takes 3 numbers"),
@@ -314,6 +316,20 @@ def test_wrong_input_is_told(arguments: str, run: Run) -> None:
     assert code == 2, said
     assert told in said
     assert not list(Path().glob("*.csv*"))
+
+
+def test_ranges_that_do_not_meet_their_ends_are_told(run: Run) -> None:
+    """1:2:0.3 ends at 1.9; with units, downwards, of start values, and in Python."""
+    for given in (["-p", "m=1:2:0.3"], ["-p", "m=1[kg]:2000[g]:300[g]"], ["--initial", "hinge[1].phi=10[deg]:-20[deg]:-20[deg]"]):
+        code, said = run("pendulum.lag", *given, "--stop", "0.1", "--dry-run")
+        assert code == 0
+        assert "warning[L0748]" in said, said
+        assert "L0748" not in run("pendulum.lag", *given, "--stop", "0.1", "--dry-run", "--allow", "L0748")[1]
+        assert run("pendulum.lag", *given, "--stop", "0.1", "--dry-run", "--strict")[0] == 2
+    for value in ("0.1:1:0.1", "1:1:1", "3:1:-0.5", "linspace(1, 2, 4)", "1,2"):
+        assert "L0748" not in run("pendulum.lag", "-p", f"m={value}", "--dry-run")[1]
+    with pytest.warns(lag.InputWarning, match="ends at 1.9, not at 2.*L0748"):
+        lag.load("pendulum.lag").simulate_many(parameters={"m": "1:2:0.3"}, stop=0.1)
 
 
 @pytest.mark.parametrize(

@@ -20,7 +20,7 @@ from lagrangia.base.records import dataclass
 
 # The codes of warnings: those that can be allowed.
 WARNINGS = ("L0224", "L0237", "L0238", "L0305", "L0306", "L0607", "L0608", "L0609", "L0708", "L0709", "L0740", "L0741", "L0742",
-            "L0743", "L0744", "L0745", "L0746", "L0747", "L0801", "L0802", "L0803", "L0804", "L0805", "L0806")
+            "L0743", "L0744", "L0745", "L0746", "L0747", "L0748", "L0801", "L0802", "L0803", "L0804", "L0805", "L0806")
 Severity = Literal["error", "warning", "note"]
 LIBRARY = "library/"  # with which the names of its sources begin
 _LONGEST_LINE = 160
@@ -157,8 +157,8 @@ class Interrupted(KeyboardInterrupt):
 
 
 class InputWarning(UserWarning):
-    """An input has no value (L0708), a table of inputs ends before the run does (L0709), or a parameter is given in vain (L0747).
-    `message` has the code."""
+    """An input has no value (L0708), a table of inputs ends before the run does (L0709), a parameter is given in vain (L0747), or a
+    range does not meet its end (L0748). `message` has the code."""
 
 
 class EngineWarning(UserWarning):

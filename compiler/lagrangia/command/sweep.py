@@ -14,6 +14,7 @@ from lagrangia.command.arguments import (
     keep_foreign,
     load_model,
     read_inputs,
+    tell,
     tell_given,
     tell_inputs,
     tell_warnings,
@@ -30,7 +31,7 @@ from lagrangia.study.sweep.plan import Design, Job
 from lagrangia.study.sweep.progress import Bar
 from lagrangia.study.sweep.run import require_place, run_job
 from lagrangia.study.sweep.table import Sweep
-from lagrangia.study.sweep.values import names_of_runs
+from lagrangia.study.sweep.values import names_of_runs, range_remarks
 from lagrangia.view.curves import require_format
 
 _MOST_SHOWN = 12  # measures in the summary
@@ -79,6 +80,7 @@ def _prepare(options: Namespace) -> tuple[Model, Job]:
     tell_warnings(options, model)
     tell_inputs(options, model, plan(scene, request), request.inputs)
     tell_given(options, model, request, names_of_runs(options.runs))
+    tell(options, model, range_remarks({**request.parameters, **request.initial}))
     design = Design(options.runs, options.samples, options.seed, options.sampling, options.together, options.seconds_per_run,
                     options.keep, options.until)
     return model.prepared_for(measures, request, design)

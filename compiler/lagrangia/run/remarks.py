@@ -47,9 +47,10 @@ def given_remarks(model: Told, request: Request, more: Iterable[str] = ()) -> li
     return overridden_remarks(model.scene, model.readers, parameters, initial) if is_asked else []
 
 
-def warn_of_given(model: Told, request: Request, more: Iterable[str] = (), later: Collection[str] = ()) -> None:
-    """The same in Python, as InputWarnings at the line that called who calls this, but those that the model allows; inputs may be
-    a list of those of several runs. Raises LagError for a request that is none."""
+def warn_of_given(model: Told, request: Request, more: Iterable[str] = (), later: Collection[str] = (),
+                  others: Iterable[str] = ()) -> None:
+    """The same in Python and `others`, as InputWarnings at the line that called who calls this, but those that the model allows;
+    inputs may be a list of those of several runs. Raises LagError for a request that is none."""
     scene, found = model.scene, dict[str, None]()
     by_name("parameters", request.parameters)
     by_name("start values", request.initial)
@@ -58,7 +59,7 @@ def warn_of_given(model: Told, request: Request, more: Iterable[str] = (), later
         for given in request.inputs if isinstance(request.inputs, list) else [request.inputs]:
             check_values(scene, inputs=given)
             found |= dict.fromkeys(input_remarks(scene, experiment, given, later))
-    _warn(scene, [*found, *given_remarks(model, request, more)])
+    _warn(scene, [*found, *given_remarks(model, request, more), *others])
 
 
 def warn_of_vain(model: Told, parameters: Any) -> None:

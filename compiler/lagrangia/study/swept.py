@@ -69,12 +69,13 @@ class Swept(ABC):
         """
         from lagrangia.study.sweep.plan import Design
         from lagrangia.study.sweep.run import run_many
-        from lagrangia.study.sweep.values import names_of_runs
+        from lagrangia.study.sweep.values import names_of_runs, range_remarks
 
         request = Request(start, stop, tolerance, interval, None, solver, max_step, max_steps, parameters, initial, inputs)
         table = Path(runs) if isinstance(runs, str | os.PathLike) else runs
         design = Design(table, samples, seed, sampling, together, seconds_per_run, keep, until)
-        warn_of_given(self, request, names_of_runs(table))
+        ranges = range_remarks({**by_name("parameters", parameters), **by_name("start values", initial)})
+        warn_of_given(self, request, names_of_runs(table), others=ranges)
         return run_many(self, outputs, request, design, path, restart=restart, jobs=jobs, dask=dask, progress=progress)
 
     def measure(self, measures: str | Sequence[str], **asked: Any) -> dict[str, float]:

@@ -227,15 +227,30 @@ def _range(name: str, text: str, unit: str) -> "np.ndarray":
     if len(parts) != 3:
         fail("L0712", f"{name} = {text}: a range is from:to:step, as in 100:2000:50")
     begin, end, step = _numbers(name, parts, text, unit)
+    hint = "a range is from:to:step; for a number of values write linspace(from, to, number)"
     if step == 0 or (end - begin) / step < 0:
-        fail("L0712", f"{name} = {text}: from {begin:g} to {end:g} in steps of {step:g} there is no way",
-             None, "a range is from:to:step; for a number of values write linspace(from, to, number)")
+        fail("L0712", f"{name} = {text}: from {begin:g} to {end:g} in steps of {step:g} there is no way", None, hint)
     count = math.floor((end - begin) / step * (1 + 1e-12) + 1e-9) + 1
     _check_count(name, count)
+    if count == 1 and begin != end:
+        fail("L0712", f"{name} = {text}: a step of {step:g} is longer than the way from {begin:g} to {end:g}", None, hint)
     values: np.ndarray = begin + step * np.arange(count)
-    if count > 1 and abs(values[-1] - end) < 1e-9 * abs(step):
+    if abs(values[-1] - end) < 1e-9 * abs(step):
         values[-1] = end
     return values
+
+
+def range_remarks(given: Mapping[str, Any]) -> list[str]:
+    """Warnings, as `lag` prints them, of ranges among the values given by name that end before what is written as their end.
+    Raises LagError L0712."""
+    found = []
+    for name, text in given.items():
+        if isinstance(text, str) and text.count(":") == 2 and "," not in text and "(" not in text:
+            last, end = _range(name, text, "")[-1], read_value(text.split(":")[1], "")
+            if last != end:
+                found.append(f"warning[L0748]: {name} = {text} ends at {last:.6g}, not at {end:.6g}, which its step does not meet\n"
+                             "   = a range is from:to:step; linspace(from, to, number) meets both ends")
+    return found
 
 
 def _called(name: str, kind: str, arguments: Sequence[str], text: str, unit: str) -> "np.ndarray | Distribution":
