@@ -1,6 +1,6 @@
 """Whether what stands for a number is one, and whether arrays have the sizes that they are declared with."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 
 from lagrangia.base.diagnostics import Report, fail
 from lagrangia.language.elements import Size, element, length
@@ -21,6 +21,7 @@ from lagrangia.language.tree import (
 
 CONDITIONS = frozenset({"==", "<>", "<", "<=", ">", ">=", "and", "or"})
 _OF_UNKNOWN_SIZE = frozenset({"pre", "to_world", "to_frame", "velocity_at"})
+_LONGEST_SHOWN = 30  # characters
 
 
 def require_number(node: Flat, report: Report) -> None:
@@ -96,7 +97,16 @@ def require_shape(model: FlatModel, variable: Variable) -> None:
         what = "one number" if not found else spoken(found)
         if len(found) == len(wanted) == 1:
             what = f"{found[0]} value{'s' * (found[0] != 1)}"
-        fail("L0303", f"{what} for {spoken(wanted)}", part.span)
+        fail("L0303", f"{what} for {spoken(wanted)}", part.span, *(() if found or part is not node else _in_braces(wanted, part.span.text)))
+
+
+def _in_braces(wanted: tuple[int, ...], text: str) -> Iterator[str]:
+    """How a vector is written of which there is one number."""
+    x = text if len(text) <= _LONGEST_SHOWN and "\n" not in text else "x"
+    if wanted == (2,):
+        yield f"write its components: {{{x}, 0}} is along x, {{0, {x}}} along y, {{{x}, {x}}} has the same twice"
+    elif wanted == (3,):
+        yield f"write its components: {{{x}, 0, 0}} is along x, {{0, 0, {x}}} along z, about which a moment in the plane turns"
 
 
 def _misfit(node: Flat, wanted: tuple[int, ...], size: Size) -> tuple[Flat, tuple[int, ...]] | None:
