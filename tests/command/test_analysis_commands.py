@@ -99,6 +99,17 @@ def test_a_response_as_table_and_bode_plot(run: Lag) -> None:
     assert frequencies[0] < modes.frequencies[0] / 5 and frequencies[-1] > modes.frequencies[-1] * 5
 
 
+def test_frequencies_are_no_times(run: Lag, tmp_path: Path) -> None:
+    """An event after the end of the experiment is told whatever the frequencies, and not where --time is behind it."""
+    scene = tmp_path / "event.lag"
+    scene.write_text("""model Event Block b(m = 1, base = world); Spring s(k = 10, stretch = b.s); input Force u = 0;
+        AppliedForce f(at = b.center, force = {u, 0}); equation when time > 15 then reinit(b.v, 1); end when;
+        annotation(experiment(StopTime = 10)); end Event;""")
+    for given, is_told in (("--at=1", True), ("--at=20,30", True), ("--time=20", False)):
+        code, _, said = run("response", str(scene), given)
+        assert code == 0 and ("this event never comes" in said) == is_told
+
+
 def test_numbers_of_the_command_line(run: Lag) -> None:
     values = ("-p", "n=2", "-p", "link[1].L=1[m]", "--initial", "hinge[1].phi=-80[deg]")
     code, out, _ = run("modes", str(EXAMPLES / "chain.lag"), *values)

@@ -144,10 +144,12 @@ def test_what_has_no_counterpart_is_told(folder: Path, capsys: pytest.CaptureFix
 def test_attributes_that_nothing_reads_are_told(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     text = SCENE.replace('<joint damping="0.3"/>', '<joint dampng="0.3"/>').replace('gravity="0 0.5', 'grvity="0 0.5')
     text = text.replace('name="swing"', 'name="swing" gravcomp="1"').replace("fullinertia=", 'moment="3" fullinertia=')
+    text = text.replace("</worldbody>", '<body><composite type="cable"><joint kind="main"/></composite></body></worldbody>')
     Path("scene.xml").write_text(text, encoding="utf-8")
     assert main(["import", "scene.xml"]) == 1
     told = [line for line in capsys.readouterr().err.splitlines() if "no counterpart" in line]
-    assert len(told) == 4
+    assert [line for line in told if "<composite> in a body" in line] and not [line for line in told if "kind" in line]
+    assert len(told) == 5
     for what in ("dampng of <joint>, which is unknown (did you mean 'damping'?)", "grvity of <option>", "gravcomp of body swing",
                  "moment of <inertial>"):
         assert any(what in line for line in told)

@@ -328,7 +328,7 @@ def test_ranges_that_do_not_meet_their_ends_are_told(run: Run) -> None:
         assert run("pendulum.lag", *given, "--stop", "0.1", "--dry-run", "--strict")[0] == 2
     for value in ("0.1:1:0.1", "1:1:1", "3:1:-0.5", "linspace(1, 2, 4)", "1,2"):
         assert "L0748" not in run("pendulum.lag", "-p", f"m={value}", "--dry-run")[1]
-    with pytest.warns(lag.InputWarning, match="ends at 1.9, not at 2.*L0748"):
+    with pytest.warns(lag.InputWarning, match="ends at 1.9, as its step does not meet 2.*L0748"):
         lag.load("pendulum.lag").simulate_many(parameters={"m": "1:2:0.3"}, stop=0.1)
 
 

@@ -3,7 +3,6 @@
 import re
 import shutil
 import subprocess
-import time
 import zipfile
 from collections.abc import Callable
 from pathlib import Path
@@ -20,8 +19,7 @@ from lagrangia import Model
 from lagrangia.base.diagnostics import Diagnostic
 from lagrangia.command.cli import DONE, FAILED, WRONG, main
 from lagrangia.fmu.check import check_fmu, read_faults
-from lagrangia.fmu.process import Job, run_job
-from lagrangia.fmu.run import open_fmu, unpacked
+from lagrangia.fmu.run import open_fmu
 
 PATH = EXAMPLES / "double_pendulum.lag"
 BUILD, TERMINALS = "sources/buildDescription.xml", "terminalsAndIcons/terminalsAndIcons.xml"
@@ -309,57 +307,6 @@ def test_what_crashes_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]
     assert "the FMU has crashed (SIGABRT)" in capsys.readouterr().err
     assert main(["fmu", "check", str(target)]) == WRONG
     assert "the FMU has crashed" in capsys.readouterr().err
-
-
-# ---------------------------------------------------------------- what is inside is not to be trusted
-
-
-EVIL = """#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-#include <unistd.h>
-__attribute__((constructor)) static void act(void) { %s }
-"""
-ACTS = {
-    "child": ('for (int i = 0; i < 2; ++i) if (fork() == 0) { if (i) setsid(); sleep(3); FILE *s = fopen("%s", "w"); fclose(s); '
-              "_exit(0); } abort();", "SIGABRT"),
-    "log": ('for (int i = 0; i < 400000; ++i) printf("noise, \\033[31m, noise, noise, noise\\n"); fflush(stdout); abort();',
-            "SIGABRT"),
-    "memory": ('char *x = malloc((size_t)9 << 30); if (!x) { puts("no memory"); fflush(stdout); } else memset(x, 1, 1); abort();',
-               "no memory"),
-    "endless": ("for (;;) sleep(1);", "given up after 4 s"),
-    "endless noise": ('for (;;) puts("noise, noise, noise, noise, noise, noise, noise");', "given up after 4 s"),
-}
-
-
-@pytest.mark.skipif(shutil.which("gcc") is None, reason="needs gcc")
-@pytest.mark.parametrize("act", ACTS)
-def test_foreign_code_has_limits(act: str, tmp_path: Path) -> None:
-    """Processes that it starts end with it, its log is bounded, so is its memory."""
-    marker = tmp_path / "marker"
-    code, said = ACTS[act]
-    (tmp_path / "a.c").write_text(EVIL % code.replace("%s", str(marker)))
-    subprocess.run(["gcc", "-shared", "-fPIC", "-o", "a.so", "a.c"], check=True, cwd=tmp_path)
-    good = fmu_of(PATH, "2")
-    (name,) = (name for name in zipfile.ZipFile(good).namelist() if name.startswith("binaries/"))
-    opened = open_fmu(broken(good, tmp_path / "x.fmu", {name: (tmp_path / "a.so").read_bytes()}))
-    with unpacked(opened) as folder:
-        outcome = run_job(Job(folder, "me", [0.0], 1.0, 1e-6, probe=True), 4 if "endless" in act else 20)
-    assert said in outcome.explanation and len(outcome.log) <= 20_000 and "\x1b" not in outcome.explanation
-    time.sleep(3.5 if act == "child" else 0)
-    assert not marker.exists()
-
-
-@pytest.mark.skipif(shutil.which("gcc") is None, reason="needs gcc")
-def test_what_does_not_begin_is_given_up(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    (tmp_path / "a.c").write_text(EVIL % "for (;;) sleep(1);")
-    subprocess.run(["gcc", "-shared", "-fPIC", "-o", "a.so", "a.c"], check=True, cwd=tmp_path)
-    good = fmu_of(PATH, "2")
-    (name,) = (name for name in zipfile.ZipFile(good).namelist() if name.startswith("binaries/"))
-    target = broken(good, tmp_path / "x.fmu", {name: (tmp_path / "a.so").read_bytes()})
-    assert main(["fmu", "check", str(target), "--seconds", "0.5"]) == WRONG  # it has no functions, either
-    assert capsys.readouterr().err.count("it was given up after 0.5 s") == len(open_fmu(target).offers)
-    assert main(["fmu", "check", str(target), "--seconds", "-1"]) == WRONG
 
 
 @pytest.mark.parametrize("identifier", ["../" * 9 + "tmp/outside", "/tmp/outside", "a\\\\b", "sub/a", ".."])

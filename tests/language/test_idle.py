@@ -16,6 +16,8 @@ IDLE = {  # the text, and what is named
     "a torque": (BLOCK.format("Torque tau = 3*sin(1[rad/s]*time);"), "'tau'"),
     "a force in components": (BLOCK.format("Force f[2] = {1, 2};"), "'f'"),
     "the last of a chain": (BLOCK.format("Force f = 3; Force g = -f;"), "'g'"),
+    "a chain that ends in a number": (BLOCK.format("Force f, z; Real y; equation f = 3[N/m]*b.s; z = 2*f; y = z/1[N];"),
+                                      "nothing reads 'y', which reads 'z'"),
     "in a component of one's own": (PULL.format(more="equation f = 5[N/m]*distance(a, b);"), "'pull.f'"),
     "an input": (BLOCK.format("input Force u;"), "nothing reads the input 'u'"),
     "a parameter": (BLOCK.format("parameter Length L = 2;"), "nothing reads the parameter 'L'"),
@@ -23,6 +25,8 @@ IDLE = {  # the text, and what is named
 USED = {
     "it works": BLOCK.format("Force f = 3; AppliedForce push(at = b.center, force = {f, 0});"),
     "it works on something": PULL.format(more="equation f = 5[N/m]*distance(a, b); energy work -f on distance(a, b);"),
+    "a chain that ends in a component": BLOCK.format(
+        "Force f = 3; Real y = f/2[N]; AppliedForce push(at = b.center, force = {y*1[N], 0});"),
     "it is an output": BLOCK.format("output Force f = 3;"),
     "an output reads it": BLOCK.format("Force f = 3; output Power P = f*b.v;"),
     "a contact's": BLOCK.format("Stop s(gap = b.s); Force N = s.force;"),

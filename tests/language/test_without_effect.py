@@ -47,6 +47,15 @@ VAIN = {
     "model T parameter Real k = 2; coordinate Length x; energy kinetic 1[kg]*der(x)^2; end T; T t;": "the parameter 'k'",
     "function f input Real x; output Real y; algorithm y := x; annotation(derivative = g); end f; output Real q = f(b.s/1[m]);":
         "the annotation 'derivative'",
+    "function f input Real x; output Real y; algorithm y := 3*x; y := x; end f; output Real q = f(b.s/1[m]);":
+        "nothing reads this value of 'y'",
+    "function f input Real x; output Real y = 3; algorithm y := x; end f; output Real q = f(b.s/1[m]);": "this value of 'y'",
+    "function f input Real x; output Real y; protected Real t; algorithm t := x; y := t; t := 2; end f; "
+    "output Real q = f(b.s/1[m]);": "this value of 't'",
+    "function f input Real x; output Real y; protected Real v[2]; algorithm v[1] := x; v[2] := x; v[1] := 2; y := v*v; end f; "
+    "output Real q = f(b.s/1[m]);": "this value of 'v[1]'",
+    "function f input Real x; output Real y; algorithm y := x; if x > 0 then y := 1; else y := 2; end if; end f; "
+    "output Real q = f(b.s/1[m]);": "this value of 'y'",
     "annotation(solver = 3);": "the annotation 'solver'", "annotation(Evaluate = true);": "the annotation 'Evaluate'",
     "Length q = b.s annotation(Varying = true);": "the annotation 'Varying'",
 }
@@ -83,6 +92,9 @@ def test_what_cannot_be_meant_is_refused(scene: Write, text: str) -> None:
     "parameter Integer n = 0; energy for i in 1:n loop potential i*b.s*1[N]; end for;",
     "PointMass p(m = 1, center = world); Spring r(a = p.center, b = b.center, k = 1);",
     "Weld w(a = world); PointMass p(m = 1, center = w.b);", "Block c(m = 1, base = world, s(start = 1), s(fixed = true));",
+    "function f input Real x; output Real y = 0; protected Real t = 1; Real v[2]; algorithm for i in 1:3 loop y := y + t; t := x;"
+    " end for; v[1] := y; if x > 0 then v[1] := 1; end if; y := y + v[1]; end f; "
+    "output Real q = f(b.s/1[m]);",
     "Bar wall(m = 1, L = 1, a = world); Spring r(a = wall.b, b = b.center, k = 1);", "input Force u(min = 0) = 1; "
     "AppliedForce f(at = b.center, force = {u, 0});"])
 def test_what_has_an_effect_is_not(scene: Write, text: str) -> None:

@@ -74,7 +74,9 @@ def allowed_codes(options: Namespace) -> tuple[str, ...]:
 def tell_warnings(options: Namespace, model: Model) -> None:
     """What the model says in vain, in its own experiment or in the run that is asked for. Raises LagError L0706."""
     limits = model.scene.notes.get("timed_warnings", {})
-    start, stop, at = (getattr(options, name, None) for name in ("start", "stop", "at"))
+    start, stop, at = getattr(options, "start", None), getattr(options, "stop", None), getattr(options, "at", None)
+    if hasattr(options, "time"):  # of small motions, which are looked at then; --at has frequencies
+        stop, at = options.time, None
     begin = model.scene.start if start is None else start
     end = stop if stop is not None else max(moments(at), default=model.scene.stop) if at is not None else model.scene.stop
     tell(options, model, [text for text in model.warnings if text not in limits or (

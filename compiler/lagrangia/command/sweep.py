@@ -80,7 +80,7 @@ def _prepare(options: Namespace) -> tuple[Model, Job]:
     tell_warnings(options, model)
     tell_inputs(options, model, plan(scene, request), request.inputs)
     tell_given(options, model, request, names_of_runs(options.runs))
-    tell(options, model, range_remarks({**request.parameters, **request.initial}))
+    tell(options, model, range_remarks(request.parameters, request.initial))
     design = Design(options.runs, options.samples, options.seed, options.sampling, options.together, options.seconds_per_run,
                     options.keep, options.until)
     return model.prepared_for(measures, request, design)

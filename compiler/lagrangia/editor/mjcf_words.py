@@ -27,6 +27,7 @@ _KNOWN = {tag: frozenset(words.split()) for tag, words in {
               "iterations ls_iterations noslip_iterations ccd_iterations mpr_iterations sdf_iterations sdf_initpoints "
               "actuatorgroupdisable",
 }.items()}
+_HOLDERS = ("body", "frame", "default", "replicate")
 
 
 def unknown_words(root: Element) -> Iterator[str]:
@@ -40,9 +41,11 @@ def unknown_words(root: Element) -> Iterator[str]:
 
 
 def _inside(elements: Sequence[Element]) -> Iterator[str]:
+    """Of bodies, frames and classes and what is in them: <composite> and others have elements of these names with other words."""
     for element in elements:
         yield from _of(element)
-        yield from _inside(element.children)
+        if element.tag in _HOLDERS:
+            yield from _inside(element.children)
 
 
 def _of(element: Element) -> Iterator[str]:

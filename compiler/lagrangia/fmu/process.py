@@ -8,6 +8,7 @@ import contextlib
 import json
 import os
 import signal
+import stat
 import subprocess
 import sys
 import threading
@@ -32,6 +33,7 @@ _MEMORY = (2 << 30, 8 << 30)  # bytes: half of the machine's, within these
 _PATIENCE = 5  # seconds: of processor time beyond the time that is allowed; for the end of the log
 _LINES = 6  # of the log, in a message
 _RUN = "LAGRANGIA_FMU_RUN"  # in the environment of all processes of a run: the name of its folder
+_TOLD = {"message": str, "seconds": float, "steps": int, "evaluations": int, "events": int, "is_asked_for": bool, "warns": bool}
 _PAUSE, _MOST_LOOKS = 0.02, 100  # seconds, for processes to end, and how often
 
 
@@ -194,17 +196,35 @@ def _spoken(code: int) -> str:
 
 
 def _collect(folder: Path, job: Job, log: bytes, ended: Mapping[str, Any]) -> Outcome:
-    def read(name: str) -> bytes:
-        file = folder / name
-        return file.read_bytes() if file.exists() else b""
-
-    columns = tuple(json.loads(read("columns.json") or b"[]"))
+    """What the worker has written, as far as it is what it writes: the FMU may have changed it."""
+    columns = tuple(name for name in _plain(folder / "columns.json", list) if isinstance(name, str))
     rows: array[float] = array("d")
-    content = read("rows")
+    content = _read(folder / "rows")
     width = 8 * (1 + len(columns))
     rows.frombytes(content[: len(content) // width * width])
-    result = json.loads(read("result.json") or b"{}")
+    result = _plain(folder / "result.json", dict)
+    known = {name: result[name] for name, kind in _TOLD.items() if type(result.get(name)) is kind}
+    faults = result.get("faults")
     reached = rows[-1 - len(columns)] if rows else job.times[0]
-    told = {"message": "", **result, **ended, "faults": tuple(result.get("faults", ())), "time": reached}
+    told = {"message": "", **known, **ended, "time": reached}
+    told["faults"] = tuple(map(str, faults)) if isinstance(faults, list) else ()
     told["message"] = plain_text(told["message"])
     return Outcome(columns, rows, log=log.decode(errors="replace"), **told)
+
+
+def _plain(file: Path, kind: type) -> Any:
+    """What a file says in JSON, an empty one of the kind where that is none of it."""
+    try:
+        found = json.loads(_read(file) or b"null")
+    except (ValueError, RecursionError):
+        found = None
+    return found if isinstance(found, kind) else kind()
+
+
+def _read(file: Path) -> bytes:
+    """A file that is one, and no link, pipe or device; empty where it is not there."""
+    try:
+        with open(os.open(file, os.O_RDONLY | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0)), "rb") as stream:
+            return stream.read() if stat.S_ISREG(os.fstat(stream.fileno()).st_mode) else b""
+    except OSError:
+        return b""

@@ -13,6 +13,7 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
+from lagrangia.fmu.confined import confine
 from lagrangia.fmu.importer import AskedToEnd, FmuError, Importer, Table
 from lagrangia.fmu.integrate import Count, cosimulate, exchange
 from lagrangia.fmu.probe import probe_derivatives, probe_reset, probe_saved, probe_states
@@ -22,6 +23,7 @@ def main(folder: Path) -> int:
     """Does the job in a folder and writes how it ended; returns the exit code."""
     job = json.loads((folder / "job.json").read_text(encoding="utf-8"))
     _limit(job["limits"])
+    confine([folder, Path(job["fmu"])])
     begin = time.perf_counter()
     result: dict[str, Any] = {"message": "", "faults": []}
     count = Count()

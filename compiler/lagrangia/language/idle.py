@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 
-from lagrangia.base.diagnostics import Report
+from lagrangia.base.diagnostics import Report, Span
 from lagrangia.language.classes import ClassTable
 from lagrangia.language.flat import FlatModel, Variable
 from lagrangia.language.frame_attributes import REACTIONS
@@ -32,8 +32,35 @@ def find_idle(model: FlatModel, root: Instance, table: ClassTable) -> Report:
         what = "this force acts on nothing: nothing reads" if is_force else f"nothing reads the {variable.kind}"
         acts = _ACTS.format(name=slot.declaration.name), "or let it be looked at: output"
         report.warning("L0224", f"{what} '{slot.path}'", place, *(acts if is_force else ("leave it out",)))
+    _find_read_in_vain(model, root, [v for s, v in own if s.path in mentioned and v.kind == "variable"], told, report)
     _find_useless(root, table, report)
     return report
+
+
+def _find_read_in_vain(model: FlatModel, root: Instance, forces: list[Variable], told: set[Span], report: Report) -> None:
+    """The last force of each chain that ends in variables of the scene that nothing reads and that are no outputs."""
+    if not forces:
+        return
+    variables = model.variables
+    idle = {slot.path for slot in root.members.values() if isinstance(slot, Slot)
+            and (v := variables.get(slot.path)) is not None and v.kind == "variable" and not v.is_output}
+    bindings = {name: v.binding for name, v in variables.items()}
+    values = [(v.start, None if name in idle else v.binding) for name, v in variables.items()]
+    rates = [state.rate for state in model.states.values()]
+    roots = [*model.stated(), *rates, *(x for pair in values for x in pair if x is not None)]
+    felt = {node.name for node in reached(roots, bindings) if isinstance(node, Ref)}
+    readers = {name: [v.name for v in variables.values() if v.binding is not None and name in _names_of(v.binding)]
+               for name in (force.name for force in forces) if name not in felt}
+    lost = {*readers, *(v.name for v in variables.values() if v.span in told)}
+    for force in forces:
+        if force.name in readers and lost.isdisjoint(readers[force.name]) and not _follows_from_motion(model, force):
+            name = force.name.rpartition(".")[2]
+            report.warning("L0224", f"this force acts on nothing: nothing reads '{readers[force.name][0]}', which reads "
+                           f"'{force.name}'", force.span, _ACTS.format(name=name), "or let it be looked at: output")
+
+
+def _names_of(node: Flat) -> set[str]:
+    return {part.name for part in nodes(node) if isinstance(part, Ref)}
 
 
 def _find_useless(root: Instance, table: ClassTable, report: Report) -> None:

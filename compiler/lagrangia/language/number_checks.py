@@ -97,7 +97,8 @@ def require_shape(model: FlatModel, variable: Variable) -> None:
         what = "one number" if not found else spoken(found)
         if len(found) == len(wanted) == 1:
             what = f"{found[0]} value{'s' * (found[0] != 1)}"
-        fail("L0303", f"{what} for {spoken(wanted)}", part.span, *(() if found or part is not node else _in_braces(wanted, part.span.text)))
+        hints = _in_braces(wanted, part.span.text) if not found and part is node else ()
+        fail("L0303", f"{what} for {spoken(wanted)}", part.span, *hints)
 
 
 def _in_braces(wanted: tuple[int, ...], text: str) -> Iterator[str]:

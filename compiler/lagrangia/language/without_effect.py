@@ -13,6 +13,7 @@ from lagrangia.language.idle import expressions_of
 from lagrangia.language.instances import Instance, Slot
 from lagrangia.language.mentions import nodes, reached
 from lagrangia.language.never import find_never
+from lagrangia.language.overwritten import find_overwritten
 from lagrangia.language.spaces import ANNOTATION
 from lagrangia.language.tree import (
     Argument,
@@ -238,6 +239,7 @@ def _look_at_functions(functions: Iterable[ClassDefinition], report: Report) -> 
                 what = "input" if "input" in element.prefixes else "variable"
                 report.warning(CODE, f"nothing reads the {what} '{element.name}' of {function.name}", element.name_span,
                                "leave it out")
+        find_overwritten(function, mentioned, report, CODE)
 
 
 def _read_in(function: ClassDefinition) -> set[str]:

@@ -74,7 +74,7 @@ class Swept(ABC):
         request = Request(start, stop, tolerance, interval, None, solver, max_step, max_steps, parameters, initial, inputs)
         table = Path(runs) if isinstance(runs, str | os.PathLike) else runs
         design = Design(table, samples, seed, sampling, together, seconds_per_run, keep, until)
-        ranges = range_remarks({**by_name("parameters", parameters), **by_name("start values", initial)})
+        ranges = range_remarks(by_name("parameters", parameters), by_name("start values", initial))
         warn_of_given(self, request, names_of_runs(table), others=ranges)
         return run_many(self, outputs, request, design, path, restart=restart, jobs=jobs, dask=dask, progress=progress)
 

@@ -240,15 +240,15 @@ def _range(name: str, text: str, unit: str) -> "np.ndarray":
     return values
 
 
-def range_remarks(given: Mapping[str, Any]) -> list[str]:
+def range_remarks(*given: Mapping[str, Any] | None) -> list[str]:
     """Warnings, as `lag` prints them, of ranges among the values given by name that end before what is written as their end.
     Raises LagError L0712."""
     found = []
-    for name, text in given.items():
+    for name, text in (item for values in given for item in (values or {}).items()):
         if isinstance(text, str) and text.count(":") == 2 and "," not in text and "(" not in text:
             last, end = _range(name, text, "")[-1], read_value(text.split(":")[1], "")
             if last != end:
-                found.append(f"warning[L0748]: {name} = {text} ends at {last:.6g}, not at {end:.6g}, which its step does not meet\n"
+                found.append(f"warning[L0748]: {name} = {text} ends at {last:.6g}, as its step does not meet {end:.6g}\n"
                              "   = a range is from:to:step; linspace(from, to, number) meets both ends")
     return found
 
