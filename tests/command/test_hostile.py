@@ -17,6 +17,7 @@ from pathlib import Path
 
 import pytest
 
+from lagrangia.base.result_files import Target
 from lagrangia.command.cli import DONE, FAILED, INTERRUPTED, WRONG, main
 
 PENDULUM = """model Pendulum
@@ -367,13 +368,20 @@ def test_no_result_takes_the_place_of_what_is_read(command: str, lag: Run) -> No
 ENDLESS = ("simulate", "pendulum.lag", "--stop", "1e7", "--interval", "0.5", "-p", "n=2", "-o", "x.csv")
 
 
+def parts_of(process: int) -> list[Path]:
+    """What it is writing: files with names, and those without that it has open."""
+    opened = [file for file in Path(f"/proc/{process}/fd").glob("*") if os.path.islink(file)
+              and os.readlink(file).startswith(f"{Path.cwd().resolve()}/#") and file.exists()]
+    return [*Path().glob(".x.csv*.part"), *opened]
+
+
 @pytest.fixture
 def endless() -> Iterator[subprocess.Popen[str]]:
     """A run in the middle of writing x.csv, where an older result is."""
     Path("x.csv").write_text(OLD)
     process = start(*ENDLESS)
     deadline = time.monotonic() + 60
-    while not any(part.stat().st_size > 100_000 for part in Path().glob(".x.csv*.part")):
+    while not any(part.stat().st_size > 100_000 for part in parts_of(process.pid)):
         assert process.poll() is None and time.monotonic() < deadline
         time.sleep(0.05)
     yield process
@@ -385,6 +393,10 @@ def test_a_killed_run_leaves_the_older_result(endless: subprocess.Popen[str]) ->
     endless.kill()
     endless.wait()
     assert Path("x.csv").read_text() == OLD
+    with Target(Path("y.csv")) as target:
+        is_nameless = target.is_nameless  # as the file system has it
+        target.put("later")
+    assert is_nameless != bool(list(Path().glob("*.part"))) and Path("y.csv").read_text() == "later"
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])

@@ -4,6 +4,7 @@ never in the place of what is read."""
 import errno
 import os
 import re
+import shutil
 import stat
 import sys
 import tempfile
@@ -43,6 +44,19 @@ def require_file(path: Path) -> None:
         raise OSError(errno.ENODEV, f"it is {what}, not a file", str(path))
 
 
+_OPEN_FILES = "/proc/self/fd"
+
+
+def _nameless(folder: Path) -> int | None:
+    """A new file in a folder, which is gone with the process unless it is linked to a name; None where there are none such."""
+    if not hasattr(os, "O_TMPFILE") or not os.path.isdir(_OPEN_FILES):
+        return None
+    try:
+        return os.open(folder, os.O_TMPFILE | os.O_RDWR, 0o600)
+    except OSError:  # not of this file system
+        return None
+
+
 class Target:
     """A file that takes its name when all is well, so that a run that is killed leaves an older result as it was.
 
@@ -54,6 +68,7 @@ class Target:
         """`direct`: what is written is in its place at once."""
         self.path, self.direct = path, direct
         self.temporary: Path | None = None
+        self.is_nameless = False
         try:
             self.target = path.resolve()
             self.stream = self._open(binary)
@@ -68,8 +83,11 @@ class Target:
             raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR))
         if self.direct or (self.target.exists() and not self.target.is_file()):
             return self.target.open(mode, encoding=encoding, newline=newline)
-        handle, name = tempfile.mkstemp(prefix=f".{self.target.name[:100]}.", suffix=".part", dir=self.target.parent)
-        self.temporary = Path(name)
+        handle = _nameless(self.target.parent)
+        if handle is None:
+            handle, name = tempfile.mkstemp(prefix=f".{self.target.name[:100]}.", suffix=".part", dir=self.target.parent)
+            self.temporary = Path(name)
+        self.is_nameless = self.temporary is None
         return os.fdopen(handle, mode, encoding=encoding, newline=newline)
 
     def put(self, *parts: str | bytes) -> None:
@@ -89,11 +107,25 @@ class Target:
         if self.temporary is not None:
             self.temporary.unlink(missing_ok=True)
 
+    def _name(self) -> None:
+        """Gives what has none a name beside the target."""
+        self.stream.flush()
+        temporary = self.target.with_name(f".{self.target.name[:100]}.{os.getpid()}.{self.stream.fileno()}.part")
+        temporary.unlink(missing_ok=True)
+        handle = self.stream.fileno()
+        try:
+            os.link(f"{_OPEN_FILES}/{handle}", temporary, src_dir_fd=handle)  # without a folder it would link the link
+        except OSError:  # links may be forbidden where nameless files are not
+            shutil.copyfile(f"{_OPEN_FILES}/{handle}", temporary)
+        self.temporary = temporary
+
     def __enter__(self) -> Self:
         return self
 
     def __exit__(self, kind: type[BaseException] | None, *rest: object) -> None:
         try:
+            if kind is None and self.is_nameless:
+                self._name()
             self.stream.close()
             if kind is None and self.temporary is not None:
                 _keep_mode(self.target, self.temporary)
