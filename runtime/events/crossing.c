@@ -16,7 +16,8 @@
 /* Of what it could move in a step at the pace of one of its ends: a length that is more at both does not reach 0 in between. */
 static const double FAR = 0.6;
 /* A dip to less than this share of what the condition is at the ends is looked at. */
-static const double SHALLOW = 0.05, ROUNDING = 4 * DBL_EPSILON, NOISE = 1e-3, SHARE = 32 * DBL_EPSILON, CHORD = 64;
+static const double SHALLOW = 0.05, ROUNDING = 4 * DBL_EPSILON, NOISE = 1e-3, SHARE = 32 * DBL_EPSILON, CHORD = 64,
+                    STRIDE = 4, SLOW = 0.5;
 /* Where a part of a step is looked at to see whether a cubic describes conditions in it, and how far it may be off (distances have
  * corners: two balls may pass through each other); parts that are not made smaller; the least share of a step that the next one may
  * take for one part. */
@@ -200,23 +201,35 @@ static double beyond(Sight here, double moment)
     return here.x + (sense * way > 0 ? way : 0) + sense * moment;
 }
 
-/* The place between low and high where condition i changes, to `enough`, or to rounding of a share: by the cubic and by chords, and halving
- * where that is slow. Conditions at both are known, and are then those on both sides of it. Places of events are not left to rounding of
- * their conditions: one in a hundred runs of a ball that comes to rest on a shaken table met events without end so. */
+/* How far an event seems to be where it is at this pace, by rounding of its condition: the breadth of a stair. */
+static double stair_of(const LagRun *run, int i, double pace)
+{
+    const double rounding = lag_conditions_error(run, run->switches.unknown[i]) * DBL_EPSILON / run->scale.tolerance;
+    return lag_is_event(run->model, i) ? fabs(rounding / pace) : 0;
+}
+
+/* The place between low and high where condition i changes, to `enough`, or to rounding of a share: by the cubic and by chords, over stairs
+ * by ever longer ways and then by halving, and halving where chords are slow. Conditions at both are known, and are then those on both sides
+ * of it. Places of events are not left to rounding of their conditions: one in a hundred runs of a ball that comes to rest on a shaken
+ * table met events without end so. */
 static double close_in(LagRun *run, int i, Part part, Sight low, Sight high, double enough)
 {
     const double noise = run->switches.slides[i] ? SHARE : 0;
     Sight last = foresee(run, i, part, low.x, high.x); /* a chord from there to itself has the pace of the cubic */
-    const double least = lag_max(enough, lag_min(fabs(noise / last.pace), NOISE * (high.x - low.x))) / 2;
-    double x = last.x, moment = least;
-    for (int k = 1; k <= MOST_ITERATIONS && high.x - low.x > enough && -high.depth > noise; ++k) {
-        const double half = low.x + (high.x - low.x) / 2;
-        Sight here = look_beside(run, i, k % PATIENCE != 0 && x > low.x && x < high.x ? x : half);
+    const double part_of_all = NOISE * (high.x - low.x), least = lag_max(enough, lag_min(fabs(noise / last.pace), part_of_all)) / 2;
+    double x = last.x, moment = lag_max(least, lag_min(stair_of(run, i, last.pace), part_of_all));
+    for (int k = 1, slow = 0, is_stair = 0; k <= MOST_ITERATIONS && high.x - low.x > enough && -high.depth > noise; ++k) {
+        const double width = high.x - low.x;
+        const int halves = is_stair || slow >= PATIENCE || !(x > low.x && x < high.x);
+        Sight here = look_beside(run, i, halves ? low.x + width / 2 : x);
         *(here.depth < 0 ? &high : &low) = here;
         here.pace = fabs(here.x - last.x) > CHORD * enough ? (here.depth - last.depth) / (here.x - last.x) : last.pace;
         x = beyond(here, moment);
-        const int stays = k > 1 && (here.depth < 0) == (last.depth < 0);
-        moment = stays && fabs(x - here.x) < 2 * moment ? 2 * moment : least; /* by rounding the place may seem to be here again */
+        const int stays = (here.depth < 0) == (last.depth < 0), is_again = k > 1 && stays && fabs(x - here.x) < 2 * moment;
+        is_stair |= k > 1 && !stays && moment > least && high.x - low.x <= 2 * STRIDE * moment;
+        slow = is_again || high.x - low.x < SLOW * width ? 0 : slow + 1;
+        if (k > 1)
+            moment = is_again ? STRIDE * moment : least; /* by rounding the place may seem to be here again */
         last = here;
     }
     if (high.x - low.x > CHORD * enough) /* before it others may have changed that have not at the other side */

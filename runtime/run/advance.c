@@ -29,13 +29,13 @@ static double closed(LagRun *run, double t, double *y, double *energies, double 
 }
 
 /* A state beyond the range of numbers is no row: exact solvers reach there without a step that could fail. */
-static LagStatus row_at(LagRun *run, double t, double *row)
+static LagStatus row_at(LagRun *run, double t, double *row, int has_energies)
 {
     const int n = run->model->n;
     double *y = run->inside, *outputs = row + 1 + 2 * n, *account = outputs + run->model->n_outputs;
     lag_state_inside(run, t, y);
     lag_holds_inside(run, t, y);
-    const double most = fmax(run->settings.tolerance, CLOSED), open = closed(run, t, y, account, most);
+    const double most = fmax(run->settings.tolerance, CLOSED), open = has_energies ? closed(run, t, y, account, most) : 0;
     const int i = lag_first_not_finite(y, 2 * n);
     if (n > 0 && !isfinite(y[i]))
         return lag_step_give_up(run, i);
@@ -48,7 +48,10 @@ static LagStatus row_at(LagRun *run, double t, double *row)
     memcpy(row + 1, y, 2 * (size_t)n * sizeof *row);
     lag_outputs(run, t, y, outputs);
     lag_unsure_row(run, t, y, outputs);
-    lag_account_note(run, t, y, account);
+    if (has_energies)
+        lag_account_note(run, t, y, account);
+    for (int i = 0; i < (has_energies ? 0 : LAG_ACCOUNT_SIZE); ++i)
+        account[i] = NAN;
     run->guards.row = t;
     return LAG_OK;
 }
@@ -109,13 +112,21 @@ LagStatus lag_advance_to(LagRun *run, double t, double *row)
 {
     const double time = not_after_stop(run, t);
     const LagStatus status = reach(run, time);
-    return status == LAG_OK ? row_at(run, time, row) : status;
+    return status == LAG_OK ? row_at(run, time, row, 1) : status;
+}
+
+LagStatus lag_advance_motion_row(LagRun *run, double t, double *row)
+{
+    run->deadline = INFINITY;
+    const double time = not_after_stop(run, t);
+    const LagStatus status = reach(run, time);
+    return status == LAG_OK ? row_at(run, time, row, run->model->n_multipliers > 0) : status;
 }
 
 /* The row at which the run ends as it was meant to, if it was not told already. */
 static int is_last_row(LagRun *run, double *row)
 {
-    return !(run->guards.row >= run->guards.end) && row_at(run, run->guards.end, row) == LAG_OK;
+    return !(run->guards.row >= run->guards.end) && row_at(run, run->guards.end, row, 1) == LAG_OK;
 }
 
 LagStatus lag_run_advance(LagRun *run, const double *times, int rows, double *results, int *done, double seconds)
@@ -146,7 +157,7 @@ LagStatus lag_run_advance_steps(LagRun *run, int rows, double *results, int *don
     while (*done < rows && run->motion.t < run->settings.t_stop) {
         LagStatus status = time_is_over(run) ? LAG_PAUSED : lag_advance_step(run);
         if (status == LAG_OK)
-            status = row_at(run, lag_guards_limit(run), results + (size_t)*done * width);
+            status = row_at(run, lag_guards_limit(run), results + (size_t)*done * width, 1);
         if (status != LAG_OK)
             return status;
         ++*done;
@@ -175,5 +186,5 @@ LagStatus lag_run_row(LagRun *run, double *row)
 {
     if (!run->started)
         return lag_fail(run, LAG_NOT_STARTED, -1, 0, 0);
-    return row_at(run, lag_guards_limit(run), row);
+    return row_at(run, lag_guards_limit(run), row, 1);
 }

@@ -6,11 +6,13 @@
 
 #include "base/clock.h"
 #include "numbers/extremes.h"
+#include "run/advance.h"
 #include "run/stepping.h"
+#include "state/account.h"
 #include "state/state.h"
 
 static const double PAUSE = 0.05; /* s between two looks at the caller's wish to stop */
-enum { STEPS_PER_LOOK = 16 };
+enum { STEPS_PER_LOOK = 16, ROWS_PER_ACCOUNT = 8 };
 
 static void layout(LagFollower *f, LagArena *arena)
 {
@@ -35,6 +37,8 @@ int lag_follow_new(LagFollower *f, const LagModel *model, LagRun *run, const Lag
     arena.used = 0;
     layout(f, &arena);
     lag_window_init(&f->window, run);
+    for (int i = 0; i < sweep->n_reductions; ++i)
+        f->window.has_energies |= sweep->reductions[i].column >= lag_run_row_width(model) - LAG_ACCOUNT_SIZE;
     return 1;
 }
 
@@ -79,12 +83,18 @@ LagStatus lag_follow_hold(LagFollower *f)
     return lag_run_hold(f->run, f->held + (size_t)k * (size_t)f->model->n_inputs);
 }
 
+/* Whether the energy account is looked at in the row at `when`: at the end, and now and then. */
+static int has_account(const LagFollower *f, double when)
+{
+    return f->window.has_energies || f->next_row % ROWS_PER_ACCOUNT == 0 || when >= f->sweep->t_stop;
+}
+
 /* f->row at `when`. LAG_PAUSED where the run's time is over. */
 static LagStatus find_row(LagFollower *f, double when)
 {
     LagStatus status = LAG_PAUSED;
     if (f->is_led && when == lag_run_time(f->run))
-        return lag_run_row(f->run, f->row);
+        return has_account(f, when) ? lag_run_row(f->run, f->row) : lag_advance_motion_row(f->run, when, f->row);
     for (int done = 0; status == LAG_PAUSED;) {
         if (lag_follow_is_over(f))
             return LAG_PAUSED;

@@ -17,7 +17,7 @@ typedef struct {
     const double *least, *most; /* n_parameters: what each parameter may be */
     int is_driven; /* something is moved in time, and may bring energy whatever the steps */
     int in_lanes;  /* runs may go in lanes: run_lanes.h */
-    int n_rows;    /* whole rows of each run that are kept, at these times, ascending, of the run's */
+    int n_rows;    /* whole rows of each run that are kept, at these times, ascending, of the run's; their energies may be NaN */
     const double *row_times;
 } LagSweep;
 

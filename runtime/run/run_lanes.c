@@ -122,7 +122,7 @@ static int open_lane(LagRunLanes *s, const LagSettings *settings)
     if (!lag_follow_new(f, batch->model, run, &batch->sweep, batch->at, batch->n_at))
         return 0;
     f->window.is_plain = is_plain(batch->model, &batch->sweep);
-    f->is_led = 1;
+    f->is_led = f->window.is_led = 1;
     return 1;
 }
 
@@ -322,23 +322,26 @@ static int is_unfit(LagRunLanes *s, int lane)
         || (steps > LOOK_FOR_PROGRESS && (s->batch->sweep.t_stop - t) / done * (double)steps > MOST_STEPS);
 }
 
-/* The end of the step as a row: that of coordinates and rates alone where nothing else is asked for. */
-static LagStatus end_row(LagRunLanes *s, int lane)
+/* The end of the step as a row: that of coordinates and rates alone where nothing else is asked for, without energies but now and then
+ * where these are not. */
+static LagStatus end_row(LagRunLanes *s, int lane, int glances)
 {
     LagFollower *f = &s->follower[lane];
     LagRun *run = f->run;
     f->window.end_time = run->motion.t;
-    if (!f->window.is_plain)
+    if (!f->window.is_plain && (glances || f->window.has_energies))
         return lag_run_row(run, f->window.end);
+    if (!f->window.is_plain)
+        return lag_advance_motion_row(run, run->motion.t, f->window.end);
     f->window.end[0] = run->motion.t;
     memcpy(f->window.end + 1, run->motion.y, 2 * (size_t)s->steps->n * sizeof *run->motion.y);
     return LAG_OK;
 }
 
-static LagStatus watch(LagRunLanes *s, int lane, LagShown shown)
+static LagStatus watch(LagRunLanes *s, int lane, LagShown shown, int glances)
 {
     LagFollower *f = &s->follower[lane];
-    LagStatus status = end_row(s, lane);
+    LagStatus status = end_row(s, lane, glances);
     if (status != LAG_OK)
         return status;
     const int open = lag_follow_glance(f);
@@ -371,7 +374,7 @@ static int attend(LagRunLanes *s, int lane)
     if (t >= f->next)
         status = lag_follow_visit(f, t);
     if (status == LAG_OK && f->n_pending > 0)
-        status = watch(s, lane, shown);
+        status = watch(s, lane, shown, glances);
     if (status != LAG_OK || is_over)
         return end_run(s, lane, status);
     if (has_event && (status = enter_segment(s, lane)) != LAG_OK)

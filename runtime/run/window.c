@@ -2,6 +2,7 @@
 
 #include <string.h>
 
+#include "run/advance.h"
 #include "state/inside.h"
 
 /* Gauss-Lobatto-Legendre nodes and weights (M. Abramowitz, I. Stegun, Handbook of Mathematical Functions, table 25.6). */
@@ -39,6 +40,8 @@ void lag_window_init(LagWindow *window, LagRun *run)
 static LagStatus row_at(LagWindow *window, double t, double *row)
 {
     int done = 0;
+    if (!window->is_plain && window->is_led && !window->has_energies)
+        return lag_advance_motion_row(window->run, t, row);
     if (!window->is_plain)
         return lag_run_advance(window->run, &t, 1, row, &done, 0);
     row[0] = t;

@@ -15,6 +15,8 @@ typedef struct {
     double *end;             /* the row of the end of the step, at end_time */
     double end_time;
     double *inside;          /* a row between nodes */
+    int has_energies;        /* somebody asks for them */
+    int is_led;              /* steps are made elsewhere, and nothing ends the run in between */
     int is_plain;            /* of rows within a step time, coordinates and rates are all that is wanted */
     double basis[LAG_NODES][LAG_NODES]; /* coefficients of the Lagrange polynomials over -1 <= s <= 1, ascending */
 } LagWindow;

@@ -1,12 +1,14 @@
 """Motions from arrays to arrays, against single runs that are told the same."""
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 import lagrangia as lag
 from lagrangia.native.build import find_compiler
+from lagrangia.run.batch import Batch
 
 pytestmark = pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
 PUSHED = """model Pushed
@@ -41,6 +43,25 @@ def test_each_run_is_the_one_in_steps(scene: Scene) -> None:
         table = np.repeat(TIMES, 2)[1:-1], {"F": np.repeat(u[k, :, 0], 2)}
         exact = model.simulate(at=TIMES, inputs=table, initial=start, parameters={"m": masses[k]}, tolerance=1e-12)
         np.testing.assert_allclose(found["tip"][k], exact["tip"], rtol=0, atol=1e-7)
+
+
+def test_rows_at_ends_of_steps_have_energies_now_and_then(scene: Scene) -> None:
+    """Nobody asks for them, and they take as long as all else of such a row: one in eight has them, and the last one, for the
+    account. All do where a measure asks for them."""
+    model, u = scene(PUSHED), np.random.default_rng(2).normal(size=(9, 25, 1))
+    job, engine = model.rollout(u=u, times=TIMES).sweep.job, model.engine_for("auto")
+    assert engine is not None
+    known = []
+    for column in (1, 6):  # a coordinate; the kinetic energy
+        reductions = [replace(reduction, column=column) for reduction in job.sweep.reductions]
+        with Batch(engine.runtime, engine.model, replace(job.sweep, reductions=reductions)) as batch:
+            _, outcomes, rows = batch.advance(job.variations.values(0, job.runs), held=u)
+            assert batch.lanes.runs == 9 and (outcomes["energy"] > 0).all() and (outcomes["energy"] < 1e-6).all()
+            known += [rows]
+    few, whole = known
+    asked = [0, 8, 16, 24, 25]
+    assert np.array_equal(few[:, :, :-5], whole[:, :, :-5]) and np.isfinite(whole).all()
+    assert np.array_equal(few[:, asked], whole[:, asked]) and np.isnan(np.delete(few, asked, axis=1)[:, :, -5:]).all()
 
 
 def test_what_is_not_given_is_as_declared(scene: Scene) -> None:
