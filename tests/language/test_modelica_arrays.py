@@ -40,7 +40,8 @@ DECLARED = """
   C each_one[3](a(each k = 4)), rows[3](a(k = {{1, 2}, {3, 4}, {5, 6}}));
   D deep[3](c(a(each k = 4)));
   R r[3](a = {1, 2, 3}), filled[2] = fill(R(5), 2);
-  Real z[4], m[2, 2], none[0], jump, jumps[2], where_it_is[2];
+  constant Length reach = 4;
+  Real far[2], near, z[4], m[2, 2], none[0], jump, jumps[2], where_it_is[2];
   Block b[2](each m = 1, each base = world, s(start = {1, 2}));
 """
 EQUATIONS = """
@@ -49,6 +50,8 @@ EQUATIONS = """
   where_it_is[:] = b[:].s/1[m];
   if time > -1 then jump = 3; jumps[2] = 4; if u[1] > 5 then jumps[1] = 1; else jumps[1] = 5; end if;
   else jumps[1] = 1; jump = 1; jumps[2] = 2; end if;
+  if time > -1 then for i in 1:2 loop far[i] = 2*i; end for; 8 = near;
+  else near = 1; for i in 1:2 loop 0 = far[i]; end for; end if;
 """
 VALUES = {
     "size(p, 1) + size(q, 2)": 7.0, "sum(size(q)) + ndims(q)": 8.0, "size(r, 1)": 3.0, "sum(each_one.a.k)": 24.0,
@@ -61,6 +64,9 @@ VALUES = {
     "by_name({1, 2, 4})": 9.0,
     "parts({S({R(i), R(2)}) for i in 1:4})": 42.0, "chosen(E.a) + chosen(E.b) + chosen(E.b, \"y\")": 24.0,
     "sum(x for x in 0[deg]:90[deg]:180[deg])/270[deg]": 1.0, "sum(x for x in -1[m]:2[m])/1[m]": 2.0,
+    "sum(x for x in 0:reach/2:reach)/1[m]": 6.0, "sum(x for x in 0[mm]:3[mm])/1[mm]": 6.0,
+    "sum(u[i]*sum(z[i] for i) for i)": 60.0,
+    "sum(far) + near": 14.0,
     "sum(z[i]*i for i)": 30.0, "sum(m)": 10.0, "sum(none)": 0.0, "jump + jumps[1]*jumps[2]": 23.0, "sum(where_it_is)": 3.0,
 }
 

@@ -13,6 +13,8 @@ SCENES = {  # with what changes nothing
     "Rotational.IdealPlanetary p(ratio = 2, sun = j.flange_b, carrier = k.flange_a);": "p",
     "Rotational.Spring s(c = 2, flange_a = j.flange_b); Rotational.Damper d(d = 3, flange_a = s.flange_b);": "s d",
     "Rotational.Fixed f;": "f",
+    "Rotational.Flange a; Rotational.Spring s(c = 2, flange_a = j.flange_b); equation connect(s.flange_b, a);": "s",
+    "Rotational.Flange a; Rotational.Spring s(c = 2, flange_a = j.flange_b, flange_b = a); Angle y = a.phi;": "",
     "Rotational.Spring s(c = 2, flange_a = j.flange_b); "
     "Rotational.Damper d(d = 3, flange_a = s.flange_b, flange_b = k.flange_a);": "",
     "Rotational.Spring s(c = 2, flange_a = j.flange_b); equation s.flange_b.phi = 0.1;": "",

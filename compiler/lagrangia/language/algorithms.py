@@ -55,7 +55,7 @@ from lagrangia.language.tree import (
     Whole,
 )
 from lagrangia.language.truths import number_of, truth_of
-from lagrangia.language.units_written import read_unit
+from lagrangia.language.units_written import read_own_unit
 
 _MOST_PASSES = 10_000  # of one while loop
 _STATEMENT = 2  # what an assignment costs beside its expression, in operations of Work
@@ -204,7 +204,7 @@ class _Builder:
     def _unit(self, declaration: Declaration, attributes: tuple[Argument, ...]) -> str:
         units = [a.value.value for a in (*attributes, *declaration.arguments) if a.name == "unit" and isinstance(a.value, String)]
         if units:
-            read_unit(units[-1], declaration.span)
+            read_own_unit(units[-1], declaration.span)
         return units[-1] if units else ""
 
     # ------------------------------------------------------------ the whole

@@ -10,7 +10,7 @@ from lagrangia.language.folding import fold
 from lagrangia.language.instances import DISCRETE_TYPES, STRUCTURAL_TYPES, Instance, Slot, outside
 from lagrangia.language.names import Names
 from lagrangia.language.tree import Array, Boolean, Declaration, Flat, Number, String
-from lagrangia.language.units_written import read_unit
+from lagrangia.language.units_written import read_own_unit, read_unit
 
 _KINDS: tuple[Kind, ...] = ("parameter", "coordinate", "input")
 _BEYOND = (("min", "less than its minimum", operator.lt), ("max", "more than its maximum", operator.gt))
@@ -68,7 +68,7 @@ def unit_of(names: Names, slot: Slot) -> str:
     """As it is declared, "" where none is. Raises LagError L0208, L0301."""
     unit = _text(names, slot, "unit")
     if unit:
-        read_unit(unit, slot.attributes["unit"].expression.span)
+        read_own_unit(unit, slot.attributes["unit"].expression.span)
     return unit
 
 

@@ -12,6 +12,8 @@ from lagrangia.language.folding import fold
 from lagrangia.language.implied_ranges import sizes_asked
 from lagrangia.language.instances import Scope, StructuralValues
 from lagrangia.language.tree import EnumerationLiteral, Expression, Flat, Iterator, Number, Range, Ref, Reference, Unary
+from lagrangia.language.units import name_of_unit, parse_unit
+from lagrangia.language.units_written import dimension_of_known
 
 _ONE_UNIT = "write: 0[m]:0.5[m]:2[m]"
 _UNROLLED = "the loops and sums of this model unroll to"
@@ -99,22 +101,27 @@ class Loops(Enumerations, StructuralValues, Protocol):
         if isinstance(ends[0], EnumerationLiteral) and node.step is None:
             return from_to(ends[0], ends[1])
         values = [self.number(end, scope, "the end of a range") for end in (node.start, node.stop)]
-        step = self.number(node.step, scope, "the step of a range") if node.step is not None else 1.0
+        unit = _unit_of(ends, node.span)
+        step = 1.0 if unit is None else parse_unit(unit).factor
+        if node.step is not None:
+            step = self.number(node.step, scope, "the step of a range")
         if step == 0 or (values[1] - values[0]) / step > _MOST_ITERATIONS:
             fail("L0209", f"a range of more than {_MOST_ITERATIONS} values", node.span)
         count = max(0, floor((values[1] - values[0]) / step + _SLACK) + 1)
-        unit = _unit_of(ends, node.span)
         if unit is None and values[0].is_integer() and step.is_integer():
             return range(int(values[0]), int(values[0]) + count * int(step), int(step))
         return [Number(values[0] + k * step, unit, node.span) for k in range(count)]
 
 
 def _unit_of(ends: Sequence[Flat], span: Span) -> str | None:
-    """The unit that the ends and the step of a range have. Raises LagError L0210 where it is not one."""
-    units = [_written(end) for end in ends]
-    if len(set(units)) > 1:
+    """The unit that the ends and the step of a range have, where one has any; 0 takes that of the others. Raises LagError L0210
+    where it is not one."""
+    bare = [end for end in ends if dimension_of_known(end) is None and fold(end) != 0]
+    dimensions = {found for end in ends if (found := dimension_of_known(end)) is not None}
+    written = {unit for end in ends if (unit := _written(end)) is not None}
+    if len(dimensions) > 1 or len(written) > 1 or (dimensions and bare):
         fail("L0210", "the ends and the step of a range have one unit", span, _ONE_UNIT)
-    return units[0]
+    return next(iter(written), name_of_unit(next(iter(dimensions)))) if dimensions else None
 
 
 def _written(node: Flat) -> str | None:

@@ -53,7 +53,7 @@ from lagrangia.language.tree import (
     Whole,
 )
 from lagrangia.language.truths import NO, truth_of
-from lagrangia.language.units_written import in_si
+from lagrangia.language.units_written import in_own_unit, in_si
 
 _EACH_WHOLE = "write `each` before it if every element is to have the whole of it"
 _UNIT_BEHIND = "a unit stands behind a literal alone, as in 30[deg]; square brackets behind a name pick an element"
@@ -143,6 +143,8 @@ class Names(Calls):
             fail("L0210", f"'{slot.path}' must be known when the scene is compiled", slot.binding.expression.span,
                  "it is structural (Integer, Boolean or constant): use numbers and structural values")
         require_kind(slot, value)
+        if slot.base == "Real" and isinstance(unit := getattr(slot.attributes.get("unit"), "expression", None), String):
+            value = in_own_unit(value, unit.value)
         self._structural[slot] = value
         return value
 
@@ -426,7 +428,7 @@ class Names(Calls):
                 if not 1 <= pick <= size:
                     fail("L0214", f"'{slot.declaration.name}' has {size} elements, not {pick}", span)
         if slot.is_structural:
-            return _pick(self.structural_value(slot, span), subscripts)
+            return replace(_pick(self.structural_value(slot, span), subscripts), span=span)
         if len(subscripts) < len(slot.dimensions):
             self._arrays[slot.path] = slot
         if not subscripts:

@@ -44,7 +44,8 @@ def _useless(model: FlatModel, parts: Mapping[str, list[str]]) -> dict[str, str]
         return {}
     felt: dict[str, set[str]] = {name: set() for name in free}
     bindings = {name: variable.binding for name, variable in model.variables.items()}
-    read = [binding for name, binding in bindings.items() if binding is not None and not _is_inside(name, parts)]
+    read = [binding for name, binding in bindings.items() if binding is not None and not _is_inside(name, parts)
+            and not (name in model.flanges and isinstance(binding, Ref))]  # ends between components are other names alone
     for component, values in [*_stated(model).items(), ("", read)]:
         for leaf in leaves(values, bindings):
             if isinstance(leaf, Ref) and leaf.name in free:

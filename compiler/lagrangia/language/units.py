@@ -163,6 +163,11 @@ _NAMED = {_NEWTON: "N", _JOULE: "J (or N.m)", _WATT: "W", dimension(s=-1): "1/s"
           dimension(kg=1, s=-1): "N.s/m", _M: "m", _KG: "kg", _S: "s", ONE: "rad (or no unit)"}
 
 
+def name_of_unit(d: Dimension) -> str:
+    """The unit of the SI that a dimension has, as a literal may have it."""
+    return spell(d).partition(" (")[0]
+
+
 def spell(d: Dimension) -> str:
     """A dimension as people write it: "N/m", "kg.m2/s"."""
     if d in _NAMED:
