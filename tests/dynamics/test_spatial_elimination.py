@@ -192,8 +192,8 @@ def chain(n: int, axes: Sequence[Any], R: Any, origin: Any = None, kind: str = "
 AHEAD = (0.7, 0.0, 0.0)
 COUNTED = {
     "general hinges": (lambda n: chain(n, [None], None), 392),
-    "hinges about y and z in turns": (lambda n: chain(n, [Y, Z], SAME, AHEAD, slender=True), 211),
-    "hinges about x, y and z in turns": (lambda n: chain(n, [X, Y, Z], SAME, AHEAD, slender=True), 190),
+    "hinges about y and z in turns": (lambda n: chain(n, [Y, Z], SAME, AHEAD, slender=True), 208),
+    "hinges about x, y and z in turns": (lambda n: chain(n, [X, Y, Z], SAME, AHEAD, slender=True), 188),
     "hinges about z": (lambda n: chain(n, [Z], SAME, AHEAD, slender=True), 68),
     "balls": (lambda n: chain(n, [X], SAME, AHEAD, "rotation", slender=True), 550),
     "general balls": (lambda n: chain(n, [X], SAME, None, "rotation"), 550),

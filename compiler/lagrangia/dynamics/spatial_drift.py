@@ -69,7 +69,7 @@ def drift_of(links: Sequence[Link], base: Sequence[Scalar] | None = None) -> Dri
         for move in link.moves:
             shifts.append([*STILL])
             if isinstance(move, Shift):
-                whole = added(move.twist_to_child(granted)[:3], move.centrifugal(w))
+                whole = move.acceleration_to_child(w, granted)
                 if is_reset:
                     shifts[-1], whole = whole, [*STILL]
                 granted = [*whole, *granted[3:]]

@@ -107,12 +107,7 @@ class SpatialTree:
     def bias_loads(self, drift: Drift) -> dict[int, Vector]:
         """The wrenches that the bodies ask for where they turn as they do and have the accelerations taken for granted, by their
         places."""
-        found = {}
-        for k, link in enumerate(self.links):
-            if link.body is not None:
-                load, granted = link.body.centrifugal(drift.w[k]), drift.granted[k]
-                found[k] = load if is_nothing(granted) else added(load, momentum(link.body.matrix(), granted))
-        return found
+        return {k: link.body.load(drift.w[k], drift.granted[k]) for k, link in enumerate(self.links) if link.body is not None}
 
     def solve(self, r: Sequence[Scalar], loads: Mapping[int, Vector], drift: Drift | None = None,
               base: Sequence[Scalar] = STILL) -> list[Scalar]:

@@ -8,7 +8,7 @@ Source: Gautier and Khalil, Direct calculation of minimum set of inertial parame
 
 from collections.abc import Sequence
 
-from lagrangia.algebra.duals import Scalar, is_zero, minus, times
+from lagrangia.algebra.duals import Scalar, is_zero, minus, plus, times
 from lagrangia.base.records import dataclass
 from lagrangia.frames.spatial_inertia import SAME, RigidInertia, scaled
 
@@ -68,20 +68,15 @@ def _split(body: RigidInertia, at: Meeting) -> tuple[RigidInertia, RigidInertia]
 
 def _without_axis(body: RigidInertia) -> tuple[RigidInertia, Scalar]:
     """A body behind a hinge along z without what is on it, and the second moment across that is taken away: with principal axes
-    along the link's so that two are the same, otherwise so that one is 0."""
+    along the link's so that it is flat, otherwise so that one is 0."""
     J = [[*row] for row in body.second_moment]
     across = J[1][1]
-    if _is_diagonal(body):
-        across = minus(J[0][0], J[2][2])
-        J[0][0], J[1][1] = J[2][2], minus(J[1][1], across)
+    if body.is_diagonal:
+        across = times(0.5, minus(plus(J[0][0], J[1][1]), J[2][2]))
+        J[0][0], J[1][1] = minus(J[0][0], across), minus(J[1][1], across)
     else:
         J[0][0], J[1][1] = minus(J[0][0], across), 0.0
-    return RigidInertia(0.0, [*body.moment[:2], 0.0], J), across
-
-
-def _is_diagonal(body: RigidInertia) -> bool:
-    J = body.second_moment
-    return is_zero(J[0][1]) and is_zero(J[0][2]) and is_zero(J[1][2])
+    return RigidInertia(0.0, [*body.moment[:2], 0.0], J, body.is_diagonal), across
 
 
 def _cost(body: RigidInertia) -> int:
@@ -89,5 +84,5 @@ def _cost(body: RigidInertia) -> int:
     J = body.second_moment
     rows = [sum(not is_zero(x) for x in row) for row in J]
     moment = sum(not is_zero(x) for x in body.moment)
-    mixed = 0 if _is_diagonal(body) else sum(2 * count for count in rows)
+    mixed = 0 if body.is_diagonal else sum(2 * count for count in rows)
     return (0 if is_zero(body.mass) else _OF_MASS) + _OF_MOMENT[moment] + sum(rows) + mixed

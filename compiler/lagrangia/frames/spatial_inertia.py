@@ -26,16 +26,23 @@ def cross(a: Sequence[Scalar], b: Sequence[Scalar]) -> Vector:
     return [minus(times(a[i], b[j]), times(a[j], b[i])) for _, i, j in _CYCLE]
 
 
-def centripetal(w: Sequence[Scalar], ahead: Sequence[Scalar]) -> Vector:
-    """w x (w x d), by products of w where d is along an axis: others need them, too."""
+def carried(w: Sequence[Scalar], turning: Sequence[Scalar], ahead: Sequence[Scalar]) -> Vector:
+    """How a point at d from an origin that rests is accelerated: a x d + w x (w x d) with a = dw/dt; where d is along an axis by
+    sums of products of w that others need, too."""
     along = [k for k, x in enumerate(ahead) if not is_zero(x)]
     if len(along) != 1:
-        return cross(w, cross(w, ahead))
+        return added(cross(turning, ahead), cross(w, cross(w, ahead)))
     k, i, j = _CYCLE[along[0]]
     found: Vector = [0.0] * 3
     found[k] = minus(0.0, times(ahead[k], plus(times(w[i], w[i]), times(w[j], w[j]))))
-    found[i], found[j] = (times(ahead[k], times(w[k], w[other])) for other in (i, j))
+    found[i] = times(ahead[k], plus(_of_two(w, k, i), turning[j]))
+    found[j] = times(ahead[k], minus(_of_two(w, k, j), turning[i]))
     return found
+
+
+def _of_two(w: Sequence[Scalar], i: int, j: int) -> Scalar:
+    """Their product, the same whichever comes first."""
+    return times(w[min(i, j)], w[max(i, j)])
 
 
 def scaled(factor: Scalar, a: Sequence[Scalar]) -> Vector:
@@ -73,6 +80,7 @@ class RigidInertia:
     mass: Scalar
     moment: Sequence[Scalar]  # mass times centre of mass, (3,)
     second_moment: Matrix  # symmetric, all of it is kept
+    is_flat: bool = False  # whether its mass lies where z = 0 and its axes are principal: J = diag(Y, X, X + Y)
 
     def placed(self, R: Matrix, origin: Sequence[Scalar]) -> "RigidInertia":
         """The same body in a frame in which this one's axes are the columns of R, and its origin is there (parallel axes)."""
@@ -111,14 +119,32 @@ class RigidInertia:
             I[3 + i][3 + i :] = self.second_moment[i][i:]
         return I
 
-    def centrifugal(self, w: Sequence[Scalar]) -> Vector:
-        """The wrench that the body asks for when it turns evenly about the origin, which stays: w x (w x b), w x J w."""
+    @property
+    def is_diagonal(self) -> bool:
+        """Whether its frame's axes are principal ones of its second moment."""
         J = self.second_moment
-        if all(is_zero(J[i][j]) for i, j in ((0, 1), (0, 2), (1, 2))):
-            torque = [times(minus(J[j][j], J[i][i]), times(w[i], w[j])) for _, i, j in _CYCLE]
-        else:
-            torque = cross(w, [dot([J[min(i, j)][max(i, j)] for j in range(3)], w) for i in range(3)])
-        return [*centripetal(w, self.moment), *torque]
+        return is_zero(J[0][1]) and is_zero(J[0][2]) and is_zero(J[1][2])
+
+    def load(self, w: Sequence[Scalar], granted: Sequence[Scalar]) -> Vector:
+        """The wrench (6,) that the body asks for when it turns with w and its frame has the acceleration (6,)."""
+        rest, turning = granted[:3], granted[3:]
+        force = added(scaled(self.mass, rest), carried(w, turning, self.moment))
+        return [*force, *added(cross(self.moment, rest), self._torque(w, turning))]
+
+    def _torque(self, w: Sequence[Scalar], turning: Sequence[Scalar]) -> Vector:
+        """J a + w x J w; of a flat body by the sums that carried() has."""
+        J = self.second_moment
+        if not self.is_diagonal:
+            return added([dot(row, turning) for row in J], cross(w, [dot(row, w) for row in J]))
+        found = []
+        for k, i, j in _CYCLE:
+            if self.is_flat and k == 0:
+                found.append(times(J[0][0], plus(_of_two(w, 1, 2), turning[0])))
+            elif self.is_flat and k == 1:
+                found.append(minus(0.0, times(J[1][1], minus(_of_two(w, 0, 2), turning[1]))))
+            else:
+                found.append(plus(times(J[k][k], turning[k]), times(minus(J[j][j], J[i][i]), _of_two(w, i, j))))
+        return found
 
 
 # -------------------------------------------------------------------- matrices of a twist
@@ -255,9 +281,10 @@ class Shift:
         """That of the child's origin."""
         return [*added(twist[:3], cross(twist[3:], self.ahead)), *twist[3:]]
 
-    def centrifugal(self, w: Sequence[Scalar]) -> Vector:
-        """What the child's origin is accelerated with where the parent turns evenly: w x (w x d) + 2 w x d' + d''."""
-        found = centripetal(w, self.ahead)
+    def acceleration_to_child(self, w: Sequence[Scalar], acceleration: Sequence[Scalar]) -> Vector:
+        """Of the child's origin, (3,), where the parent turns with w and has the acceleration (6,): a + dw/dt x d + w x (w x d)
+        + 2 w x d' + d''."""
+        found = added(acceleration[:3], carried(w, acceleration[3:], self.ahead))
         if not is_nothing(self.rate):
             found = added(found, scaled(2.0, cross(w, self.rate)))
         return added(found, self.second)
