@@ -13,6 +13,10 @@ ARM = """model Arm
   Body upper(center = shift(waist.b, {0, 0, 0.3}), m = 1, I = {0.1, 0.12, 0.14});
   Body fore(center = shift(shoulder.b, {0.1, 0, 0}), m = 1, I = {0.1, 0.12, 0.14});
   Body hand(center = reach.b, m = 1, I = {{0.1, 0.01, 0}, {0.01, 0.12, 0}, {0, 0, 0.14}});
+  Spherical wrist(a = shift(reach.b, {0.1, 0.02, 0}));
+  Body tool(center = shift(wrist.b, {0.05, 0, 0.1}), m = 0.5, I = {0.01, 0.012, 0.014});
+  Revolute blade(a = wrist.b, axis = {0.6, 0, 0.8});
+  Body tip(center = shift(blade.b, {0.05, 0, 0.1}), m = 0.5, I = {0.01, 0.012, 0.014});
 end Arm;
 """
 
@@ -21,7 +25,7 @@ def test_a_line_for_each(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> 
     (tmp_path / "arm.lag").write_text(ARM, encoding="utf-8")
     assert main(["bench", str(tmp_path / "arm.lag"), "--rhs"]) == 0
     told = capsys.readouterr().out
-    assert "Arm: 3 coordinates" in told and " operations" in told
+    assert "Arm: 7 coordinates" in told and " operations" in told
     for peer, package in (("pinocchio", "pin"), ("mujoco", "mujoco")):
         line = next(line for line in told.splitlines() if peer in line)
         assert f"pip install {package}" in line or float(line.split()[5]) < 1e-13

@@ -3,8 +3,9 @@ quaternion(1, 0, 0, 0), or four numbers. The run takes them as s = 4 tan(angle/4
 counted from no turn (runtime/state/attitudes.c)."""
 
 import math
+import operator
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import reduce
 from typing import Any
 
@@ -19,6 +20,7 @@ HINT = 'write angles("zxz", 10[deg], 20[deg], 0), axis_angle({1, 0, 0}, 30[deg])
 _CALL = re.compile(r"\s*(\w+)\s*\((.*)\)\s*", re.DOTALL)
 _ANGLES = {"rad": 1.0, "deg": math.pi / 180, "°": math.pi / 180, "rev": 2 * math.pi}
 Quaternion = Sequence[float]
+Operation = Callable[[Any, Any], Any]
 
 
 def read_attitude(given: Any) -> tuple[float, ...]:
@@ -67,11 +69,11 @@ def _angles(arguments: Sequence[str]) -> Quaternion:
     sequence = arguments[0].strip("\"'")
     if sequence not in SEQUENCES:
         raise ValueError(f"'{sequence}' are no three axes of which neighbours differ: {', '.join(SEQUENCES)}")
-    turns = []
+    turns: list[Quaternion] = []
     for axis, angle in zip(sequence, arguments[1:], strict=True):
         half = _angle(angle) / 2
         turns.append([math.cos(half), *(math.sin(half) if axis == other else 0.0 for other in "xyz")])
-    return reduce(_product, turns)
+    return reduce(quaternion_product, turns)
 
 
 def _axis_angle(arguments: Sequence[str]) -> Quaternion:
@@ -109,5 +111,13 @@ def _angle(text: str) -> float:
 _READERS = {"angles": _angles, "axis_angle": _axis_angle, "quaternion": _quaternion}
 
 
-def _product(a: Quaternion, b: Quaternion) -> Quaternion:
-    return [sum(sign * a[i] * b[j] for i, j, sign in terms) for terms in PRODUCT]
+def quaternion_product(a: Any, b: Any, times: Operation = operator.mul, plus: Operation = operator.add,
+                       minus: Operation = operator.sub) -> tuple[Any, ...]:
+    """Of the turn b and then the turn a, in the axes of the world; of a, and then b in the axes of a."""
+    found = []
+    for terms in PRODUCT:
+        total: Any = 0.0
+        for i, j, sign in terms:
+            total = (plus if sign > 0 else minus)(total, times(a[i], b[j]))
+        found.append(total)
+    return tuple(found)

@@ -77,7 +77,9 @@ def state(scene: Scene, seed: int = 0) -> list[np.ndarray]:
     random = np.random.default_rng(seed)
     c = hoisted(scene)
     _, n, _, u, d, _ = scene.tapes["rhs"].in_sizes
-    parts: list[Any] = [[0.3], random.uniform(0.1, 1, n), random.uniform(0.1, 1, n), np.zeros(u), np.zeros(d), c]
+    modes = np.zeros(d)
+    modes[[*scene.patterns.get("attitudes", ())][1::2]] = 1.0  # references that turn nothing
+    parts: list[Any] = [[0.3], random.uniform(0.1, 1, n), random.uniform(0.1, 1, n), np.zeros(u), modes, c]
     return [np.array([*part, 0.0]) for part in parts]  # never empty
 
 

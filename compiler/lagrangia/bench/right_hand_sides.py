@@ -38,8 +38,8 @@ class Side:
 def measure_sides(made: Compilation) -> Iterator[Side | tuple[str, str]]:
     """Ours first, then the peers; a name and the reason of those that cannot take it. Raises Unfit."""
     tree = articulate_in_space(made.kinematics, made.motion.bodies) if made.kinematics.geometry.by_rates else None
-    if tree is None or not made.scene.n or made.kinematics.symbols.attitudes:
-        raise Unfit("only trees in space are measured so, of hinges and sliders")
+    if tree is None or not made.scene.n:
+        raise Unfit("only trees in space are measured so, of hinges, sliders and ball joints")
     own, how, seconds, inputs = _ours(made)
     yield Side("lagrangia", f"{how}, {made.scene.notes['acceleration_nodes']} operations", seconds, 0.0)
     for peer in peers_of(_in_numbers(made, tree, inputs)):

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from lagrangia.base.attitude_values import quaternion_of
 from lagrangia.base.records import dataclass
 from lagrangia.dynamics.spatial_axes import SpatialJoint
 
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 _NAMES = {"pinocchio": "pin", "mujoco": "mujoco"}
+_HINGED = {"turn": "hinge", "rotation": "ball"}  # of MuJoCo
 _STILL = 1e-15  # kg or kg.m2: MuJoCo wants more of all that moves
 
 
@@ -26,7 +28,8 @@ class Unfit(Exception):
 
 @dataclass(frozen=True)
 class Tree:
-    """Joints in numbers, parents first, at one state; of each turn and shift one coordinate that its amount is."""
+    """Joints in numbers, parents first, at one state; of each turn and shift one coordinate that its amount is, of a ball joint
+    three, s and the angular velocity in the axes behind it."""
 
     joints: Sequence[SpatialJoint]
     size: int
@@ -56,32 +59,45 @@ def peers_of(tree: Tree) -> Iterator[Peer | tuple[str, str]]:
             yield name, str(reason)
 
 
-def _single(joint: SpatialJoint) -> int:
-    if len(joint.coordinates) != 1 or joint.kind == "rotation":
-        raise Unfit("only hinges and sliders are given to peers so far")
-    return joint.coordinates[0]
+def _require_known(joint: SpatialJoint) -> None:
+    if len(joint.coordinates) != (3 if joint.kind == "rotation" else 1):
+        raise Unfit("only hinges, sliders and ball joints that coordinates move are given to peers")
+
+
+def _positions(tree: Tree, joint: SpatialJoint) -> tuple[float, ...]:
+    """As peers have them: of a ball joint its quaternion, the real part first."""
+    at = tree.positions[[*joint.coordinates]].tolist()
+    return quaternion_of(at) if joint.kind == "rotation" else tuple(at)
 
 
 # -------------------------------------------------------------------- Pinocchio
 
 
-def _pinocchio_model(tree: Tree) -> tuple[Any, list[int]]:
-    """The model, and where each of its coordinates stands among ours."""
+def _pinocchio_model(tree: Tree) -> tuple[Any, "NDArray[np.float64]", list[int]]:
+    """The model, its positions, and where each of its rates stands among ours."""
     import pinocchio as pin
 
-    model, ids, places = pin.Model(), list[int](), list[int]()
+    model, ids = pin.Model(), list[int]()
     model.gravity.linear = tree.gravity
     for k, joint in enumerate(tree.joints):
-        places.append(_single(joint))
-        made = pin.JointModelRevoluteUnaligned if joint.kind == "turn" else pin.JointModelPrismaticUnaligned
-        axis = np.array(joint.axis if joint.kind == "turn" else joint.slopes[0], float)
+        _require_known(joint)
+        if joint.kind == "rotation":
+            made = pin.JointModelSpherical()
+        elif joint.kind == "turn":
+            made = pin.JointModelRevoluteUnaligned(np.array(joint.axis, float))
+        else:
+            made = pin.JointModelPrismaticUnaligned(np.array(joint.slopes[0], float))
         parent = ids[joint.parent] if joint.parent is not None else 0
-        ids.append(model.addJoint(parent, made(axis), pin.SE3(np.array(joint.R, float), np.array(joint.origin, float)), f"j{k}"))
+        ids.append(model.addJoint(parent, made, pin.SE3(np.array(joint.R, float), np.array(joint.origin, float)), f"j{k}"))
         if joint.body is not None:
             m, center, about = _about_center(joint)
             model.appendBodyToJoint(ids[-1], pin.Inertia(m, center, about), pin.SE3.Identity())
-    order = np.argsort([model.joints[i].idx_v for i in ids])
-    return model, [places[k] for k in order]
+    q, places = np.empty(model.nq), [0] * model.nv
+    for joint, i in zip(tree.joints, ids, strict=True):
+        at, first = _positions(tree, joint), model.joints[i]
+        q[first.idx_q : first.idx_q + first.nq] = at if len(at) == 1 else (*at[1:], at[0])  # the real part last
+        places[first.idx_v : first.idx_v + first.nv] = joint.coordinates
+    return model, q, places
 
 
 def _about_center(joint: SpatialJoint) -> "tuple[float, NDArray[np.float64], NDArray[np.float64]]":
@@ -97,8 +113,8 @@ def _about_center(joint: SpatialJoint) -> "tuple[float, NDArray[np.float64], NDA
 def _pinocchio(tree: Tree) -> Peer:
     import pinocchio as pin
 
-    model, places = _pinocchio_model(tree)
-    data, q, v = model.createData(), tree.positions[places], tree.rates[places]
+    model, q, places = _pinocchio_model(tree)
+    data, v = model.createData(), tree.rates[places]
     tau = np.zeros(len(places))
 
     def found() -> "NDArray[np.float64]":
@@ -125,13 +141,15 @@ def _mujoco(tree: Tree) -> Peer:
         light = joint.body is None or joint.body.mass < _STILL or np.linalg.eigvalsh(_about_center(joint)[2]).min() < _STILL
         if light:
             raise Unfit("it wants mass and three moments of inertia of every body that moves")
-    order: list[int] = []
+    order, positions = list[int](), list[float]()
 
     def text(k: int) -> str:
         joint = tree.joints[k]
-        order.append(_single(joint))
+        _require_known(joint)
+        order.extend(joint.coordinates)
+        positions.extend(_positions(tree, joint))
         m, center, J = _about_center(joint)
-        axis, kind = (joint.axis, "hinge") if joint.kind == "turn" else (joint.slopes[0], "slide")
+        axis, kind = (joint.slopes[0], "slide") if joint.kind == "shift" else (joint.axis, _HINGED[joint.kind])
         inner = "".join(text(child) for child in below.get(k, []))
         x, y = (_row([row[i] for row in joint.R]) for i in range(2))
         return (f"<body pos='{_row(joint.origin)}' xyaxes='{x} {y}'>"
@@ -144,7 +162,7 @@ def _mujoco(tree: Tree) -> Peer:
         f"<option gravity='{_row(tree.gravity)}'/>"
         f"<worldbody>{bodies}</worldbody></mujoco>")
     data = mujoco.MjData(model)
-    data.qpos[:], data.qvel[:] = tree.positions[order], tree.rates[order]
+    data.qpos[:], data.qvel[:] = positions, tree.rates[order]
 
     def found() -> "NDArray[np.float64]":
         mujoco.mj_forward(model, data)
@@ -167,7 +185,7 @@ def in_numbers(joints: Sequence[SpatialJoint], value: Callable[[Any], float]) ->
         if body is not None:
             J = [[value(body.second_moment[min(i, j)][max(i, j)]) for j in range(3)] for i in range(3)]
             body = replace(body, mass=value(body.mass), moment=[value(x) for x in body.moment], second_moment=J)
-        slopes = joint.slopes if joint.kind == "turn" else [[value(x) for x in slope] for slope in joint.slopes]
+        slopes = joint.slopes if joint.kind != "shift" else [[value(x) for x in slope] for slope in joint.slopes]
         found.append(replace(joint, R=[[value(x) for x in row] for row in joint.R], origin=[value(x) for x in joint.origin],
                              axis=[value(x) for x in joint.axis], slopes=slopes, body=body))
     return found

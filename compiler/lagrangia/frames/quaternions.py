@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
 from lagrangia.algebra.duals import Algebra, Scalar, minus, plus, times
-from lagrangia.base.attitude_values import PRODUCT
+from lagrangia.base import attitude_values
 from lagrangia.frames.spatial import unit_axis
 from lagrangia.language.frame_steps import Step
 
@@ -37,12 +37,5 @@ def conjugate(q: Sequence[Scalar]) -> Quaternion:
 
 
 def quaternion_product(a: Sequence[Scalar], b: Sequence[Scalar]) -> Quaternion:
-    """Of the turn b and then the turn a, in the axes of the world; of a, and then b in the axes of a."""
-    found = []
-    for terms in PRODUCT:
-        total: Scalar = 0.0
-        for i, j, sign in terms:
-            part = times(a[i], b[j])
-            total = plus(total, part) if sign > 0 else minus(total, part)
-        found.append(total)
-    return tuple(found)
+    """As attitude_values.py has it, of scalars: what is the number 0 costs nothing."""
+    return attitude_values.quaternion_product(a, b, times, plus, minus)

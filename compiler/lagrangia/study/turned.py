@@ -10,7 +10,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from lagrangia.base.attitude_values import PRODUCT
+from lagrangia.base.attitude_values import quaternion_product
 from lagrangia.base.records import dataclass
 from lagrangia.dynamics.turned_positions import crossing, pacing
 from lagrangia.run.scene import Scene
@@ -22,7 +22,7 @@ _NOT_TURNED = np.array([1.0, 0.0, 0.0, 0.0])
 
 def product(a: Sequence[float] | Vector, b: Sequence[float] | Vector) -> Vector:
     """Of two quaternions, (4,)."""
-    return np.array([sum(sign * a[i] * b[j] for i, j, sign in terms) for terms in PRODUCT])
+    return np.array(quaternion_product(a, b))
 
 
 def present(reference: Vector, s: Vector) -> Vector:
