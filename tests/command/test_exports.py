@@ -262,6 +262,15 @@ def test_files_are_called_after_the_model(tmp_path: Path, monkeypatch, capsys) -
     assert {path.name for path in tmp_path.iterdir()} == {"Pendulum.mo", "Pendulum.casadi", "Pendulum.tex", "Pendulum.py"}
 
 
+@pytest.mark.parametrize("target, name, is_told", [("casadi", "x.py", True), ("python", "x.txt", True), ("python", "x.PY", False),
+                                                     ("casadi", "x.casadi", False)])
+def test_names_that_say_something_else(target: str, name: str, is_told: bool, tmp_path: Path, monkeypatch, capsys) -> None:
+    """A CasADi archive in x.py is no module."""
+    monkeypatch.chdir(tmp_path)
+    assert main(["export", str(EXAMPLES / "pendulum.lag"), "--to", target, "-o", name]) == 0
+    assert (f"'{name}' will hold an export to {target}, whose names end in" in capsys.readouterr().err) == is_told
+
+
 RUBBING = {
     "f": "Block b(m = 2, base = world); DryFriction f(F = 3, rate = b.v);",
     "load": "Block b(m = 2, base = world); AppliedForce load(at = b.center, force = {-3[N]*sign(b.v), 0});",

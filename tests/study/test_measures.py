@@ -189,3 +189,15 @@ def test_many_runs_are_measured_as_one_is(scene: Scene) -> None:
 def test_what_is_no_measure_is_told(scene: Scene, measure: str, said: str) -> None:
     with pytest.raises(LagError, match=said):
         scene(BLOCK).measure(measure)
+
+
+def test_names_of_any_signs_are_measured(scene: Callable[[str], lag.Model]) -> None:
+    """Quoted names hold what else would be commas, spaces and calls; a sweep measures all outputs by itself."""
+    model = scene("""model N parameter Length 'a b' = 1; output Length 'x y' = b.s, 'f(x)' = 2*b.s, 'a, b' = 3*b.s, '<x>' = 4*b.s;
+        Block b(m = 1, base = world, s(start = 'a b')); end N;""")
+    found = model.simulate_many(parameters={"'a b'": [1, 2]}, stop=0.01)
+    names = ("'x y'", "'f(x)'", "'a, b'", "'<x>'")
+    assert [found[f"final({name})"].tolist() for name in names] == [[k, 2 * k] for k in (1, 2, 3, 4)]
+    found = model.simulate_many(outputs=",".join([*(f"max(abs({name}))" for name in names), "at(0, 'a, b')", "'a, b'"]),
+                                stop=0.01)
+    assert [float(found[measure.text][0]) for measure in found.job.measures] == [1, 2, 3, 4, 3, 3]

@@ -1,6 +1,10 @@
 """Lists as they are written on a command line."""
 
+import re
+
 from lagrangia.base.diagnostics import fail
+
+_QUOTED = re.compile(r"(?<!\w)'[^'\n]+'")  # a name; the sign behind a name is a prime
 
 
 def split_list(text: str) -> list[str]:
@@ -9,9 +13,9 @@ def split_list(text: str) -> list[str]:
 
 
 def cut_list(text: str) -> list[str]:
-    """What stands between commas; commas in parentheses and brackets belong to their item. Raises LagError L0711."""
+    """What stands between commas; those in parentheses, brackets and quoted names belong to theirs. Raises LagError L0711."""
     items, depth, begin = [], 0, 0
-    for k, character in enumerate(text):
+    for k, character in enumerate(_QUOTED.sub(lambda name: "_" * len(name[0]), text)):
         depth += (character in "([{") - (character in ")]}")
         if depth < 0:
             break

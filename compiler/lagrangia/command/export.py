@@ -80,5 +80,7 @@ def export_command(options: Namespace) -> int:
         return 0
     path = Path(options.output) if options.output else Path(identifier_of(model.name) + TARGETS.get(options.to, ""))
     keep_other(options, path, _SIGNS.get(options.to, ""))
+    if path.suffix.lower() != TARGETS.get(options.to, path.suffix.lower()):
+        print(f"'{path}' will hold an export to {options.to}, whose names end in {TARGETS[options.to]}", file=sys.stderr)
     print(export(model, options.to, path, names, options.force))
     return 0

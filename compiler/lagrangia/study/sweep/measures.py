@@ -35,6 +35,7 @@ _BARE = {"count", "overshoot", "damage"}  # numbers without a unit
 _ENERGIES = {"energy.kinetic": 0, "energy.potential": 1, "energy.dissipated": 3}  # places behind the outputs of a row
 _CALL = re.compile(r"(\w+)\((.*)\)", re.DOTALL)
 _CONDITION = re.compile(r"(.*?)\s*([<>]=?)\s*([^<>=]*)", re.DOTALL)
+_QUOTED = re.compile(r"'[^'\n]+'")
 _OPTION = re.compile(r"(\w+)\s*=(?!=)\s*(.*)", re.DOTALL)
 
 
@@ -133,7 +134,7 @@ def _of_quantity(measure: Measure) -> Measure:
     absolute = match is not None and match[1] == "abs"
     name = match[2].strip() if match is not None and absolute else inner.strip()
     call = _CALL.fullmatch(name)
-    if not name or (call is not None and call[1] != "der") or re.search(r"[<>=+*/ ]|,(?![^\[]*\])", name):
+    if not name or (call is not None and call[1] != "der") or re.search(r"[<>=+*/ ]|,(?![^\[]*\])", _QUOTED.sub("q", name)):
         fail("L0711", f"'{text}': '{name}' is not the name of a quantity", None,
              "a quantity is a coordinate, der(coordinate), an output, or a place such as bar.b.y; a formula needs an output")
     if absolute and measure.kind in _NOT_OF_ABSOLUTE:
@@ -144,7 +145,7 @@ def _of_quantity(measure: Measure) -> Measure:
 def usual_measures(scene: Scene) -> list[Measure]:
     """Final values of all coordinates, rates and outputs; of attitudes, their quaternions."""
     told = (c for c in (*scene.coordinates, *scene.rates, *scene.outputs) if c.name not in scene.turned)
-    return [read_measure(f"final({c.name})") for c in told]
+    return [Measure(f"final({c.name})", "final", c.name) for c in told]
 
 
 def quantities(measures: Sequence[Measure]) -> tuple[str, ...]:
