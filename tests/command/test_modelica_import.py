@@ -226,3 +226,43 @@ def test_names_from_outside_and_exact_sources(tmp_path: Path, capsys: pytest.Cap
     text = (tmp_path / "N.mo").read_text(encoding="utf-8")
     assert "{pi for pi in 1:2}, y = Modelica.Constants.pi;" in text
     assert "a[2](each exact = true, each v_ref = x[1]*y), b (exact = true, v_ref = 1), c(exact = true);" in text
+
+
+COUNTS = """model Counts "a relay that counts its switches"
+  import Modelica.Mechanics.Rotational.*;
+  Components.Inertia load(J=1, w(start=10, fixed=true), phi(start=0, fixed=true));
+  Components.Spring spring(c=100);
+  Components.Fixed fixed;
+  Sources.Torque torque;
+  Modelica.Blocks.Sources.RealExpression push(y=if on then 5 else -5);
+  Boolean on(start=false, fixed=true);
+  discrete Integer n(start=0, fixed=true) "switches";
+equation
+  when {initial(), load.phi > 0.5, load.phi < -0.5} then
+    on = load.phi < 0;
+  end when;
+  when on then
+    n = pre(n) + 1;
+  end when;
+  connect(load.flange_a, spring.flange_b);
+  connect(spring.flange_a, fixed.flange);
+  connect(torque.flange, load.flange_b);
+  connect(push.y, torque.tau);
+end Counts;
+"""
+
+
+def test_events_go_there_and_back(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    """Discrete variables; names below an import of all of a package. What sets a rate has no counterpart."""
+    monkeypatch.chdir(tmp_path)
+    Path("counts.mo").write_text(COUNTS, encoding="utf-8")
+    assert main(["import", "counts.mo"]) == 0
+    assert main(["export", "counts.lag", "--to", "modelica", "--components", "-o", "back.mo"]) == 0
+    assert "Modelica.Blocks.Sources.RealExpression push(" in Path("back.mo").read_text(encoding="utf-8")
+    assert main(["import", "back.mo"]) == 0
+    first, again = (lag.load(name).simulate(stop=3, interval=3) for name in ("counts.lag", "back.lag"))
+    assert first["n"][-1] == again["n"][-1] == 5 and first["load.phi"][-1] == again["load.phi"][-1]
+    wrong = "model A Rotational.Inertia J(J = 1); equation when J.phi > 1 then reinit(der(J.phi), 0); end when; end A;"
+    Path("a.lag").write_text(wrong, encoding="utf-8")
+    assert main(["export", "a.lag", "--to", "modelica", "--components", "-o", "-"]) == 2
+    assert "L0901" in capsys.readouterr().err

@@ -20,7 +20,7 @@ Kind = Literal["class", "type", "function", "variable", "port", "property", "key
 _UNIT = re.compile(r"(?:^|[^\w.\])])(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?\s*\[([^\]\n]*)$")
 _UNIT_TEXT = re.compile(r'\b(?:unit|displayUnit)\s*=\s*"([^"\n]*)$')
 _DOTTED = re.compile(r"([^\W\d][\w.]*(?:\[[^\]\n]*\][\w.]*)*)\.\w*$")
-_BETWEEN_DECLARATIONS = ("parameter", "constant", "input", "output", "coordinate", "final", "extends", "equation",
+_BETWEEN_DECLARATIONS = ("parameter", "constant", "input", "output", "coordinate", "discrete", "final", "extends", "equation",
                          "initial equation", "energy", "drawing", "annotation", "public", "protected", "end")
 _IN_SECTIONS = {"equation": ("connect", "for", "if", "when", "initial equation", "energy", "drawing", "annotation", "end"),
                 "initial equation": ("equation", "energy", "drawing", "annotation", "end"),

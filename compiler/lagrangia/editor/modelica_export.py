@@ -1,7 +1,7 @@
 """A drive train -> Modelica text with the components of the Modelica Standard Library, the way back of modelica_import.py."""
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import fields, is_dataclass
 from typing import Any
 
@@ -14,13 +14,17 @@ from lagrangia.language.tree import (
     Call,
     CallEquation,
     ClassDefinition,
+    Clause,
     Comprehension,
     Declaration,
     Equality,
     Extends,
+    ForBlock,
+    IfBlock,
     Number,
     Reference,
     Syntax,
+    WhenBlock,
 )
 from lagrangia.language.units_written import in_si
 
@@ -29,12 +33,13 @@ _SOURCES = frozenset("""Torque Torque2 ConstantTorque TorqueStep LinearSpeedDepe
     EddyCurrentTorque EddyCurrentForce""".split())
 _OWN = frozenset(("FreeWheel", "HingeFlange", "SliderFlange"))  # which Modelica's library has not
 _BLOCKS = {name: part for part, names in {
-    "Sources": "Constant Step Ramp Sine Cosine Pulse", "Nonlinear": "Limiter",
+    "Sources": "Constant RealExpression Step Ramp Sine Cosine Pulse", "Nonlinear": "Limiter",
     "Math": "Gain Add Add3 Feedback Product Division Abs Sin Cos", "Continuous": "Integrator FirstOrder SecondOrder PI PID",
     }.items() for name in names.split()}
 _TYPES = {own: f"Modelica.Units.SI.{name}" for name, own in reversed(UNITS.items())}
 _FUNCTIONS = frozenset("""sin cos tan asin acos atan atan2 sinh cosh tanh exp log log10 abs sqrt sign min max sum floor ceil mod
-    div rem der noEvent smooth fill zeros ones size pre connect assert""".split())
+    div rem der noEvent smooth fill zeros ones size pre connect assert initial edge change sample reinit terminate
+    integer""".split())
 _WORDS = frozenset("""assert block break class connector constrainedby discrete elsewhen encapsulated enumeration expandable
     external flow impure in inner operator outer pure redeclare replaceable return stream while within""".split())
 _INSTEAD = "lag export --to modelica without --components writes the equations of motion"
@@ -83,9 +88,7 @@ def _edits(definition: ClassDefinition, own: set[str], names: set[str]) -> Itera
     for section in definition.sections:
         if section.kind not in ("equation", "initial"):
             _refuse(f"a section '{section.kind}'", section.span)
-        for clause in section.clauses:
-            if not isinstance(clause, Equality | CallEquation):
-                _refuse("this", clause.span)
+        _require_equations(section.clauses)
     for element in definition.elements:
         if isinstance(element, Extends):
             if element.type_name not in own | BUILTIN_TYPES:
@@ -95,6 +98,24 @@ def _edits(definition: ClassDefinition, own: set[str], names: set[str]) -> Itera
             if element.type_name in FILTERED:
                 yield _made_exact(element)
     yield from _inside((definition.elements, definition.sections), "pi" in names)
+
+
+def _require_equations(clauses: Iterable[Clause]) -> None:
+    """Raises LagError L0901 for what Modelica has not."""
+    for clause in clauses:
+        match clause:
+            case CallEquation(Call("reinit", (rate, *_))) if not isinstance(rate, Reference):
+                _refuse("reinit of what is no variable", clause.span)
+            case Equality() | CallEquation():
+                pass
+            case ForBlock():
+                _require_equations(clause.body)
+            case IfBlock():
+                _require_equations((*clause.then, *clause.otherwise))
+            case WhenBlock():
+                _require_equations((*clause.body, *filter(None, [clause.otherwise])))
+            case _:
+                _refuse("this", clause.span)
 
 
 def _made_exact(element: Declaration) -> tuple[tuple[int, int], str]:

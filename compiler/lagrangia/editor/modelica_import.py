@@ -246,8 +246,9 @@ def _meaning(word: str, aliases: Mapping[str, str], around: Sequence[str]) -> st
         return next((found for full in packages if (found := _of_library(f"{full}.{name}")) is not None), word)
     if name.startswith("Modelica."):
         return _of_library(name)
-    found = next((found for package in around if (found := _of_library(f"{package}.{name}")) is not None), word)
-    return None if found == word and around and head in _PACKAGES else found
+    packages = [*around, *(full for short, full in aliases.items() if short.startswith("*") and full.startswith("Modelica"))]
+    found = next((found for package in packages if (found := _of_library(f"{package}.{name}")) is not None), word)
+    return None if found == word and packages and head in _PACKAGES else found
 
 
 def _of_library(name: str) -> str | None:

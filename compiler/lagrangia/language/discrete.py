@@ -109,7 +109,7 @@ def find_discrete(events: Sequence[Event], variables: Mapping[str, Variable], eq
         resets = _with_new_values(event, bindings)
         if event.is_start:
             names = [x.rate.name for x in resets if x.is_kept and isinstance(x.rate, Ref)]
-            found.variables.update({name: replace(variables[name], is_fixed=False) for name in names})
+            found.variables.update({name: replace(variables[name], start=None, is_fixed=False) for name in names})
             found.initial.extend(Equation(x.rate, _at_start(x.value, variables), x.span, event.component) for x in resets)
             continue
         _warn_of_others(replace(event, resets=resets), given, bindings, report)
