@@ -254,9 +254,10 @@ ASK_THE_KIND = """
 """.split()
 OF_THE_PLANE = {"phi", "xy", "vx", "vy", "reaction_torque"}  # names of components and attributes, where these are no text
 # Beside the table of attributes: symbols on paper, residuals, which are called phi as well, angles of bodies that add up,
-# and hinges in the text of an imported robot.
+# and hinges in the text of an imported robot, or in that of Modelica.
 NAME_THEM = {*PLANAR, "language/frame_attributes", "paper/latex", "paper/notation", "paper/euler_angles", "compile/functions",
-             "dynamics/collected_inertia", "editor/urdf_import", "editor/mjcf_reading"}
+             "dynamics/collected_inertia", "editor/urdf_import", "editor/mjcf_reading",
+             "paper/multibody_walk"}
 RESIDUALS = {"rows", "self", "_parts"}  # whose phi is no angle
 FUNCTIONS = {"ca", "sp", "np", "math", "hy"}  # whose sin is no frame's
 

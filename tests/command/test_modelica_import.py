@@ -118,8 +118,9 @@ def test_components_go_back_to_modelica(tmp_path: Path, monkeypatch: pytest.Monk
     assert "i(J = 3e-07, phi(start = Modelica.Constants.pi/2))" in told
 
 
-@pytest.mark.parametrize("text", ["Block b(m = 1, base = world);", "coordinate Length x;", "Rotational.FreeWheel f(tau = 1);",
-                                  "Real x = norm({1, 2});", "energy potential 1[J];", "model T end T;"])
+@pytest.mark.parametrize("text", [
+    "Rolling r(r = 1, base = world); PointMass m(m = 1, center = r.center);", "coordinate Length x;",
+    "Rotational.FreeWheel f(tau = 1);", "Real x = norm({1, 2});", "energy potential 1[J];", "model T end T;"])
 def test_what_modelica_has_no_component_for_is_refused(text: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (tmp_path / "a.lag").write_text(f"model A {text} end A;", encoding="utf-8")
     assert main(["export", str(tmp_path / "a.lag"), "--to", "modelica", "--components", "-o", "-"]) == 2

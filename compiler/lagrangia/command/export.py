@@ -3,6 +3,7 @@
 import sys
 from argparse import Namespace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from lagrangia.base.diagnostics import LagError, fail
 from lagrangia.base.result_files import write_text
@@ -15,6 +16,9 @@ from lagrangia.command.arguments import (
     tell_warnings,
 )
 from lagrangia.command.scene_export import TARGETS
+
+if TYPE_CHECKING:
+    from lagrangia.model import Model
 
 _WRITTEN = ("modelica", "sympy", "latex")  # with names on paper
 _SIGNS = {"python": "Functions of t, q, v, u, p in SI units", "sympy": "Lagrange's equations: equations[k]",
@@ -31,18 +35,18 @@ def _refuse_idle(options: Namespace) -> None:
 
 
 def _export_components(options: Namespace) -> int:
-    """A drive train in the words of the Modelica Standard Library, as it stands in its file."""
+    """A scene in the words of the Modelica Standard Library: a drive train as its file says, frames by joints and bodies."""
     from lagrangia.compile.sources import read_source
-    from lagrangia.editor.modelica_export import drive_train
-    from lagrangia.editor.reading import read_text
+    from lagrangia.editor.modelica_export import drive_train, has_frames
 
-    if idle := [f"--{name}" for name in ("model", "names", "force", "parameter") if getattr(options, name)]:
-        fail("L0704", f"{idle[0]} has no effect beside --components", None, "the file is written as it stands")
-    text = drive_train(read_source(options.file))
-    wrong = [one for one in read_text(options.file, read_source).diagnostics
-             if one.severity == "error" and one.code != "L0211"]  # a value that only who uses a component can give
-    if wrong:
-        raise LagError(wrong)
+    source = read_source(options.file)
+    in_frames = has_frames(source)
+    for name in ("names", "force") if in_frames else ("model", "names", "force", "parameter"):
+        if getattr(options, name):
+            fail("L0704", f"--{name} has no effect beside --components", None, "the file is written as it stands")
+    text = _multibody(options) if in_frames else drive_train(source)
+    if not in_frames:
+        _require_right(options.file)
     if options.output == "-":
         sys.stdout.write(text)
         return 0
@@ -52,6 +56,37 @@ def _export_components(options: Namespace) -> int:
     write_text(path, text)
     print(f"{path}: {text.count(chr(10))} lines")
     return 0
+
+
+def _require_right(file: Path) -> None:
+    """Raises LagError for what a file says wrong, but for a value that only who uses a component can give."""
+    from lagrangia.compile.sources import read_source
+    from lagrangia.editor.reading import read_text
+
+    if wrong := [one for one in read_text(file, read_source).diagnostics if one.severity == "error" and one.code != "L0211"]:
+        raise LagError(wrong)
+
+
+def _multibody(options: Namespace) -> str:
+    from lagrangia.command.multibody_export import multibody_text
+    from lagrangia.command.scene_export import export_warnings
+
+    model = _model(options)
+    tell(options, model, [warning.render() for warning in export_warnings(model, options.to)])
+    return multibody_text(model)
+
+
+def _model(options: Namespace) -> "Model":
+    """The scene, with its warnings told."""
+    from lagrangia.model import Model
+
+    structural, others = part_structural(options, assignments(options.parameter, "-p"))
+    if others:
+        fail("L0702", f"'{next(iter(others))}' is no structural parameter", None,
+             "other parameters stay open in what is exported")
+    model = Model(options.file, options.model, structural)
+    tell_warnings(options, model)
+    return model
 
 
 def export_command(options: Namespace) -> int:
@@ -65,14 +100,8 @@ def export_command(options: Namespace) -> int:
         return _export_components(options)
     from lagrangia.command.scene_export import export, export_warnings, exported_text
     from lagrangia.fmu.export import identifier_of
-    from lagrangia.model import Model
 
-    structural, others = part_structural(options, assignments(options.parameter, "-p"))
-    if others:
-        fail("L0702", f"'{next(iter(others))}' is no structural parameter", None,
-             "other parameters stay open in what is exported")
-    model = Model(options.file, options.model, structural)
-    tell_warnings(options, model)
+    model = _model(options)
     tell(options, model, [warning.render() for warning in export_warnings(model, options.to)])
     names = named_pairs(options.names or "", "--names")
     if options.output == "-":

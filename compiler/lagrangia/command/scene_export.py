@@ -43,7 +43,7 @@ def export(model: "Model", target: str, path: Path, names: Mapping[str, str] | N
     _require_target(target)
     keep_apart([path], [model.path, *model.scene.notes["files"]])
     if target == "casadi":
-        _require_smooth(model, target)
+        require_smooth(model, target)
         count = _write_casadi(model, path)
         return f"{path}: {count} CasADi functions; casadi.FileDeserializer('{path}').unpack() is a list of them"
     text = exported_text(model, target, names, force)
@@ -57,10 +57,10 @@ def exported_text(model: "Model", target: str, names: Mapping[str, str] | None =
     if target == "casadi":
         fail("L0704", "an export to 'casadi' is no text: it cannot go to standard output", None, "give a file with -o")
     if target in ("python", "modelica"):
-        _require_smooth(model, target)
+        require_smooth(model, target)
     text = {"python": _python, "modelica": _modelica}.get(target, _page)(model, target, names or {}, force)
     if target == "sympy":
-        text = "".join(f"# {remark}\n" for remark in _remarks(model, target)) + text
+        text = "".join(f"# {remark}\n" for remark in remarks(model, target)) + text
     return text if text.endswith("\n") else text + "\n"
 
 
@@ -70,7 +70,7 @@ def _require_target(target: str) -> None:
              f"the targets are {', '.join(TARGETS)}")
 
 
-def _require_smooth(model: "Model", target: str) -> None:
+def require_smooth(model: "Model", target: str) -> None:
     """Raises LagError L0909 where impulses act, which right-hand sides do not tell of."""
     compilation = model.compilation
     refuse_held(compilation.flat, f"the export to {target}")
@@ -107,7 +107,7 @@ def export_warnings(model: "Model", target: str) -> list[Diagnostic]:
                        "", ("an FMU holds what sticks, by events: --to fmu",)) for name in rubbing]
 
 
-def _remarks(model: "Model", target: str) -> list[str]:
+def remarks(model: "Model", target: str) -> list[str]:
     """The same for the file itself, without what would end a text or a comment."""
     told = (re.sub(r'["\\\n]', " ", found.message) for found in export_warnings(model, target))
     return [f"{text}; an FMU has what sticks, and events" for text in told]
@@ -142,9 +142,9 @@ def _modelica(model: "Model", target: str, names: Mapping[str, str], force: bool
     model = model.in_space
     c = model.compilation
     freedom = find_freedom(c.kinematics, c.motion, c.constraints, c.initial, c.functions.table)
-    remarks = [*_remarks(model, target), *(f"left out: {what}" for what in freedom.repeated if freedom.dependent)]
+    told = [*remarks(model, target), *(f"left out: {what}" for what in freedom.repeated if freedom.dependent)]
     book = replace(book, equations=without_rows(book.equations, freedom.dependent))
-    return write_modelica(book, starts(model) | inputs(model), remarks)
+    return write_modelica(book, starts(model) | inputs(model), told)
 
 
 # -------------------------------------------------------------------- CasADi, Python
@@ -210,7 +210,7 @@ def _python(model: "Model", target: str, names: Mapping[str, str], force: bool) 
     head = [f'"""{python_text(title)}.', "",
             "Functions of t, q, v, u, p in SI units, the entries in the order of COORDINATES, INPUTS and PARAMETERS;",
             "scipy.integrate.solve_ivp(slope, (0, 1), START) integrates it.",
-            *_remarks(model, target), '"""', "", "import numpy as np", "",
+            *remarks(model, target), '"""', "", "import numpy as np", "",
             f"COORDINATES = {list(model.position_names)!r}", f"INPUTS = {inputs(model)!r}", f"PARAMETERS = {values!r}",
             f"FOLLOWING = {_following(model, mapping)!r}  # from other parameters: their entries of p are not read",
             f"OUTPUTS = {list(model.output_names)!r}",

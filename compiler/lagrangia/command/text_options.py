@@ -66,7 +66,7 @@ def add_export(parser: ArgumentParser) -> None:
         help="a structural parameter: -p n=3; in an FMU, other ones get this start value")
     add("--names", metavar="NAME=SYMBOL,...", help="symbols of your own, for modelica, sympy and latex")
     add("--components", action="store_true", default=None,
-        help="a drive train with components of the Modelica Standard Library, for modelica")
+        help="a drive train, or joints and bodies, with components of the Modelica Standard Library, for modelica")
     add("--force", action="store_true", help="write even what is too large to read")
     add("--fmi", metavar="VERSION", help="of an FMU: 2 (the default), 3 or both")
     add("--kind", metavar="KIND,...", help="of an FMU: Model Exchange (me), Co-Simulation (cs); both by default")

@@ -8,6 +8,7 @@ from typing import Any
 from lagrangia.base.diagnostics import Source, Span, fail
 from lagrangia.editor.modelica_import import FILTERED, UNITS
 from lagrangia.language.classes import BUILTIN_TYPES
+from lagrangia.language.component_library import library_classes
 from lagrangia.language.syntax import parse
 from lagrangia.language.tree import (
     Argument,
@@ -43,6 +44,14 @@ _FUNCTIONS = frozenset("""sin cos tan asin acos atan atan2 sinh cosh tanh exp lo
 _WORDS = frozenset("""assert block break class connector constrainedby discrete elsewhen encapsulated enumeration expandable
     external flow impure in inner operator outer pure redeclare replaceable return stream while within""".split())
 _INSTEAD = "lag export --to modelica without --components writes the equations of motion"
+
+
+def has_frames(source: Source) -> bool:
+    """Whether a file speaks of frames, or of components of the library that are not in its packages: joints, bodies."""
+    library = library_classes()
+    types = {element.type_name for definition in parse(source).classes for element in definition.elements
+             if isinstance(element, Declaration)}
+    return "Frame" in types or any(library[name].kind in ("model", "partial model") for name in types & {*library})
 
 
 def drive_train(source: Source) -> str:

@@ -24,7 +24,7 @@ from lagrangia.paper.book import Book
 from lagrangia.paper.symbolic import SymbolicScene
 from lagrangia.paper.sympy_script import identifiers
 
-_RESERVED = set("""algorithm and annotation block break class connect connector constant constrainedby der discrete each else
+RESERVED = set("""algorithm and annotation block break class connect connector constant constrainedby der discrete each else
     elseif elsewhen encapsulated end enumeration equation expandable extends external false final flow for function if import
     impure in initial inner input loop model not operator or outer output package parameter partial protected public pure record
     redeclare replaceable return stream then true type when while within time Real Integer Boolean String""".split())
@@ -39,17 +39,17 @@ def write_modelica(book: Book, starts: Mapping[str, float], remarks: Iterable[st
     e, scene = book.equations, book.equations.scene
     model = scene.kinematics.graph.model
     # names as on paper, phi_d and phi_dd for rates and accelerations
-    names = {s: f"{name}_" if name in _RESERVED else name for s, name in identifiers(book).items()} | {scene.t: "time"}
-    printer = _Printer()
+    names = {s: f"{name}_" if name in RESERVED else name for s, name in identifiers(book).items()} | {scene.t: "time"}
+    printer = Printer()
 
     def code(x: Expr) -> str:
         x = _without_given_rates(scene, exact_throughout(x))
         return str(printer.doprint(x.xreplace({s: sp.Symbol(names[s], real=True) for s in x.free_symbols if s in names})))
 
-    lines = [f"model {model.name}{_quoted(model.description)}", *(f"  // {remark}" for remark in remarks)]
+    lines = [f"model {model.name}{quoted(model.description)}", *(f"  // {remark}" for remark in remarks)]
     for p in (p for p in scene.parameters if p.symbol in names):
         value = code(p.formula) if p.formula is not None else repr(book.values[p.name])
-        lines.append(f"  parameter Real {names[p.symbol]}{_unit(p.unit)} = {value}{_quoted(p.description)};")
+        lines.append(f"  parameter Real {names[p.symbol]}{unit_of(p.unit)} = {value}{quoted(p.description)};")
     for label, x in scene.inputs.items():
         lines += [f"  input Real {names[x]}(start = {starts[label]!r}); // {label}"] if x in names else []
     lines += [f"  Real {names[g.symbol]};" for g in scene.given if g.symbol in names]
@@ -85,7 +85,7 @@ def _states(scene: SymbolicScene, names: Mapping[Expr, str], starts: Mapping[str
         states = [(scene.q[k], name, unit), (scene.v[k], told.get(k, f"der({name})"), f"{unit}/s" if unit else "")]
         for s, source, dimension in states[k in scene.turned :]:
             start = f"start = {starts[source]!r}, fixed = true"
-            lines.append(f"  Real {names[s]}({start}{f', unit = {_text(dimension)}' if dimension else ''}){_quoted(source)};")
+            lines.append(f"  Real {names[s]}({start}{f', unit = {_text(dimension)}' if dimension else ''}){quoted(source)};")
         lines.append(f"  Real {names[scene.a[k]]};")
     return lines
 
@@ -93,7 +93,7 @@ def _states(scene: SymbolicScene, names: Mapping[Expr, str], starts: Mapping[str
 def _attitudes(scene: SymbolicScene, names: Mapping[Expr, str], starts: Mapping[str, float]) -> list[str]:
     """Quaternions, the real part first."""
     told = [(part, f"{turning.name}[{k}]") for turning in scene.turnings for k, part in enumerate(turning.parts, 1)]
-    return [f"  Real {names[part]}(start = {starts[source]!r}, fixed = true){_quoted(source)};" for part, source in told]
+    return [f"  Real {names[part]}(start = {starts[source]!r}, fixed = true){quoted(source)};" for part, source in told]
 
 
 def _turns(scene: SymbolicScene, names: Mapping[Expr, str], steps: list[Expr], closing: Expr,
@@ -149,7 +149,8 @@ def _without_given_rates(scene: SymbolicScene, x: Expr) -> Expr:
     return x.xreplace(known) if known else x
 
 
-def _unit(unit: str) -> str:
+def unit_of(unit: str) -> str:
+    """As a modification."""
     return f"(unit = {_text(unit)})" if unit else ""
 
 
@@ -157,7 +158,8 @@ def _text(words: str) -> str:
     return '"' + words.replace("\\", "\\\\").replace('"', '\\"') + '"'
 
 
-def _quoted(words: str) -> str:
+def quoted(words: str) -> str:
+    """As a description behind a declaration."""
     return f" {_text(words)}" if words else ""
 
 
@@ -165,7 +167,7 @@ def _is_long(x: Expr) -> bool:
     return bool(max(abs(x.p), x.q) > _MOST)
 
 
-class _Printer(StrPrinter):  # type: ignore[misc]
+class Printer(StrPrinter):  # type: ignore[misc]
     """Modelica's operators and functions."""
 
     def _print_Pow(self, e: Expr, rational: bool = False) -> str:

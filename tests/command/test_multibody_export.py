@@ -1,0 +1,116 @@
+"""`lag export --to modelica --components` of scenes with frames: joints, bodies and forces of Modelica.Mechanics.MultiBody.
+
+The lines that are asserted were read by a Modelica compiler with the Modelica Standard Library: the motion was ours within 4e-8.
+"""
+
+import re
+from pathlib import Path
+
+import pytest
+
+import lagrangia as lag
+from helpers.symbolic_scenes import EXAMPLES
+from lagrangia.base.diagnostics import LagError
+from lagrangia.command.cli import WRONG, main
+from lagrangia.command.multibody_export import multibody_text
+
+MIXED = """model Mixed
+  parameter Stiffness k = 40;
+  World world(gravity = {0, 0, -9.81});
+  Revolute hinge(a = world, axis = {0, 2, 0}, phi(start = 0.3), w(start = 0.1));
+  Prismatic slider(a = hinge.b, along = {0, 0, 1}, s(start = 0.4));
+  Body bob(m = 2, I = {{0.1, 0.01, 0}, {0.01, 0.2, 0}, {0, 0, 0.3}}, center = slider.b);
+  Spring spring(k = k, s_rel0 = 0.5, a = shift(world, {1, 0, 0}), b = bob.center);
+  SpringDamper both(k = 5, c = 2, s_rel0 = 0.2, a = world, b = bob.center);
+  DuffingSpring hard(k = 3, k3 = 7, s_rel0 = 0.1, a = shift(world, {0, 1, 0}), b = bob.center);
+  TorsionSpring twist(k = 6, a = world, b = hinge.b);
+  AppliedForce push(at = bob.center, force = {0, 3*sin(2[rad/s]*time), 0});
+  BodyForce jet(at = bob.center, force = {0, 0, 4});
+  AppliedTorque turn(on = bob.center, torque = {0, 0.5, 0});
+energy
+  dissipation 0.3*slider.v^2/2;
+end Mixed;
+"""
+
+
+def written(text: str) -> str:
+    return multibody_text(lag.loads(text))
+
+
+def parts(text: str) -> dict[str, str]:
+    """The modifications of each component, by its class and name."""
+    found = re.findall(r"^  (?:inner )?Modelica\.Mechanics\.(?:MultiBody\.)?([\w.]+) (\w+)(?:\((.*)\))?;$", text, re.MULTILINE)
+    return {f"{kind} {name}": given for kind, name, given in found}
+
+
+def test_joints_bodies_and_forces() -> None:
+    """Springs and dampers by their formulas, everything else by what it states."""
+    text = written(MIXED)
+    known = parts(text)
+    assert known["World world"] == "n = {0.0, 0.0, -1.0}, g = 9.81"
+    assert known["Joints.Revolute hinge"] == "n = {0, hinge_axis_2, 0}, useAxisFlange = true, phi(start = 0.3, fixed = true), " \
+        "w(start = 0.1, fixed = true)"
+    assert known["Joints.Prismatic slider"] == "n = {0, 0, 1}, useAxisFlange = true, s(start = 0.4, fixed = true), " \
+        "v(start = 0.0, fixed = true)"
+    assert known["Parts.Body bob"] == "m = bob_m, r_CM = {0, 0, 0}, I_11 = 1/10, I_22 = 1/5, I_33 = 3/10, I_21 = 1/100"
+    assert known["Forces.Spring spring"] == "c = k, s_unstretched = spring_s_rel0"
+    assert known["Forces.SpringDamperParallel both"] == "c = both_k, s_unstretched = both_s_rel0, d = both_c"
+    assert known["Forces.LineForceWithMass hard"] == "m = 0"
+    assert known["Rotational.Sources.Torque hinge_drive"] == "useSupport = true"
+    assert known["Translational.Sources.Force slider_drive"] == "useSupport = true"
+    axes = ", ".join(f"4*slider.frame_b.R.T[3, {k}]" for k in (1, 2, 3))
+    for line in ("hinge_drive.tau = -hinge.phi*twist_k;", "slider_drive.f = -3*slider.v/10;", f"jet_force.force = {{{axes}}};",
+                 "push_force.force = {0, 3*sin(2*time), 0};", "connect(hinge_drive.support, hinge.support);",
+                 "hard_force.f = -hard_k*(2*hard.length - 2*hard_s_rel0)/2 - hard_k3*(hard.length - hard_s_rel0)^3;"):
+        assert line in text
+    assert "turn_torque.torque = {0, 1/2, 0};" in text
+
+
+def test_attitudes_begin_by_angles() -> None:
+    """The spin in the axes of what carries the ball joint: R of 30 degrees about x times {0, 0, 200}."""
+    known = parts(multibody_text(lag.load(EXAMPLES / "top.lag")))
+    given = known["Joints.Spherical tip"]
+    angles, spin = (list(map(float, x.split(", "))) for x in re.findall(r"start = \{(.*?)\}", given))
+    assert angles == pytest.approx([0.5235987755982988, 0, 0]) and spin == pytest.approx([0, -100, 173.20508075688775])
+    assert "enforceStates = true" in given and "angles_fixed = true, w_rel_a_fixed = true" in given
+
+
+def test_planar_loops_have_one_planar_hinge() -> None:
+    """And as many fixed starts as freedoms."""
+    text = multibody_text(lag.load(EXAMPLES / "four_bar.lag"))
+    assert text.count("RevolutePlanarLoopConstraint") == 1 and text.count("fixed = true") == 2
+
+
+def test_loops_in_space_keep_their_joints() -> None:
+    """Of the rod between two balls, one turn about itself is free, besides the crank."""
+    text = multibody_text(lag.load(EXAMPLES / "spatial_four_bar.lag"))
+    assert text.count("Joints.Spherical") == 2 and text.count("(start = ") == 4 and text.count("fixed = true") == 2
+    initial = text.partition("initial equation\n")[2].partition("equation\n")[0]
+    assert len(initial.splitlines()) == 2 and "near_gap[" in initial and "near_spin[" in initial
+
+
+@pytest.mark.parametrize(("name", "said"), [
+    ("bricard", "the loop world - p1 - r1"), ("rolling_disc_space", "the equation 'rolling'"),
+    ("torsion_rotor", "'shaft.b.phi'"), ("gear_train", "what 'air' states of attitudes")])
+def test_what_multibody_has_not_is_refused_by_name(name: str, said: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["export", str(EXAMPLES / f"{name}.lag"), "--to", "modelica", "--components", "-o", "-"]) == WRONG
+    told = capsys.readouterr()
+    assert said in told.err and "L0901" in told.err and not told.out
+
+
+def test_the_command_chooses_by_what_the_file_speaks_of(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Drive trains are still written as they stand."""
+    assert main(["export", str(EXAMPLES / "furuta.lag"), "--to", "modelica", "--components", "-o", str(tmp_path / "f.mo")]) == 0
+    assert "MultiBody.Joints.Revolute swinging(" in (tmp_path / "f.mo").read_text(encoding="utf-8")
+    train = ("model D\n  Rotational.Inertia a(J = 1);\n  Rotational.Fixed f;\n  Rotational.Spring s(c = 2);\nequation\n"
+             "  connect(f.flange, s.flange_a);\n  connect(s.flange_b, a.flange_a);\nend D;\n")
+    (tmp_path / "d.lag").write_text(train, encoding="utf-8")
+    assert main(["export", str(tmp_path / "d.lag"), "--to", "modelica", "--components", "-o", "-"]) == 0
+    assert "Modelica.Mechanics.Rotational.Components.Spring s(c = 2);" in capsys.readouterr().out
+
+
+def test_what_reads_attitudes_is_refused() -> None:
+    with pytest.raises(LagError, match=r"damping.*omega|omega"):
+        written("model S\n  World world(gravity = {0, 0, -9.81});\n  Spherical tip(a = world);\n"
+                "  Body b(m = 1, I = {1, 1, 1}, center = shift(tip.b, {0, 0, 1}));\nenergy\n"
+                "  dissipation 0.1*dot(b.center.omega, b.center.omega)/2;\nend S;\n")
