@@ -6,6 +6,7 @@ two sides of a hinge: each pair of frames has a variable that is bound to the an
 import math
 from collections import deque
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from typing import Protocol
 
 from lagrangia.base.diagnostics import LagError, Report, Span, fail
@@ -21,6 +22,7 @@ _PARALLEL = 1e-12  # sine of the angle between axes that are told as parallel
 _Vector = tuple[float, float, float]
 _Z: _Vector = (0.0, 0.0, 1.0)
 _MOVING = frozenset({"coordinate", "input", "held", "delayed"})
+_DECIDES = "part of an axis that decides how the angles of several hinges add up"  # of parameters, why they stay
 _INSTEAD = "give it the two sides of a hinge, as a = hinge.a, b = hinge.b; or bind the angle, as twist = hinge.phi, or its rate"
 _OF_BALLS = "hold it by torques about its axes, work {Mx, My, Mz} on b.attitude, or by springs between points beside its centre"
 
@@ -65,8 +67,8 @@ class Flattening(Protocol):
 
 
 def hinge_angles(flat: Flattening) -> dict[str, Variable]:
-    """The variables that stand for the calls. Reports L0221 where no hinges about parallel axes join the frames,
-    of what the library calls where its component is."""
+    """The variables that stand for the calls, and parameters that no run can change, for they decided how. Reports L0221 where
+    no hinges about parallel axes join the frames, of what the library calls where its component is."""
     found: dict[str, Variable] = {}
     calls = flat.names.turned
     ways = _Ways(flat.frame_equations, flat.variables) if calls else None
@@ -80,6 +82,10 @@ def hinge_angles(flat: Flattening) -> dict[str, Variable]:
             flat.report.add(error.diagnostics)
             continue
         found[name] = Variable(name, "variable", (), "rad", "deg", angle, None, False, None, None, False, "", call.span)
+    for name in ways.deciding if ways is not None else ():
+        variable = flat.variables[name]
+        if variable.kind == "parameter" and not variable.locked:
+            found[name] = replace(variable, locked=_DECIDES)
     return found
 
 
@@ -88,6 +94,7 @@ class _Ways:
 
     def __init__(self, joints: Iterable[FrameEquation], variables: Mapping[str, Variable]) -> None:
         self.variables, self.bindings = variables, {name: v.binding for name, v in variables.items()}
+        self.deciding: dict[str, None] = {}  # what axes depend on by which angles of several hinges were added up
         self.ahead: dict[str, list[tuple[str, tuple[Step, ...]]]] = {}
         for joint in joints:
             parent, child, steps = between(joint.left, joint.right)
@@ -104,6 +111,9 @@ class _Ways:
             fail("L0221", f"no hinge is {told}: {why}", span, _INSTEAD)
         if any(self._is_attitude(turns[k]) for k in hinges):
             fail("L0221", f"a ball joint is {told}: no one angle says how it is turned", span, _OF_BALLS)
+        if len(turns) > 1:
+            axes = leaves([step.axis for step in turns if step.axis is not None], self.bindings)
+            self.deciding |= dict.fromkeys(leaf.name for leaf in axes if isinstance(leaf, Ref) and leaf.name in self.variables)
         axis, total = self._axis(turns[hinges[0]]), None
         sides = [1 if k == hinges[0] else _side(axis, self._axis(step)) for k, step in enumerate(turns)]
         if 0 in sides[hinges[0] : hinges[-1] + 1]:
