@@ -13,8 +13,6 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import IO, Any, Self
 
-import orjson
-
 from lagrangia.base.diagnostics import fail
 
 
@@ -186,6 +184,8 @@ def cells(values: Sequence[float | None]) -> str:
 
 def written(values: Sequence[float | None]) -> bytes:
     """Numbers with commas between them; null where there is no finite one."""
+    import orjson  # which loads a dozen modules: for rows alone
+
     np = sys.modules.get("numpy")  # by which it takes half as long, and which is not loaded for that
     if np is not None and isinstance(values, array):
         return orjson.dumps(np.frombuffer(values), option=orjson.OPT_SERIALIZE_NUMPY)[1:-1]

@@ -10,8 +10,6 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
-import orjson
-
 from lagrangia.base.diagnostics import fail
 from lagrangia.base.result_files import Target, quoted, require_parquet, written
 from lagrangia.run.scene import Scene
@@ -112,6 +110,8 @@ def csv_lines(values: Sequence[float], shown: int, empty: EmptyCells) -> Iterato
 
 def json_lines(values: Sequence[float], names: Sequence[str], empty: EmptyCells) -> Iterator[bytes]:
     """The same as objects, {"time":0.0,...}; what has no finite value is null."""
+    import orjson
+
     for k in range(0, len(values), len(names) + ENERGIES):
         line = orjson.dumps(dict(zip(names, values[k : k + len(names)], strict=True)))
         if b":null" in line:
