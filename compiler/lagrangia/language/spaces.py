@@ -72,7 +72,13 @@ def turn_of_plane(call: Call[Flat]) -> Call[Flat]:
     base, angle, axis = call.arguments
     side = along_z(axis)
     if side is None:
-        leave_plane(call.span, f"it turns about the axis {axis.span.text}")
+        leave_plane(call.span, f"it turns about the axis {_written(axis)}")
     if side < 0:
         angle = Number(-angle.value, angle.unit, angle.span) if isinstance(angle, Number) else Unary("-", angle, angle.span)
     return Call("turn", (base, angle), (), call.span)
+
+
+def _written(axis: Flat) -> str:
+    """Its numbers where they are known: a structural value is marked where it is used, by its name."""
+    numbers = [fold(item) for item in axis.items] if isinstance(axis, Array) else [None]
+    return axis.span.text if None in numbers else "{" + ", ".join(f"{x:g}" for x in numbers if x is not None) + "}"
