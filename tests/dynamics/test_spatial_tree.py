@@ -42,7 +42,17 @@ DRIVEN = f"""
   Frame geared = turn(shift(world, {{1, 0, 0}}), 2*phi);
   Body b4(center = shift(geared, {{0.2, 0, 0}}), {BODY});
 """
-SCENES = {"hinges and sliders": HINGES, "loads": HINGES + LOADS, "moved by time, along a wire, geared": DRIVEN}
+SCREWS = f"""
+  World world(gravity = {{0.3, -0.2, -9.81}});
+  Revolute j1(a = world, axis = {{0, 1, 0}});
+  Screw s1(a = turn(shift(j1.b, {{0.2, 0, 0.4}}), 0.3, {{1, 0, 0}}), axis = {{0.3, -0.2, 0.5}}, pitch = 0.7);
+  Screw s2(a = shift(s1.b, {{0.1, 0.2, 0}}), axis = {{0, 0, -1}}, pitch = -0.4);
+  Revolute j2(a = shift(s2.b, {{0.1, 0, 0}})), j3(a = shift(s1.b, {{0, 0.1, 0}}), axis = {{0, 1, 1}});
+  Body b1(center = shift(j1.b, {{0.1, 0.05, 0.2}}), {BODY}), b2(center = shift(s1.b, {{0.3, 0, 0.01}}), {BODY});
+  Body b3(center = shift(s2.b, {{0.1, 0.2, 0.3}}), {BODY}), b4(center = shift(j2.b, {{0.1, 0.02, 0.3}}), {BODY});
+  Body b5(center = shift(j3.b, {{0.1, 0.02, 0.3}}), {BODY});
+"""
+SCENES = {"hinges and sliders": HINGES, "screws": SCREWS, "loads": HINGES + LOADS, "moved by time, along a wire, geared": DRIVEN}
 
 
 def compiled(folder: Path, text: str) -> Compilation:
@@ -92,11 +102,18 @@ energy
     assert np.abs(M @ along + h).max() <= 1e-12 * np.abs(h).max()
 
 
-def test_a_coordinate_that_turns_and_shifts_is_left_to_the_mass_matrix(tmp_path: Path) -> None:
-    screw = f"  Screw screw(a = world, pitch = 0.1);\n  Body body(center = shift(screw.b, {{0.1, 0, 0}}), {BODY});\n"
+def test_a_coordinate_that_turns_and_shifts_aslant_is_left_to_the_mass_matrix(tmp_path: Path) -> None:
+    moved = "  coordinate Angle phi;\n  Frame b = turn(shift(world, {0.1[m]*phi, 0, 0.1[m]*phi}), phi, {1, 0, 0});\n"
+    body = f"  Body body(center = shift(b, {{0.1, 0, 0}}), {BODY});\n"
     other = "  Revolute j(a = world, axis = {1, 0, 0});\n  Body other(center = j.b, m = 1, I = {1, 1, 1});\n"
-    made = compiled(tmp_path, screw + other)
+    made = compiled(tmp_path, moved + body + other)
     assert articulate(made.kinematics, made.motion.bodies) is None
+
+
+def test_a_screw_costs_about_what_a_hinge_does(tmp_path: Path) -> None:
+    made = [compiled(tmp_path, text).scene.notes["acceleration_nodes"]
+            for text in (SCREWS, SCREWS.replace("Screw", "Revolute").replace(", pitch = 0.7", "").replace(", pitch = -0.4", ""))]
+    assert made[0] <= made[1] + 2 * 150
 
 
 @pytest.mark.parametrize("n", [10, 20])

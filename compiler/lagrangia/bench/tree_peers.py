@@ -181,6 +181,8 @@ def in_numbers(joints: Sequence[SpatialJoint], value: Callable[[Any], float]) ->
     for joint in joints:
         if joint.kind == "turn" and [value(x) for x in joint.slopes] != [1.0]:
             raise Unfit("hinges that turn by more than one coordinate, or a multiple of it, are not given to peers")
+        if joint.travel:
+            raise Unfit("screws are not given to peers")
         body = joint.body
         if body is not None:
             J = [[value(body.second_moment[min(i, j)][max(i, j)]) for j in range(3)] for i in range(3)]

@@ -42,7 +42,8 @@ _EXACT = 4e-16  # what differs less from 0, 1 or -1 is that number: cos(pi/2) is
 class SpatialJoint:
     """A joint in space: in the parent's frame at the end of a constant pose, the frame behind it turned or shifted.
 
-    kind "turn": about `axis` by `amount`, with the rate and the second derivative that `motion` tells; "shift": by the vector
+    kind "turn": about `axis` by `amount`, with the rate and the second derivative that `motion` tells, and of a screw along it by
+    `travel`: a length, its rate, its second derivative and its slope by the coordinate; "shift": by the vector
     `ahead`, likewise; "rotation": to the axes that are the columns of `attitude`, with the angular velocity and its rate in them.
     Second derivatives are those at dv/dt = 0.
     """
@@ -59,6 +60,7 @@ class SpatialJoint:
     attitude: Matrix = SAME
     motion: tuple[Sequence[Scalar], Sequence[Scalar]] = (STILL, STILL)  # (1,) of a turn
     body: RigidInertia | None = None  # in the frame behind it
+    travel: Sequence[Scalar] = ()
 
 
 @dataclass(frozen=True)
@@ -126,6 +128,10 @@ class _Layout:
             moves, own, sign = self._follow(joint, seat) if self.follows[k] else self._tilt(k, joint, seat)
             directions = [[*STILL, 0.0, 0.0, times(sign, slope)] for slope in joint.slopes]
             spin, spin_rate = ([0.0, 0.0, times(sign, x[0])] for x in joint.motion)
+            if joint.travel:
+                *along, slope = joint.travel
+                moves = (*moves, Shift(*([0.0, 0.0, x] for x in along)))
+                directions = [[0.0, 0.0, slope, *turning[3:]] for turning in directions]
         pairs = tuple(zip(joint.coordinates, directions, strict=False))  # of no coordinate where time moves it
         self.links.append(Link(joint.parent, moves, pairs, spin, spin_rate))
         self.seats.append(own)
@@ -135,14 +141,14 @@ class _Layout:
         joint, own = self.joints[k], self.seats[k]
         seat = self.seats[joint.parent] if joint.parent is not None else Seat(None)
         centre = added(seat.origin, product(seat.G, joint.origin))
-        if joint.kind != "turn":
-            return Meeting(joint.parent, joint.kind, centre)
+        if joint.kind != "turn" or joint.travel:
+            return Meeting(joint.parent, "screw" if joint.travel else joint.kind, centre)
         axis = SAME[2] if self.follows[k] else product(_product(seat.G, joint.R), joint.axis)
         return Meeting(joint.parent, joint.kind, centre, axis, own.origin[2])
 
     def _is_parallel(self, joint: SpatialJoint) -> bool:
         """Whether a hinge is parallel to the hinge that its parent is, whatever the parameters."""
-        if joint.parent is None or joint.kind != "turn" or self.joints[joint.parent].kind != "turn":
+        if joint.parent is None or joint.kind != "turn" or joint.travel or self.joints[joint.parent].kind != "turn":
             return False
         before, own = self.joints[joint.parent].axis, _snapped(product(joint.R, joint.axis))
         if all(isinstance(x, float) for x in (*before, *own)):

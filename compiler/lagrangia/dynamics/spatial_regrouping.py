@@ -22,8 +22,9 @@ _OF_MOMENT = (0, 13, 26, 36)
 
 @dataclass(frozen=True)
 class Meeting:
-    """A joint where it meets its parent's link: `kind` as of SpatialJoint, centre and axis in the axes in which the parent's body
-    is constant; `ahead`: of the centre along the axis, from the origin of its own link."""
+    """A joint where it meets its parent's link: `kind` as of SpatialJoint, or "screw", which feels all of its body; centre and
+    axis in the axes in which the parent's body is constant; `ahead`: of the centre along the axis, from the origin of its own
+    link."""
 
     parent: int | None
     kind: str
@@ -39,7 +40,9 @@ def regrouped(meetings: Sequence[Meeting], bodies: Sequence[RigidInertia | None]
     for k in reversed(range(len(found))):
         body, at = found[k], meetings[k]
         carrier = found[at.parent] if at.parent is not None else None
-        if body is None or body.is_nothing or handed[k] >= _MOST_HANDED or (at.parent is not None and carrier is None):
+        if body is None or body.is_nothing or at.kind == "screw" or handed[k] >= _MOST_HANDED:
+            continue
+        if at.parent is not None and carrier is None:
             continue
         kept, given = _split(body, at)
         if carrier is None:

@@ -10,7 +10,7 @@ from dataclasses import replace
 
 import casadi as ca
 
-from lagrangia.algebra.duals import Dual, Scalar, added, base_of, is_zero, minus, plus, rate_of, times, value_of
+from lagrangia.algebra.duals import Dual, Scalar, added, base_of, dot, is_zero, minus, plus, rate_of, times, value_of
 from lagrangia.algebra.scalars import scalars_in
 from lagrangia.base.records import dataclass
 from lagrangia.dynamics.bodies import Bodies
@@ -185,14 +185,17 @@ class SpatialBodies:
 
     def _vanish(self, left: Sequence[Scalar], beside: Sequence[Scalar]) -> bool:
         """Whether they are 0 whatever the parameters, tried with numbers, and depend on nothing that moves."""
-        table = ca.horzcat(ca.vertcat(*left), ca.vertcat(*beside))
         moving = ca.vertcat(self.kinematics.algebra.state, self.kinematics.symbols.time)
-        if ca.depends_on(table, moving):
-            return False
-        free = ca.symvar(table)
-        values = ca.DM([0.7 + 0.31 * (k % 17) for k in range(len(free))])
-        found = abs((ca.Function("field", [ca.vertcat(*free)], [table])(values) if free else ca.evalf(table)).full())
-        return bool(found[:, 0].max() <= _SAME_FIELD * found[:, 1].max())
+        return not ca.depends_on(ca.SX(ca.vertcat(*left, *beside)), moving) and _is_rounding(left, beside)
+
+
+def _is_rounding(left: Sequence[Scalar], beside: Sequence[Scalar]) -> bool:
+    """Whether numbers are 0 whatever their symbols are, tried with numbers, as rounding of others lets them be."""
+    table = ca.SX(ca.vertcat(*left, *beside))
+    free = ca.symvar(table)
+    values = ca.DM([0.7 + 0.31 * (k % 17) for k in range(len(free))])
+    found = abs((ca.Function("field", [ca.vertcat(*free)], [table])(values) if free else ca.evalf(table)).full()).ravel()
+    return bool(found[: len(left)].max() <= _SAME_FIELD * found[len(left) :].max())
 
 
 def articulate_in_space(kinematics: Kinematics, bodies: Bodies) -> SpatialBodies | None:
@@ -206,7 +209,7 @@ def articulate_in_space(kinematics: Kinematics, bodies: Bodies) -> SpatialBodies
     moved = Counter(index for joint in found.joints for index in joint.coordinates)
     graph = kinematics.graph
     is_whole = len(moved) >= len(graph.coordinates) - len(graph.model.states) - len(graph.kept_coordinates)
-    if not (found.is_known and is_whole) or any(count > 1 for count in moved.values()):  # a screw turns and shifts by one
+    if not (found.is_known and is_whole) or any(count > 1 for count in moved.values()):
         return None
     try:
         return SpatialBodies(kinematics, bodies, found.with_bodies(), found.places)
@@ -304,8 +307,23 @@ class _Finding:
         axis = unit_axis(step, self.kinematics.evaluator.value(step.axis) if step.axis is not None else None, algebra)
         joint = SpatialJoint(place.joint, "turn", place.R, place.origin, tuple(slopes), [x for (x,) in slopes.values()], axis,
                              angle, motion=((rate,), (second,)))
+        if (shift := self._travel(joint, place)) is not None:
+            travel = [dot([*axis], x) for x in (shift.ahead, *shift.motion, shift.slopes[0])]
+            joint = replace(joint, parent=shift.parent, R=shift.R, origin=shift.origin, travel=travel)
+            self.joints.pop()
         self.joints.append(joint)
         return _Place(len(self.joints) - 1)
+
+    def _travel(self, turn: SpatialJoint, place: _Place) -> SpatialJoint | None:
+        """The shift just ahead of a turn by the same coordinate, along its axis: both are a screw."""
+        shift = self.joints[-1] if self.joints and place.joint == len(self.joints) - 1 else None
+        if shift is None or shift.kind != "shift" or len(turn.coordinates) != 1 or shift.coordinates != turn.coordinates:
+            return None
+        if place.R is not SAME or place.origin is not STILL:
+            return None
+        ways = [shift.ahead, *shift.motion, shift.slopes[0]]
+        across = [x for way in ways for x in cross(turn.axis, way)]
+        return shift if _is_rounding(across, [x for way in ways for x in way]) else None
 
 
 def _levels(x: Scalar) -> tuple[Scalar, Scalar, Scalar]:
