@@ -222,7 +222,7 @@ void lag_batch_conclude(LagBatch *batch, LagFollower *f, int64_t i, LagStatus st
     const LagStatistics *statistics = lag_run_statistics(f->run);
     for (size_t k = rows_size(batch, f->next_row); k < rows_size(batch, batch->sweep.n_rows); ++k)
         f->rows[k] = NAN;
-    outcome->warned = warned_of(f->run);
+    outcome->warned = outcome->kind == LAG_RUN_PARAMETER ? 0 : warned_of(f->run); /* of what did not start: of another run */
     if (outcome->kind == LAG_RUN_DONE && status != LAG_OK)
         tell_failure(f->run, status, outcome);
     if (outcome->kind != LAG_RUN_PARAMETER) {

@@ -13,7 +13,7 @@ from lagrangia.base.folders import data_folder
 from lagrangia.native.build import find_compiler
 from lagrangia.native.c_code import write_c
 from lagrangia.native.prebuilt import FLAGS, flags_of, kind_here, sources
-from lagrangia.run.batch import Batch, Lanes
+from lagrangia.run.batch import Batch, Ending, Lanes
 from lagrangia.run.engines import load_engine
 from lagrangia.run.request import Request
 from lagrangia.study.sweep.measures import quantities, read_measures
@@ -114,6 +114,21 @@ equation
   when hinge.w > 7.2 then terminate("fast enough"); end when;
 end Guarded;
 """
+
+
+def test_a_run_whose_parameter_is_none_has_no_warning_of_another() -> None:
+    """It had those of the run that was in its place before, and so depended on its company."""
+    model = lag.loads(GUARDED.replace("parameter Angle most = 1.5;", "parameter Angle most = 9; parameter Mass m(min = 0) = 1;")
+                      .replace("Bar      bar(m = 1", "Bar      bar(m = m"))
+    masses = np.where(np.arange(40) % 4 == 3, -1.0, 1.0)
+    for in_lanes in (True, False):
+        request = Request(stop=3.0, tolerance=1e-6, parameters={"m": masses})
+        suited, job = model.prepared_for(read_measures("final(hinge.phi)"), request, Design())
+        values = job.variations.values(0, job.runs)
+        apart = replace(job, sweep=replace(job.sweep, in_lanes=in_lanes))
+        _, outcomes, _ = advanced(suited, apart, values)
+        assert ((outcomes["kind"] == Ending.PARAMETER) == (masses < 0)).all()
+        assert ((outcomes["warned"] != 0) == (masses > 0)).all()
 
 
 def test_runs_that_a_guard_ends_are_made_alone() -> None:
