@@ -286,6 +286,8 @@ WRONG = {
     "mixed units": (["-p", "L=1,2[mm]"], "some of the numbers have a unit"),
     "wrong unit": (["-p", "L=1[kg],2[kg]"], "L0712"),
     "no number": (["-p", "L=short,long"], "is no number"),
+    "another name": (["-p", "m=uniform(1,2),L=3"], "'L' is another name"),
+    "distribution in a list": (["-p", "m=1,uniform(1,2)"], "uniform(...) stands alone"),
     "unknown distribution": (["-p", "L=gauss(1,2)", "--samples", "3"], "there is no 'gauss'"),
     "negative deviation": (["-p", "L=normal(1,-2)", "--samples", "3"], "deviation > 0"),
     "arguments": (["-p", "L=normal(1)", "--samples", "3"], "takes 2 numbers"),
@@ -316,6 +318,15 @@ def test_wrong_input_is_told(arguments: str, run: Run) -> None:
     assert code == 2, said
     assert told in said
     assert not list(Path().glob("*.csv*"))
+
+
+def test_vectors_are_swept(run: Run) -> None:
+    """As `lag help sweep` has them: a list of them was read as one vector (L0706)."""
+    code, said = run("pendulum.lag", "-p", "world.gravity={0,-9.81},{0,-1.62}", "--stop", "0.1", "-o", "x.csv")
+    assert code == 0, said
+    rows = Path("x.csv").read_text().splitlines()
+    assert rows[0].startswith("run,world.gravity[1],world.gravity[2]")
+    assert [row.split(",")[:3] for row in rows[1:]] == [["0", "0.0", "-9.81"], ["1", "0.0", "-1.62"]]
 
 
 def test_ranges_that_do_not_meet_their_ends_are_told(run: Run) -> None:

@@ -31,7 +31,7 @@ from lagrangia.study.sweep.plan import Design, Job
 from lagrangia.study.sweep.progress import Bar
 from lagrangia.study.sweep.run import require_place, run_job
 from lagrangia.study.sweep.table import Sweep
-from lagrangia.study.sweep.values import names_of_runs, range_remarks
+from lagrangia.study.sweep.values import is_single, names_of_runs, range_remarks
 from lagrangia.view.curves import require_format
 
 _MOST_SHOWN = 12  # measures in the summary
@@ -72,7 +72,7 @@ def _folder(target: str) -> Path:
 def _prepare(options: Namespace) -> tuple[Model, Job]:
     measures = read_measures(options.outputs or "")
     given = dict(assignments(options.parameter, "-p"))
-    single = [(name, text) for name, text in given.items() if not any(c in text for c in ",:(") or "{" in text]
+    single = [(name, text) for name, text in given.items() if is_single(text)]
     model = load_model(options, single, quantities(measures))
     scene = model.scene
     varied = {name: text for name, text in given.items() if name not in model.structural}

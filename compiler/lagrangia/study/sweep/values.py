@@ -13,7 +13,7 @@ from statistics import NormalDist
 from typing import TYPE_CHECKING, Any
 
 from lagrangia.base.attitude_values import read_attitude, turn_of
-from lagrangia.base.cutting import cut_list, split_list
+from lagrangia.base.cutting import cut_list
 from lagrangia.base.diagnostics import fail, suggest
 from lagrangia.base.records import dataclass
 from lagrangia.base.result_files import open_with_care
@@ -27,6 +27,7 @@ ATTITUDE = "attitude"  # the unit of start values of attitudes
 MOST_RUNS = 100_000_000
 _MOST_VALUES = 10_000_000  # of one name
 _CALL = re.compile(r"(\w+)\((.*)\)")
+_NAMED = re.compile(r"\s*([A-Za-z_][\w.\[\]]*)\s*=")
 
 
 @dataclass(frozen=True)
@@ -162,12 +163,24 @@ def read_variation(name: str, text: str, unit: str) -> "np.ndarray | Distributio
             return _called(name, match[1], cut_list(match[2]), text, unit)
         if ":" in items[0]:
             return _range(name, items[0], unit)
+    _are_values(name, items, text)
     values = [_read(name, item, unit) for item in items]
     _same_units(name, items, text, unit)
     widths = {len(value) if isinstance(value, list) else 0 for value in values}
     if len(widths) != 1:
         fail("L0712", f"{name} = {text}: the values must all be numbers, or vectors of the same size")
     return np.array(values, dtype=np.float64)
+
+
+def _are_values(name: str, items: Sequence[str], whole: str) -> None:
+    """In `1,k=5` another name begins, and `1,uniform(0,1)` is no list: what may be of random values is one for each run."""
+    for item in items:
+        if named := _NAMED.match(item):
+            fail("L0712", f"{name} = {whole}: '{named[1]}' is another name", None,
+                 f"each name has an option of its own: -p {name}=... -p {named[1]}=..., or --initial {named[1]}=...")
+    for item in items:
+        if (call := _CALL.fullmatch(item)) and (call[1] in _DISTRIBUTIONS or call[1] in _SPACES):
+            fail("L0712", f"{name} = {whole}: {call[1]}(...) stands alone, in no list")
 
 
 def read_attitudes(name: str, given: Any) -> "tuple[np.ndarray, bool]":
@@ -189,9 +202,9 @@ def read_attitudes(name: str, given: Any) -> "tuple[np.ndarray, bool]":
 
 
 def is_single(text: str) -> bool:
-    """One value, and no list, range or call that happens to give one."""
-    items = split_list(text)
-    return len(items) == 1 and ":" not in items[0] and _CALL.fullmatch(items[0]) is None
+    """One value, or vector, and no list, range or call that happens to give one."""
+    items = cut_list(text)
+    return len(items) == 1 and (items[0].startswith("{") or (":" not in items[0] and _CALL.fullmatch(items[0]) is None))
 
 
 def _read(name: str, text: str, unit: str) -> Any:
