@@ -1,5 +1,6 @@
 """Document -> text, Markdown; and the table of all printers."""
 
+import re
 from collections.abc import Callable, Iterator, Mapping
 
 from lagrangia.paper.document import Block, Display, Document, Heading, Inline, Paragraph, Table, words_of
@@ -10,6 +11,7 @@ from lagrangia.paper.layout import Name, Node, Pieces, broken
 from lagrangia.paper.typeset import line, text
 
 WIDTH = 100
+_TAG = re.compile("<(?=[A-Za-z/!?])")
 
 
 def _lines(formula: Node, letter: str = "") -> list[Node]:
@@ -85,16 +87,29 @@ def _markdown_block(block: Block) -> str:
         case Heading(words, level):
             return f"{'#' * max(2, level)} {_markdown_words(words_of(words))}"
         case Paragraph(parts):
-            return "".join(_markdown_words(part) if isinstance(part, str) else f"${latex(part)}$" for part in parts)
+            return "".join(map(_markdown_inline, parts))
         case Display():
-            return "\n\n".join(f"$$\n{aligned(typeset_lines(formula))}{tag(letter)}\n$$" for formula, letter in block.lettered())
+            return "\n\n".join(f"$$\n{_no_tags(aligned(typeset_lines(formula)))}{tag(letter)}\n$$"
+                               for formula, letter in block.lettered())
         case Table(head, rows):
-            def cell(part: Inline) -> str:
-                return _markdown_words(part) if isinstance(part, str) else f"${latex(part)}$"
-
-            body = ["| " + " | ".join(cell(part) for part in row) + " |" for row in rows]
+            body = ["| " + " | ".join(map(_markdown_cell, row)) + " |" for row in rows]
             titles = " | ".join(_markdown_words(words_of(words)) for words in head)
             return "\n".join([f"| {titles} |", "|" + " --- |" * len(head), *body])
+
+
+def _markdown_inline(part: Inline) -> str:
+    return _markdown_words(part) if isinstance(part, str) else f"${_no_tags(latex(part))}$"
+
+
+def _markdown_cell(part: Inline) -> str:
+    """No stroke of a formula ends a cell."""
+    found = _markdown_inline(part)
+    return found if isinstance(part, str) else found.replace(r"\|", r"\Vert ").replace("|", r"\vert ")
+
+
+def _no_tags(formula: str) -> str:
+    """Readers of Markdown that know no formulas take what looks like a tag of HTML for one."""
+    return _TAG.sub(r"\\lt ", formula)
 
 
 def _markdown_words(words: str) -> str:
