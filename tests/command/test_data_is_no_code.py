@@ -57,6 +57,20 @@ def test_names_stay_text_in_markdown(capsys: pytest.CaptureFixture[str]) -> None
     assert r"\lt script>u" in said and r"\lt img" in said and not re.search(r"(?<!\\)<[A-Za-z/!?]", said)
 
 
+def test_names_of_files_and_columns_command_no_terminal(tmp_path: Path, monkeypatch, capsys: pytest.CaptureFixture[str]) -> None:
+    """As of an archive that was unpacked, or of somebody's table."""
+    monkeypatch.chdir(tmp_path)
+    text = "model M input Force u; Block b(m = 1, base = world); AppliedForce f(at = b.center, force = {u, 0}); %s end M;"
+    Path("\033[31mx.lag").write_text(text % "")
+    Path("\033[2Jy.lag").write_text(text % "Bar c;")
+    Path("t.csv").write_text("time,\033[2Jx\n0,1\n")
+    main(["check", "\033[31mx.lag"])
+    main(["check", "\033[2Jy.lag"])
+    main(["simulate", "\033[31mx.lag", "-u", "t.csv"])
+    said = "".join(capsys.readouterr())
+    assert "\\x1b[31mx.lag" in said and "\\x1b[2Jy.lag" in said and "\\x1b[2Jx" in said and "\033" not in said
+
+
 @pytest.mark.parametrize("name", ["a/../../../out", "a/../out", "/tmp/out", "..", "a b", "$(touch MARK)"])
 @pytest.mark.parametrize("target", ["python", "modelica", "casadi"])
 def test_a_name_of_a_model_leads_nowhere(name: str, target: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -309,6 +309,15 @@ def test_what_crashes_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]
     assert "the FMU has crashed" in capsys.readouterr().err
 
 
+@pytest.mark.parametrize("name", ["'\u00e4'", "'a`b'", "'a\"b'"])
+def test_names_beyond_the_structured_convention(name: str, tmp_path: Path) -> None:
+    """It has some signs of ASCII alone between quotes: such names are flat ones."""
+    text = f"model M parameter Mass {name} = 1; Block b(m = {name}, base = world); end M;"
+    (tmp_path / "x.lag").write_text(text, encoding="utf-8")
+    Model(tmp_path / "x.lag").export_fmu(tmp_path / "x.fmu")
+    assert found(tmp_path / "x.fmu") == []
+
+
 @pytest.mark.parametrize("identifier", ["../" * 9 + "tmp/outside", "/tmp/outside", "a\\\\b", "sub/a", ".."])
 def test_no_library_outside_is_loaded(identifier: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     target = described(fmu_of(PATH, "2"), tmp_path / "x.fmu", 'modelIdentifier="[^"]*"', f'modelIdentifier="{identifier}"', 2)

@@ -17,6 +17,7 @@ from math import isfinite
 from typing import Any, Literal, NoReturn
 
 from lagrangia.base.records import dataclass
+from lagrangia.base.spelling import plain_text
 
 # The codes of warnings: those that can be allowed.
 WARNINGS = ("L0224", "L0237", "L0238", "L0305", "L0306", "L0607", "L0608", "L0609", "L0708", "L0709", "L0740", "L0741", "L0742",
@@ -97,14 +98,15 @@ class Diagnostic:
         return replace(self, span=place, label="", hints=(*self.hints, f"it is read at {self.span}: {self.span.text}{other}"))
 
     def render(self, color: bool = False) -> str:
-        """The message, the line it is about with a caret under the text, and the hints."""
+        """The message, the line it is about with a caret under the text, and the hints: names of files and columns among them are
+        data, and command no terminal."""
         paint = _PAINT[self.severity] if color else ""
         bold, reset = ("\033[1m", "\033[0m") if color else ("", "")
-        lines = [f"{paint}{self.severity}[{self.code}]{reset}{bold}: {self.message}{reset}"]
+        lines = [f"{paint}{self.severity}[{self.code}]{reset}{bold}: {plain_text(self.message)}{reset}"]
         if self.span is not None:
             lines += _excerpt(self.span, self.label, paint, reset)
         lines += self.excerpt.splitlines()
-        lines += [f"   = {hint}" for hint in self.hints]
+        lines += [f"   = {plain_text(hint)}" for hint in self.hints]
         return "\n".join(lines)
 
 
@@ -266,4 +268,4 @@ def _excerpt(span: Span, label: str, paint: str, reset: str) -> list[str]:
     text = "".join(c if c.isprintable() else " " for c in text)
     margin = " " * len(str(line))
     caret = f"{paint}{'^' * width}{' ' + label if label else ''}{reset}"
-    return [f"{margin}--> {span}", f"{margin} |", f"{line} | {text}", f"{margin} | {' ' * (column - 1)}{caret}"]
+    return [f"{margin}--> {plain_text(str(span))}", f"{margin} |", f"{line} | {text}", f"{margin} | {' ' * (column - 1)}{caret}"]

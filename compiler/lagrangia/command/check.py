@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from lagrangia.base.diagnostics import Diagnostic, LagError, Report, render_all
+from lagrangia.base.spelling import plain_text
 from lagrangia.command.arguments import tell_warnings
 from lagrangia.model import Model
 from lagrangia.run.interpret import evaluate
@@ -31,9 +32,9 @@ def check_command(options: Namespace) -> int:
             continue
         if not models:
             names = ", ".join(parts[:_MOST_NAMED]) + (", ..." if len(parts) > _MOST_NAMED else "")
-            print(f"{file}: {len(parts)} model{'s' if len(parts) != 1 else ''} for others to use: {names}")
+            print(f"{plain_text(str(file))}: {len(parts)} model{'s' if len(parts) != 1 else ''} for others to use: {names}")
         for model in models:
-            print(f"{file}: {_describe(model.scene, model.freedom)}")
+            print(f"{plain_text(str(file))}: {_describe(model.scene, model.freedom)}")
             tell_warnings(options, model)
     return 2 if wrong else 0
 

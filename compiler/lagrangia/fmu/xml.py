@@ -1,5 +1,6 @@
 """What the model descriptions of both versions of the standard have in common: elements, units, who is to be named."""
 
+import re
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import field
 from math import isclose
@@ -17,6 +18,7 @@ _QUANTITIES = {"rad": "Angle", "rad/s": "AngularVelocity", "rad/s2": "AngularAcc
                "m/s2": "Acceleration", "kg": "Mass", "kg.m2": "Inertia", "N": "Force", "N.m": "Torque", "N/m": "Stiffness",
                "N.s/m": "Damping", "N.m/rad": "TorsionStiffness", "N.m.s/rad": "TorsionDamping", "J": "Energy", "W": "Power",
                "s": "Time", "Hz": "Frequency"}
+_NOT_STRUCTURED = re.compile(r"""[^ -~]|[`"]""")
 _BASES = ("kg", "m", "s", "A", "K", "mol", "cd")
 _MOST_DEPENDENCIES = 1_000_000  # numbers in one list of dependencies, above which it is left out: "depends on all"
 
@@ -84,6 +86,11 @@ def types(model: FmuModel) -> Iterator[tuple[str, str, str | None]]:
     for unit in dict.fromkeys(filter(None, map(unit_of, reals))):
         if unit in _QUANTITIES:
             yield _QUANTITIES[unit], unit, next((d for v in reals if v.unit == unit and (d := display_unit_of(v))), None)
+
+
+def naming(model: FmuModel) -> str:
+    """The convention that the names of variables keep: the structured one knows some signs of ASCII alone between quotes."""
+    return "flat" if any(_NOT_STRUCTURED.search(variable.name) for variable in model.variables) else "structured"
 
 
 def unit_definitions(model: FmuModel, indent: int = 1) -> str:

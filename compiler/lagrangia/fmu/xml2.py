@@ -13,6 +13,7 @@ from lagrangia.fmu.xml import (
     experiment,
     initial_unknowns,
     known_when_running,
+    naming,
     too_many,
     type_of,
     types,
@@ -26,7 +27,7 @@ def write_fmi2(model: FmuModel, about: About) -> str:
     scene = model.scene
     root = {"fmiVersion": "2.0", "modelName": scene.name, "guid": about.token, "description": scene.description or None,
             **about.info, "generationTool": about.tool, "generationDateAndTime": about.date,
-            "variableNamingConvention": "structured", "numberOfEventIndicators": len(model.of("indicator"))}
+            "variableNamingConvention": naming(model), "numberOfEventIndicators": len(model.of("indicator"))}
     variables = [element("ScalarVariable", attributes, value, indent=2) for attributes, value in _variables(model)]
     parts = [*_interfaces(about), unit_definitions(model), _types(model),
              element("LogCategories", {}, *(element("Category", {"name": name, "description": text}, indent=2)

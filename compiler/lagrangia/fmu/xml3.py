@@ -17,6 +17,7 @@ from lagrangia.fmu.xml import (
     experiment,
     initial_unknowns,
     known_when_running,
+    naming,
     too_many,
     type_of,
     types,
@@ -32,7 +33,7 @@ def write_fmi3(model: FmuModel, about: About) -> str:
     scene, model = model.scene, as_in_fmi3(model)
     root = {"fmiVersion": "3.0", "modelName": scene.name, "instantiationToken": about.token,
             "description": scene.description or None, **about.info, "generationTool": about.tool,
-            "generationDateAndTime": about.date, "variableNamingConvention": "structured"}
+            "generationDateAndTime": about.date, "variableNamingConvention": naming(model)}
     parts = [*_interfaces(about, provides_elements(model)), unit_definitions(model), _types(model),
              element("LogCategories", {}, *(element("Category", {"name": name, "description": text}, indent=2)
                                             for name, text in LOG_CATEGORIES.items())),
