@@ -124,7 +124,7 @@ LagStatus lag_run_start(LagRun *run, const double *q_given, const double *v_give
     double energies[3];
     lag_energies(run, run->motion.t, run->motion.y, energies);
     run->start_energy = energies[2];
-    run->given_energy = 0;
+    run->given_energy = run->missed_energy = 0;
     lag_stiffness_reset(run);
     LagStatus status = lag_segment_evaluate(run);
     if (status == LAG_OK)

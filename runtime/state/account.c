@@ -16,6 +16,10 @@ static const double BASE = 10, POWERS = 100, EACH = 0.01, MOST = 0.1, FEW = 10, 
 /* Errors of the energy quadratures in a step, in its tolerance, where motion has errors of its own to limit it: above these they limit it
  * as well, as where motion is prescribed. */
 static const double LOOSE = 10;
+/* Errors of steps may all have one sign, as those of low orders on loops and over many narrow places have: where the account has missed
+ * by another part of the tolerance, and by more than rounding of each step explains, steps are made stricter; until energies have become
+ * so large that it was little. */
+static const double DRIFT = 0.5, STEP_ROUNDING = 4 * DBL_EPSILON, STRICTER = 0.1, STRICTEST = 1e-3, LITTLE = 0.1;
 enum { ROUGH = 2 }; /* shorter attempts, with none in between that was much better */
 
 typedef struct {
@@ -79,6 +83,13 @@ static void judge(LagRun *run, double t, const double *y)
     s->energy_is_open = is_open;
 }
 
+static double residual_of(const LagRun *run, const double *y, double total)
+{
+    const double *quadratures = y + 2 * run->model->n;
+    const double given = run->model->n_power == 2 ? quadratures[1] - quadratures[0] : run->given_energy;
+    return total - run->start_energy - given;
+}
+
 void lag_account_note(LagRun *run, double t, const double *y, double *entries)
 {
     LagStatistics *statistics = &run->statistics;
@@ -86,7 +97,7 @@ void lag_account_note(LagRun *run, double t, const double *y, double *entries)
     const int kept = run->model->n_power == 2;
     entries[DISSIPATED] = kept ? quadratures[0] : 0;
     entries[WORK] = kept ? quadratures[1] : run->given_energy;
-    const double residual = entries[TOTAL] - run->start_energy + entries[DISSIPATED] - entries[WORK];
+    const double residual = residual_of(run, y, entries[TOTAL]);
     statistics->energy_residual = lag_max(fabs(residual), statistics->energy_residual);
     for (int i = 0; i < LAG_ACCOUNT_SIZE; ++i)
         statistics->energy_scale = lag_max(fabs(entries[i]), statistics->energy_scale);
@@ -103,9 +114,28 @@ static double looseness(const LagRun *run) { return run->methods.table->weighs_w
 /* The energies that are behind the present unit, which another method may have loosened. */
 static double seen_energy(const LagMotion *m) { return m->looseness > 0 ? m->energy / m->looseness : m->energy; }
 
+/* Makes steps stricter that have missed too much of the energies. */
+static void keep(LagRun *run, double total)
+{
+    const LagStatistics *s = &run->statistics;
+    LagScale *scale = &run->scale;
+    const double size = lag_max(s->energy_scale, s->energy_stored), residual = residual_of(run, run->motion.y, total);
+    const double most = size * (DRIFT * run->settings.tolerance + STEP_ROUNDING * (double)s->steps);
+    const double strictest = lag_max(STRICTEST * scale->asked, lag_scale_caution(0));
+    if (!run->methods.table->attempt)
+        return;
+    if (fabs(residual - run->missed_energy) > most) {
+        run->missed_energy = residual;
+        scale->tolerance = lag_max(STRICTER * scale->tolerance, lag_min(strictest, scale->tolerance));
+    } else if (scale->tolerance < scale->asked && lag_max(fabs(residual), fabs(run->missed_energy)) < LITTLE * most)
+        scale->tolerance = scale->asked;
+}
+
 void lag_account_glance(LagRun *run)
 {
-    const double seen = run->motion.looseness * look(run).largest;
+    const Seen now = look(run);
+    const double seen = run->motion.looseness * now.largest;
+    keep(run, now.total);
     if (run->motion.energy > 0)
         run->motion.energy = lag_max(run->motion.energy, seen);
 }

@@ -34,7 +34,8 @@ void lag_scale_init(LagScale *scale, int n, const int *kind, double tolerance)
 {
     scale->n = n;
     scale->kind = kind;
-    scale->tolerance = lag_scale_caution(tolerance);
+    scale->asked = lag_scale_caution(tolerance);
+    scale->tolerance = scale->asked;
     scale->kinds = 0;
     scale->is_uniform = 1;
     for (int i = 0; i < n; ++i) {
@@ -70,6 +71,7 @@ void lag_scale_reset(LagScale *scale)
     memset(scale->idle, 0, size / 2);
     memset(scale->size, 0, size);
     memset(scale->group, 0, 2 * (size_t)scale->kinds * sizeof(double));
+    scale->tolerance = scale->asked;
     scale->rate_rounding = scale->step = scale->reach = 0;
     scale->is_resting = 1;
     scale->surprises = 0;

@@ -11,6 +11,7 @@ typedef struct {
     int is_uniform;  /* all are of one kind */
     const int *kind; /* n: coordinates of one kind share an order of magnitude */
     double tolerance;
+    double asked; /* that of the user: steps that miss energy are made at a smaller one */
     double rate_rounding; /* rounding error of a position, over the step: relative uncertainty of a rate */
     double step;          /* length of the latest step */
     int is_resting;       /* rates of some kind have all been 0 so far */

@@ -437,10 +437,10 @@ def loss(progress: Progress) -> str:
         what, reason = "does not close at all", "has a singularity (a collision, a division by zero) or "
     since = f" from t = {s.energy_open:.6g} on" if s.energy_is_open else ""
     return (f"the energy account {what}{since}: the rows there are not the motion of this scene, which {reason}needs "
-            f"{_remedy(progress.experiment.tolerance, relative)}")
+            f"{remedy(progress.experiment.tolerance, relative)}")
 
 
-def _remedy(tolerance: float, missed: float) -> str:
+def remedy(tolerance: float, missed: float) -> str:
     """What is FAINT at a tolerance that is TIGHT already may be rounding, which no smaller tolerance mends."""
     usual = "a smaller tolerance, or another solver"
     if tolerance > _TIGHT or missed > _FAINT:
