@@ -15,6 +15,8 @@
 
 /* Of what it could move in a step at the pace of one of its ends: a length that is more at both does not reach 0 in between. */
 static const double FAR = 0.6;
+/* By what a condition has to go farther at the pace of an end of a step than it is from its change, to be looked at in between. */
+static const double STRAYS = 4;
 /* A dip to less than this share of what the condition is at the ends is looked at. */
 static const double SHALLOW = 0.05, ROUNDING = 4 * DBL_EPSILON, NOISE = 1e-3, SHARE = 32 * DBL_EPSILON, CHORD = 64,
                     STRIDE = 4, SLOW = 0.5;
@@ -97,13 +99,17 @@ static double dip(double a, double b, double ra, double rb)
     return lowest > 0 && lowest < 1 ? lowest : meet;
 }
 
-/* Whether one of the conditions comes nearer to its change at the beginning of a part of the step, and goes away from it at the end. */
-static int turns(const LagRun *run)
+/* Whether one of the conditions comes nearer to its change at the beginning of a part of the step, of that width in s, and goes away from it
+ * at the end; or is as quick as if it did, as what swings is. */
+static int turns(const LagRun *run, double width)
 {
     const LagSwitches *s = &run->switches;
-    for (int i = 0; i < run->model->n_switches; ++i)
-        if (lag_depth(s, i, s->rate_begin) < 0 && lag_depth(s, i, s->rate) > 0)
+    for (int i = 0; i < run->model->n_switches; ++i) {
+        const double size = lag_max(fabs(s->g_begin[i]), fabs(s->g[i])) + s->unknown[i];
+        const double way = width * lag_max(fabs(s->rate_begin[i]), fabs(s->rate[i]));
+        if ((lag_depth(s, i, s->rate_begin) < 0 && lag_depth(s, i, s->rate) > 0) || way > STRAYS * size)
             return 1;
+    }
     return 0;
 }
 
@@ -338,8 +344,8 @@ double lag_crossing_find(LagRun *run)
 {
     LagSwitches *s = &run->switches;
     const double h = run->motion.t - run->motion.t_old;
-    const int may_hide = run->methods.solver == LAG_SOLVER_TAYLOR || run->model->conditions_may_hide;
-    const int is_long = run->model->n_whens > 0 && may_hide; /* a ball that grazes goes to and fro */
+    const int may_graze = run->model->n_whens > 0 && run->methods.solver == LAG_SOLVER_TAYLOR; /* a ball that does goes to and fro */
+    const int is_long = may_graze || run->model->conditions_may_hide;
     const int may_pause = !run->model->conditions_may_hide && h <= MUCH_LONGER * s->resolved;
     const int is_paused = ++s->unlooked < 0 && may_pause;
     const int is_due = !is_paused && (is_long || h > LONGER * s->resolved || s->unlooked > LOOK_AGAIN);
@@ -349,7 +355,7 @@ double lag_crossing_find(LagRun *run)
     for (double low = 0; low < 1;) {
         const Part part = {low, low + width < 1 ? low + width : 1};
         evaluate_end(run, part.high);
-        if ((is_due || (!is_paused && turns(run))) && !is_resolved(run, part) && width > NARROWEST) {
+        if ((is_due || (!is_paused && turns(run, (part.high - part.low) * h))) && !is_resolved(run, part) && width > NARROWEST) {
             width /= 2;
             narrowest = lag_min(width, narrowest);
             continue;

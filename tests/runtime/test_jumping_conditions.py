@@ -135,6 +135,9 @@ SAME = {  # forces that jump where something in a condition does, and the same b
     "(if sign(s - 0.5)*s > 0.25 then 1 else 0)": "(if s > 0.5 or s < -0.25 then 1 else 0)",
     "max(mod(s, 0.7) - 0.3, 0)": "(if mod(s, 0.7) > 0.3 then mod(s, 0.7) - 0.3 else 0)",
     "abs(mod(s, 0.7) - 0.3)": "(if mod(s, 0.7) > 0.3 then mod(s, 0.7) - 0.3 else 0.3 - mod(s, 0.7))",
+    "(if mod(floor(4*s), 2) == 0 then 1 else -1)": "(if mod(s, 0.5) < 0.25 then 1 else -1)",
+    "mod(floor(6*s), 2)": "(if mod(3*s, 1) < 0.5 then 0 else 1)",
+    "floor(floor(5*s)/2)": "floor(5*s/2)",
 }
 
 
@@ -146,6 +149,17 @@ def test_forces_jump_where_their_conditions_do(scene: Write, force: str) -> None
     model = scene(PUSHED.format(force=force))
     for solver in ("auto", "erk9", "implicit"):
         assert model.simulate(at=at, tolerance=1e-10, solver=solver)["c.s"] == pytest.approx(right, abs=1e-8), solver
+
+
+def test_no_step_passes_two_whole_numbers(scene: Write) -> None:
+    """Where 6 s went from 4 to 1.5 in a step of sweeps, floor(6 s) was odd at its end as in it: off by 1."""
+    force = "(if mod(floor(6*s), 2) == 0 then 1 else -1)"
+    model = scene(PUSHED.format(force=force).replace("2*c.s^2", "1*c.s^2"))
+    start = {"c.s": 0.9233143873275735, "der(c.s)": 0.8991597630941346}
+    right, found = (model.simulate(at=np.linspace(0, 4, 41), tolerance=1e-12, solver=solver, initial=start)
+                    for solver in ("erk9", "pirk"))
+    assert len(found.events) == len(right.events) == 17
+    assert found["c.s"] == pytest.approx(right["c.s"], abs=1e-10)
 
 
 def test_forces_of_numbers_that_are_equal_for_a_while_are_refused(scene: Write) -> None:

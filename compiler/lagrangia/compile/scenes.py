@@ -26,7 +26,7 @@ from lagrangia.dynamics.idle_statements import find_idle_equations, find_idle_st
 from lagrangia.dynamics.jumping_energies import find_jumping_energies
 from lagrangia.dynamics.motion import Motion
 from lagrangia.dynamics.negative_inertia import tell_unlooked, written_inertias
-from lagrangia.dynamics.switches import corners_remain
+from lagrangia.dynamics.switches import corners_remain, counts_whole_numbers
 from lagrangia.frames.graph import ComponentGraph, Coordinate
 from lagrangia.frames.kinematics import Kinematics
 from lagrangia.language.attitudes import parts_of
@@ -189,7 +189,7 @@ def _sizes(n: int, n_parameters: int, n_inputs: int, n_modes: int, functions: Fu
         "n_cones": len(functions.patterns.get("cones", ())) // 2, "n_lookups": len(functions.patterns["lookups"]) // 2,
         "has_corners": int(corners_remain(motion)), "may_hide": int(may_hide(usual_rhs(tapes))),
         "may_be_narrow": int(may_be_narrow(usual_rhs(tapes))),
-        "conditions_may_hide": int(motion.impacts.may_hide(motion.t)),
+        "conditions_may_hide": int(motion.impacts.may_hide(motion.t) or counts_whole_numbers(motion)),
         "shares_bend": int(motion.felt is not None), "is_steady": int(_is_steady(functions)),
     }
     if "held" in functions.patterns:

@@ -92,6 +92,11 @@ def bends(motion: Motion) -> bool:
     return not _BENT.isdisjoint(motion.operations)
 
 
+def counts_whole_numbers(motion: Motion) -> bool:
+    """Whether its forces may jump where floor(x) changes: by which a step has passed two, nothing at its ends tells."""
+    return not motion.operations.isdisjoint(WHOLE)
+
+
 def corners_remain(motion: Motion) -> bool:
     """Whether they do where no length is 0."""
     if not motion.lengths or not bends(motion):
@@ -217,7 +222,7 @@ class _Finding:
         if pair in self.either and op in JUMPS:
             self.either.discard(pair)
             self.found.pop(pair, None)
-        if pair is None or pair in self.found:
+        if pair is None or pair in self.found or (op in WHOLE and _only_jumps(operands[0], self.moving)):
             return
         g = self._difference(op, numbers, operands, pair)
         if op in (*WHOLE, ca.OP_ATAN2) and _is_rate(self.v, g):  # nothing holds it there
@@ -292,6 +297,11 @@ def conditions_in(forces: Sequence[ca.SX], movers: ca.SX, v: ca.SX, numbering: N
     return found, rests, tuple(cone for cone in finding.both if all(pair in rests for pair in cone))
 
 
+def _only_jumps(x: Expression, moving: ca.SX) -> bool:
+    """Whether x is constant while what it is made of is held: it rests on whole numbers then, to which no sign is told by rounding."""
+    return not operations_in(x).isdisjoint(STEPS) and ca.jacobian(x, moving).is_zero()
+
+
 def _is_rate(v: ca.SX, g: Expression) -> bool:
     return not symbols_in(v).isdisjoint(symbols_in(g))
 
@@ -315,12 +325,12 @@ def find_roots(motion: Motion, switches: Switches) -> tuple[ca.SX, ca.SX]:
     or jump, and no sign changes. Where whole numbers are counted, sin(pi x)^2 is what touches 0."""
     if _ROOTED.isdisjoint(motion.operations):
         return ca.SX(0, 1), ca.SX(0, 1)
-    moving, rates = symbols_in(motion.q), symbols_in(motion.v)
+    moving, rates, movers = symbols_in(motion.q), symbols_in(motion.v), ca.vertcat(motion.t, motion.q)
     numbering, found = Numbering(), dict[int, ca.SX]()
 
     def note(op: int, numbers: list[int], operands: list[Expression]) -> None:
         is_asked = op in _ROOTED and not moving.isdisjoint(known := symbols_in(operands[0]))
-        if is_asked and rates.isdisjoint(known):
+        if is_asked and rates.isdisjoint(known) and (op == ca.OP_SQRT or not _only_jumps(operands[0], movers)):
             found.setdefault(numbers[0], operands[0] if op == ca.OP_SQRT else ca.sin(ca.pi * operands[0]) ** 2)
 
     rebuilt(switches.hold([(motion.unsolved or motion).h]), numbering, note)
