@@ -138,6 +138,8 @@ SAME = {  # forces that jump where something in a condition does, and the same b
     "(if mod(floor(4*s), 2) == 0 then 1 else -1)": "(if mod(s, 0.5) < 0.25 then 1 else -1)",
     "mod(floor(6*s), 2)": "(if mod(3*s, 1) < 0.5 then 0 else 1)",
     "floor(floor(5*s)/2)": "floor(5*s/2)",
+    "(if (if s > 0 then c.v else abs(c.v)) > 0.5[m/s] then 1 else -1)":  # which are the same where v is positive
+        "(if s > 0 and c.v < 0.5[m/s] or s <= 0 and c.v < 0.5[m/s] and c.v > -0.5[m/s] then -1 else 1)",
 }
 
 

@@ -26,7 +26,7 @@ _RELATIONS = (ca.OP_LT, ca.OP_LE)
 _ATOMS = {*_RELATIONS, ca.OP_EQ, ca.OP_NE, ca.OP_FLOOR}
 _MOST_CASES = 256
 _FAR = 1e30  # of what is decided beside something that moves
-_LOOKS, _SAME = 4, 1e-9
+_LOOKS, _SIZES, _SAME = 4, (0.1, 1, 10), 1e-9  # numbers of both signs and some sizes: abs(v) is v where v is positive
 
 
 class _TooManyCasesError(Exception):
@@ -248,9 +248,12 @@ def _simple(op: int, operands: list[Expression]) -> Expression:
 def _are_same(a: ca.SX, b: ca.SX) -> bool:
     """Whether two expressions are equal but for rounding, by numbers."""
     symbols = ca.vertcat(ca.SX(0, 1), *ca.symvar(ca.vertcat(a, b)))
-    look, random = ca.Function("look", [symbols], [a, b]), np.random.default_rng(5)
-    values = np.array([[float(x) for x in look(random.uniform(0.4, 1.6, symbols.numel()))] for _ in range(_LOOKS)])
-    return bool(np.isfinite(values).all() and np.allclose(values[:, 0], values[:, 1], rtol=_SAME, atol=_SAME))
+    look, random, n = ca.Function("look", [symbols], [a, b]), np.random.default_rng(5), symbols.numel()
+    places = [random.uniform(0.4, 1.6, n) for _ in range(_LOOKS)]
+    places += [random.uniform(0.4, 1.6, n) * random.choice([-1, 1], n) * size for size in _SIZES for _ in range(_LOOKS)]
+    values = np.array([[float(x) for x in look(place)] for place in places])
+    known = np.isfinite(values).any(axis=1)  # roots and logarithms have no value at some places
+    return bool(np.isfinite(values[:_LOOKS]).all() and np.allclose(*values[known].T, rtol=_SAME, atol=_SAME))
 
 
 def _line(d: ca.SX) -> tuple[ca.SX, float, bool]:

@@ -298,7 +298,7 @@ def conditions_in(forces: Sequence[ca.SX], movers: ca.SX, v: ca.SX, numbering: N
 
 
 def _only_jumps(x: Expression, moving: ca.SX) -> bool:
-    """Whether x is constant while what it is made of is held: it rests on whole numbers then, to which no sign is told by rounding."""
+    """Whether x is constant while its parts are held: it may rest on a whole number then, and rounding tells no side of it."""
     return not operations_in(x).isdisjoint(STEPS) and ca.jacobian(x, moving).is_zero()
 
 
