@@ -69,6 +69,8 @@ static void wait_for_guards(LagRun *run)
         return;
     lag_go_back(run, t);
     run->segment_over = 1;
+    lag_switches_forget(run);
+    lag_guards_forget(run, t);
 }
 
 LagStatus lag_advance_step(LagRun *run)

@@ -69,6 +69,15 @@ def test_what_is_sure_in_a_later_step_ends_where_it_was_met(solver: str, scene: 
         assert run.time[-1] == pytest.approx(10 * far, abs=1e-9)
 
 
+def test_events_stay_where_they_are_beside_what_is_not_sure(scene: Write) -> None:
+    """A step that ended with the event went back to what might have ended the run, and the event came there: 2e-9 too high."""
+    model = scene("""model M World world(gravity = {0, 0}); Block b(m = 1, base = world, s(start = 1), v(start = -1));
+      equation when b.s < 0.5 then reinit(b.v, 1); end when;
+      when b.s < 0.5[m] + 1e-9[m] then terminate("there"); end when; annotation(experiment(StopTime = 3)); end M;""")
+    for solver in ("auto", "erk9", "implicit"):
+        assert model.simulate(solver=solver, tolerance=1e-6, at=[3])["b.s"][-1] == pytest.approx(3, abs=1e-12)
+
+
 def test_the_motion_knows_nothing_of_them(scene: Write) -> None:
     alone = scene(FALLING.replace("STATED", "")).simulate().rows
     stated = 'assert(a.s > 0.5, "low", AssertionLevel.warning); when b.s < -100 then terminate("far"); end when;'
