@@ -253,7 +253,7 @@ def _are_same(a: ca.SX, b: ca.SX) -> bool:
     places += [random.uniform(0.4, 1.6, n) * random.choice([-1, 1], n) * size for size in _SIZES for _ in range(_LOOKS)]
     values = np.array([[float(x) for x in look(place)] for place in places])
     known = np.isfinite(values).any(axis=1)  # roots and logarithms have no value at some places
-    return bool(np.isfinite(values[:_LOOKS]).all() and np.allclose(*values[known].T, rtol=_SAME, atol=_SAME))
+    return bool(np.isfinite(values[:_LOOKS]).all() and np.allclose(values[known, 0], values[known, 1], rtol=_SAME, atol=_SAME))
 
 
 def _line(d: ca.SX) -> tuple[ca.SX, float, bool]:
