@@ -1,5 +1,7 @@
 """`lag export --to modelica --components` of a scene with frames: what MultiBody needs to know besides what the scene states."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from lagrangia.base.diagnostics import fail
@@ -7,9 +9,12 @@ from lagrangia.command.scene_export import inputs, remarks, require_smooth, star
 from lagrangia.compile.pipeline import Compilation
 from lagrangia.dynamics.freedom import Freedom, find_freedom
 from lagrangia.frames.edges import Closure
+from lagrangia.language.mentions import nodes
+from lagrangia.language.tree import FrameRef
 from lagrangia.model import Model
 from lagrangia.paper.multibody import Starts, write_multibody
 from lagrangia.paper.sheet import parameter_values
+from lagrangia.run.request import USUAL
 
 
 def multibody_text(model: Model) -> str:
@@ -22,8 +27,20 @@ def multibody_text(model: Model) -> str:
              c.flat.states[name].span)
     freedom = find_freedom(c.kinematics, c.motion, c.constraints, c.initial, c.functions.table)
     numbers = parameter_values(c.kinematics)
-    begun = Starts(starts(model) | inputs(model) | numbers, _free(model), _planar_loops(c, freedom))
+    free = _free(model)
+    guesses = _bodies_at_start(model) if any(part not in free for part in model.scene.turned) else {}
+    begun = Starts(starts(model) | inputs(model) | numbers | guesses, free, _planar_loops(c, freedom))
     return write_multibody(c.kinematics, begun, numbers, remarks(model, "modelica")) + "\n"
+
+
+def _bodies_at_start(model: Model) -> dict[str, float]:
+    """Where bodies are and how they move, for tools that look for attitudes that no joint tells."""
+    flat = model.compilation.flat
+    frames = {node.name for energy in flat.energies if energy.kind == "kinetic" for node in nodes(energy.value)
+              if isinstance(node, FrameRef)}
+    run = model.run(replace(USUAL, at=[model.scene.start]))
+    return {f"{frame}.{name}[{k + 1}]": float(x) for frame in sorted(frames) for name in ("r", "v", "Q", "w")
+            for k, x in enumerate(np.asarray(run[f"{frame}.{name}"])[0])}
 
 
 def _free(model: Model) -> frozenset[str]:

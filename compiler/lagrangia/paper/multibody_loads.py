@@ -6,6 +6,7 @@ import sympy as sp
 
 from lagrangia.algebra.with_sympy import Expr
 from lagrangia.paper.multibody_forces import Quantity, RigidBody, refuse, spring_of, told
+from lagrangia.paper.multibody_walk import angles, matrix, numbers
 from lagrangia.paper.multibody_writing import Writing
 
 _ROTATIONAL, _TRANSLATIONAL = "Modelica.Mechanics.Rotational.Sources", "Modelica.Mechanics.Translational.Sources"
@@ -48,8 +49,18 @@ def _body(writing: Writing, body: RigidBody) -> None:
     entries = [(f"I_{i + 1}{j + 1}", I[i][j]) for i, j in ((0, 0), (1, 1), (2, 2), (1, 0), (2, 0), (2, 1))]
     told = [f"{name} = {writing.code(x)}" for name, x in entries if x != 0 or name[-1] == name[-2]]
     name = writing.part("Parts.Body", writing.bodies[body.component, body.frame], f"m = {writing.code(body.mass)}",
-                        f"r_CM = {writing.vector(body.center)}", *told)
+                        f"r_CM = {writing.vector(body.center)}", *told, *_guesses(writing, body.frame))
     writing.attach(f"{name}.frame_a", body.frame)
+
+
+def _guesses(writing: Writing, frame: str) -> list[str]:
+    """Where it is at the start, and how it moves, where that is known."""
+    values = writing.starts.values
+    if f"{frame}.Q[1]" not in values:
+        return []
+    r, v, w, Q = ([values[f"{frame}.{name}[{k}]"] for k in range(1, 5 if name == "Q" else 4)] for name in "rvwQ")
+    return [f"r_0(start = {numbers(r)})", f"v_0(start = {numbers(v)})", f"angles_start = {numbers(angles(matrix(Q)))}",
+            f"w_0_start = {numbers(w)}"]
 
 
 def _line(writing: Writing, component: str, ends: Sequence[str], force: Expr) -> None:

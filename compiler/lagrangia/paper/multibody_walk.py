@@ -79,12 +79,12 @@ def _declare_ball(writing: Writing, group: Sequence[Piece], name: str) -> None:
     ball, values = group[-1], writing.starts.values
     S = ball.coordinate
     quaternion = [values[f"{S}[{k}]"] for k in (1, 2, 3, 4)]
-    R = _matrix(quaternion)
+    R = matrix(quaternion)
     w = [values[f"der({S})[{k}]"] for k in (1, 2, 3)]
     spin = [sum(x * y for x, y in zip(row, w, strict=True)) for row in R]
     free = [k for k in range(3) if f"{S}.s[{k + 1}]" in writing.starts.free]
     is_free = len(free) == 3
-    given = [f"angles_start = {_numbers(_angles(R))}", f"w_rel_a_start = {_numbers(spin)}"]
+    given = [f"angles_start = {numbers(angles(R))}", f"w_rel_a_start = {numbers(spin)}"]
     given += ["angles_fixed = true", "w_rel_a_fixed = true"] if is_free else []
     if len(group) == 1:
         writing.part("Joints.Spherical", name, *(["enforceStates = true"] if is_free else []), *given)
@@ -92,7 +92,7 @@ def _declare_ball(writing: Writing, group: Sequence[Piece], name: str) -> None:
         places = [(values[p.coordinate], values[f"der({p.coordinate})"]) for p in group[:-1]]
         fixed = {p.coordinate in writing.starts.free for p in group[:-1]}
         told = ", fixed = {true, true, true}" if fixed == {True} else ""
-        writing.part("Joints.FreeMotion", name, *(f"{own}(start = {_numbers([place[k] for place in places])}{told})"
+        writing.part("Joints.FreeMotion", name, *(f"{own}(start = {numbers([place[k] for place in places])}{told})"
                                                   for k, own in enumerate(("r_rel_a", "v_rel_a"))), *given)
         if fixed == {True, False}:
             writing.initial += [f"  {name}.{own}[{k + 1}] = {place[order]!r};" for k, (p, place) in enumerate(
@@ -114,18 +114,19 @@ def _start_in_part(writing: Writing, name: str, free: Sequence[int], w: Sequence
     writing.initial += [text for k in free for text in (f"  {gap}[{k + 1}] = 0;", f"  {spin}[{k + 1}] = {w[k]!r};")]
 
 
-def _numbers(values: Sequence[float]) -> str:
+def numbers(values: Sequence[float]) -> str:
+    """{x, y, z}."""
     return "{" + ", ".join(repr(float(x)) for x in values) + "}"
 
 
-def _matrix(quaternion: Sequence[float]) -> list[list[float]]:
+def matrix(quaternion: Sequence[float]) -> list[list[float]]:
     """R, (3, 3), of a unit quaternion."""
     a, x, y, z = quaternion
     return [[a*a + x*x - y*y - z*z, 2*(x*y - a*z), 2*(x*z + a*y)], [2*(x*y + a*z), a*a - x*x + y*y - z*z, 2*(y*z - a*x)],
             [2*(x*z - a*y), 2*(y*z + a*x), a*a - x*x - y*y + z*z]]
 
 
-def _angles(R: Sequence[Sequence[float]]) -> tuple[float, float, float]:
+def angles(R: Sequence[Sequence[float]]) -> tuple[float, float, float]:
     """About x, then y, then z as they have moved, rad."""
     b = math.asin(max(-1.0, min(1.0, R[0][2])))
     if math.hypot(R[0][0], R[0][1]) < 1e-12:  # x and z are the same axis
