@@ -97,6 +97,12 @@ def test_what_check_warns_of_is_told_too_and_errors_are_errors(tmp_path: Path, c
     assert "error[L0201]" in capsys.readouterr().err
 
 
+def test_models_in_packages_are_looked_at_as_check_does(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    text = "package P\n  model A\n    parameter Length L = 3;\n    Block b(m = 1, base = world);\n  end A;\nend P;\n"
+    assert lint(text, tmp_path) == 1
+    assert "nothing reads the parameter 'L'" in capsys.readouterr().err
+
+
 def test_our_own_texts_are_clean(capsys: pytest.CaptureFixture[str]) -> None:
     models = Path(__file__).parents[2] / "models"
     files = [*sorted((models / "examples").glob("*.lag"))[::6], *sorted((models / "library").glob("[bj]*.lag"))]

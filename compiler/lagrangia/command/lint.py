@@ -7,6 +7,7 @@ from pathlib import Path
 
 from lagrangia.base.diagnostics import Diagnostic, LagError, render_all
 from lagrangia.command.arguments import allowed_codes
+from lagrangia.compile.elsewhere import models_beside
 from lagrangia.compile.sources import read_source
 from lagrangia.editor.reading import Reading, read_text
 from lagrangia.editor.style import look_at_style
@@ -34,10 +35,18 @@ def lint_command(options: Namespace) -> int:
 
 
 def _warnings(file: Path, reading: Reading) -> list[str]:
-    """Of all phases; of a file of components, which do not run by themselves, what its text says."""
+    """Of all phases, of each scene of a file, also of those in packages; of a file of components, which do not run by themselves,
+    what its text says."""
+    found, runs = list[str](), False
+    names: list[str | None] = [None]
     with suppress(LagError):
-        if reading.flat is not None:
-            return list(Model(file).warnings)
+        names += [other.name for other in models_beside(file) if other.is_whole and other.is_scene]
+    for name in names:
+        with suppress(LagError):
+            found += Model(file, name).warnings
+            runs = True
+    if runs:
+        return [*dict.fromkeys(found)]
     return [_shown(one) for one in reading.diagnostics if one.severity != "error"]
 
 
