@@ -177,9 +177,20 @@ static int creeps(const LagFacts *f) { return f->trouble == LAG_TROUBLE_CREEPS; 
 
 static int is_disturbed(const LagFacts *f) { return f->trouble == LAG_TROUBLE_DISTURBED; }
 
+static int is_lost(const LagFacts *f, int32_t solver) { return f->trouble == LAG_TROUBLE_LOST && !(f->tried & 1 << solver); }
+
+static int is_lost_before_pirk(const LagFacts *f) { return is_lost(f, LAG_SOLVER_PIRK); }
+
+static int is_lost_before_erk(const LagFacts *f) { return is_lost(f, LAG_SOLVER_ERK); }
+
+static int is_lost_before_erk9(const LagFacts *f) { return is_lost(f, LAG_SOLVER_ERK9); }
+
+static int is_lost_before_implicit(const LagFacts *f) { return is_lost(f, LAG_SOLVER_IMPLICIT); }
+
 /* -------- the table */
 
 /* Besides numbers LAG_SOLVER_...: members of LagFacts, by what they are to a run. */
+#define LOST "what went on before gave up, or its energy account missed, where rounding decides"
 enum { ANY = -1, ASKED = -2, EXPLICIT = -3, ROWS = -4, TURNS = -5, NEXT = -6 };
 
 static const LagRule RULES_OF_CHOICE[] = {
@@ -241,6 +252,10 @@ static const LagRule RULES_OF_CHOICE[] = {
      LAG_TROUBLE, ANY, LAG_SOLVER_ORBIT, comes_back, NULL},
     {"creeping", "a slip in the plane has hardly begun, or hardly goes on, and is stiff across",
      LAG_TROUBLE, ANY, LAG_SOLVER_IMPLICIT, creeps, NULL},
+    {"another", LOST, LAG_TROUBLE, ANY, LAG_SOLVER_PIRK, is_lost_before_pirk, NULL},
+    {"another", LOST, LAG_TROUBLE, ANY, LAG_SOLVER_ERK, is_lost_before_erk, NULL},
+    {"another", LOST, LAG_TROUBLE, ANY, LAG_SOLVER_ERK9, is_lost_before_erk9, NULL},
+    {"another", LOST, LAG_TROUBLE, ANY, LAG_SOLVER_IMPLICIT, is_lost_before_implicit, NULL},
     {"swing over", "the state or the equations are others now", LAG_TROUBLE, ANY, TURNS, is_disturbed, NULL},
 };
 

@@ -53,6 +53,22 @@ int lag_methods_alternate(const LagModel *model, int32_t solver)
     return is_one && lag_methods_permit(model, LAG_SOLVER_IMPLICIT);
 }
 
+static const int32_t OTHERS[] = {LAG_SOLVER_PIRK, LAG_SOLVER_ERK, LAG_SOLVER_ERK9, LAG_SOLVER_IMPLICIT};
+enum { COUNT_OF_OTHERS = sizeof OTHERS / sizeof *OTHERS };
+
+int lag_methods_may_retry(const LagModel *model, const LagSettings *settings)
+{
+    return model->n_multipliers > 0 && lag_methods_turn(settings);
+}
+
+int32_t lag_methods_refused(const LagModel *model)
+{
+    int32_t refused = 0;
+    for (int i = 0; i < COUNT_OF_OTHERS; ++i)
+        refused |= lag_methods_permit(model, OTHERS[i]) ? 0 : 1 << OTHERS[i];
+    return refused;
+}
+
 static LagStepper conservative(LagMethods *methods)
 {
     if (methods->is_separable)
@@ -120,10 +136,14 @@ void lag_methods_layout(LagMethods *methods, const LagSettings *settings, const 
     const int needs_other = leaves || lag_methods_alternate(model, solver) || model->n_switches > 0;
     methods->may_find_poles = may_turn && solver == LAG_SOLVER_TAYLOR && settings->solver != LAG_SOLVER_STEPWISE
         && lag_may_find_poles(&behind->facts);
-    const int32_t asked[] = {solver, needs_other ? methods->explicit_solver : solver, may_turn || may_creep ? LAG_SOLVER_IMPLICIT : solver,
+    int32_t asked[5 + COUNT_OF_OTHERS] = {solver, needs_other ? methods->explicit_solver : solver, may_turn || may_creep ? LAG_SOLVER_IMPLICIT : solver,
                              may_turn && solver == LAG_SOLVER_PIRK ? methods->rows_solver : solver,
                              methods->may_find_poles ? LAG_SOLVER_PIRK : solver};
-    for (size_t i = 0; i < sizeof asked / sizeof *asked; ++i) {
+    size_t count = 5;
+    for (int i = 0; i < COUNT_OF_OTHERS && lag_methods_may_retry(model, settings); ++i)
+        if (lag_methods_permit(model, OTHERS[i]))
+            asked[count++] = OTHERS[i];
+    for (size_t i = 0; i < count; ++i) {
         int is_new = 1;
         for (size_t j = 0; j < i; ++j)
             is_new = is_new && asked[j] != asked[i];

@@ -50,6 +50,11 @@ int lag_methods_permit(const LagModel *model, int32_t solver);
 /* Whether a run with these settings goes over to another solver where that is cheaper. */
 int lag_methods_turn(const LagSettings *settings);
 
+/* Whether a run with these settings begins again by another choice where one is lost, as near dead points of loops; bits of
+ * LAG_SOLVER_...: those of these choices that cannot run the model. */
+int lag_methods_may_retry(const LagModel *model, const LagSettings *settings);
+int32_t lag_methods_refused(const LagModel *model);
+
 /* Whether a run that begins with this solver may go on with explicit or implicit steps, whichever serve. */
 int lag_methods_alternate(const LagModel *model, int32_t solver);
 

@@ -163,6 +163,14 @@ int32_t lag_stiffness_trouble(LagRun *run, int32_t trouble)
     return decision->to;
 }
 
+int lag_stiffness_retry(LagRun *run, int32_t tried, LagDecision *decision)
+{
+    LagFacts *f = measured(run);
+    f->trouble = LAG_TROUBLE_LOST;
+    f->tried = tried | lag_methods_refused(run->model);
+    return lag_decide(LAG_TROUBLE, f->solver, f, decision);
+}
+
 static int first_look(const LagRun *run)
 {
     return is_pirk(run) ? FIRST_LOOK_PIRK : steps_for_one(run) * (is_low(run) ? FIRST_LOOK5 : FIRST_LOOK);

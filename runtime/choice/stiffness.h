@@ -52,6 +52,9 @@ void lag_stiffness_watch(LagRun *run);
 /* A look out of turn, after steps of length h: how many in a row, this one among them, have found that stability rules. */
 int lag_stiffness_look(LagRun *run, double h);
 
+/* What goes on where the method in use, and those of the bits `tried`, were lost. Returns 0 where there is none. */
+int lag_stiffness_retry(LagRun *run, int32_t tried, LagDecision *decision);
+
 /* LAG_TROUBLE_...: what goes on. */
 int32_t lag_stiffness_trouble(LagRun *run, int32_t trouble);
 

@@ -10,7 +10,7 @@ LagStatus lag_advance_to(LagRun *run, double t, double *row);
 /* The same without energies, which are NaN, where nobody asks for them: half of what a row of a small tree costs. */
 LagStatus lag_advance_motion_row(LagRun *run, double t, double *row);
 
-/* One step. TURNED_OFF where rates turn within a moment and constraints repeat each other: two ways of moving meet. */
+/* One step, as lag_retry_step; none where a guard has ended the run. */
 LagStatus lag_advance_step(LagRun *run);
 
 #endif

@@ -8,6 +8,7 @@
 #include "state/evaluate.h"
 #include "model/function.h"
 #include "choice/parts.h"
+#include "run/retry.h"
 #include "run/run.h"
 #include "steps/delays.h"
 #include "steps/sampling.h"
@@ -31,12 +32,13 @@ static void look_at_inputs(LagRun *run)
     run->assembly.newton.u = run->u;
 }
 
-/* Guesses, and over them what was given. */
+/* Guesses, and over them what was given, which is kept. */
 static void guess(LagRun *run, const double *q_given, const double *v_given)
 {
     const int n = run->model->n, lost = run->model->n_lost, all = n + lost;
     const double *in[] = {run->p}, *given[] = {q_given, v_given};
     double *out[] = {run->start, run->start + all};
+    lag_retry_begin(run, q_given, v_given);
     lag_call(&run->model->start, in, out, run->work);
     for (int i = 0; i < 2 * all; ++i) {
         const int k = i % all, is_rate = i / all;

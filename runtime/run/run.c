@@ -43,6 +43,7 @@ static void layout_vectors(LagRun *run, LagArena *arena)
     run->event_a = lag_take(arena, events);
     run->event_b = lag_take(arena, events);
     lag_sampling_layout(run, arena);
+    lag_retry_layout(&run->retry, model, arena);
     run->acceleration = lag_take(arena, n);
     run->power = lag_take(arena, (size_t)model->n_power);
     run->multipliers = lag_take(arena, (size_t)model->n_multipliers);
@@ -150,6 +151,7 @@ void lag_run_free(LagRun *run)
     lag_history_free(&run->history);
     if (lag_parts.islands_close)
         lag_parts.islands_close(&run->methods.islands);
+    lag_retry_free(&run->retry);
     free(run->block);
     free(run);
 }
@@ -184,6 +186,7 @@ LagStatus lag_run_set_parameters(LagRun *run, const double *given, const double 
         lag_account_close(run);
         run->segment_over = 1;
         lag_project_forget(run);
+        lag_retry_forget(run);
     }
     return run->started ? lag_guards_of_parameters(run) : LAG_OK;
 }
@@ -199,6 +202,7 @@ LagStatus lag_run_set_inputs(LagRun *run, const double *times, const double *val
         lag_inputs_enter(&run->inputs, run->motion.t);
         run->segment_over = 1;
         lag_project_forget(run);
+        lag_retry_forget(run);
     }
     return LAG_OK;
 }

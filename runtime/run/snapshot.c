@@ -99,6 +99,8 @@ static void keep_own(LagRun *result, const LagRun *run)
     result->inputs.left = left;
     result->motion.attitudes = run->motion.attitudes;
     result->scale.kind = run->scale.kind;
+    result->retry.kept = run->retry.kept;
+    result->retry.room = run->retry.room;
     result->history.pieces = run->history.pieces;
     result->history.marks = run->history.marks;
     result->history.first = run->history.first;
@@ -156,5 +158,6 @@ LagStatus lag_snapshot_restore(LagRun *run, const unsigned char *bytes, size_t s
     memcpy(run->memory, vectors, run->memory_size * sizeof(double));
     *run = result;
     lag_stepper_choose(run, saved.methods.solver);
+    lag_retry_forget(run);
     return LAG_OK;
 }

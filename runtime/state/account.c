@@ -72,12 +72,18 @@ static double explained(const LagRun *run)
     return lag_min((by_steps + rounding) * size + excused, lag_max(MOST, FEW * tolerance) * size);
 }
 
+/* Whether such a miss is more than what explains it. */
+static int is_unexplained(LagRun *run, double t, const double *y, double miss)
+{
+    const double left = miss - explained(run);
+    return left > 0 && left > NOISES * rounding_of(run, t, y);
+}
+
 /* The account is open from the first row on at which the largest miss is more than what explains it, unless that comes to do so. */
 static void judge(LagRun *run, double t, const double *y)
 {
     LagStatistics *s = &run->statistics;
-    const double left = s->energy_residual - explained(run);
-    const int is_open = left > 0 && left > NOISES * rounding_of(run, t, y);
+    const int is_open = is_unexplained(run, t, y, s->energy_residual);
     if (is_open && !s->energy_is_open)
         s->energy_open = t;
     s->energy_is_open = is_open;
@@ -88,6 +94,14 @@ static double residual_of(const LagRun *run, const double *y, double total)
     const double *quadratures = y + 2 * run->model->n;
     const double given = run->model->n_power == 2 ? quadratures[1] - quadratures[0] : run->given_energy;
     return total - run->start_energy - given;
+}
+
+int lag_account_misses(LagRun *run)
+{
+    double energies[3] = {0};
+    const LagMotion *m = &run->motion;
+    lag_energies(run, m->t, m->y, energies);
+    return is_unexplained(run, m->t, m->y, fabs(residual_of(run, m->y, energies[TOTAL])));
 }
 
 void lag_account_note(LagRun *run, double t, const double *y, double *entries)

@@ -10,6 +10,9 @@ enum { LAG_ACCOUNT_SIZE = 5 };
  * whether the tolerance explains by how much it misses. */
 void lag_account_note(LagRun *run, double t, const double *y, double *entries);
 
+/* Whether it misses at the present state by more than the tolerance explains; nothing is noted. */
+int lag_account_misses(LagRun *run);
+
 /* What errors of the quadratures in an attempt at a step of length h, in units, count of them: nothing from where on they are those of
  * rounding, of stiff forces or of a jump, which shorter steps do not make as much smaller as the order says, until the next segment. */
 double lag_account_count(LagMotion *motion, double h, double error);

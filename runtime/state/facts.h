@@ -35,6 +35,7 @@ typedef struct {
     int32_t steps;                   /* since the method in use began */
     int32_t is_series, order;        /* whether series take turns with implicit steps; their order */
     int32_t trouble;                 /* LAG_TROUBLE_... */
+    int32_t tried;                   /* bits of LAG_SOLVER_...: what was lost, too, or cannot run the model */
     int32_t is_damped;               /* what changes most is a rate that dies out without swinging */
     int32_t fits_transition, has_jacobian, has_conditions, has_corners, has_modes, has_inputs, is_swing, may_hide,
         has_attitudes;
@@ -49,7 +50,8 @@ enum {
     LAG_TROUBLE_HORIZON,  /* transition matrices would lose digits */
     LAG_TROUBLE_SWING,    /* the motion comes back the way it went */
     LAG_TROUBLE_DISTURBED, /* it does no more */
-    LAG_TROUBLE_CREEPS    /* a slip in the plane is stiff across */
+    LAG_TROUBLE_CREEPS,   /* a slip in the plane is stiff across */
+    LAG_TROUBLE_LOST      /* it gave up, or its energy account misses */
 };
 
 /* The last row that decided, and what it went by. */

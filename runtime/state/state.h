@@ -12,6 +12,7 @@
 #include "state/project.h"
 #include "steps/roots.h"
 #include "run/guards.h"
+#include "run/retry.h"
 #include "run/unsure.h"
 #include "state/settings.h"
 #include "events/sliding.h"
@@ -70,6 +71,7 @@ struct LagRun {
     LagUnsure unsure;
     LagGuards guards;
     LagBranch branch;
+    LagRetry retry;
 
     int started;
     int is_starting;      /* no step since the segment began was as long as it could be */

@@ -19,7 +19,7 @@ from lagrangia.run.guards import of_guard, warnings_of
 from lagrangia.run.request import Experiment, Values, check_parameters
 from lagrangia.run.runtime import GUARDED, Failure, Run, Settings, Statistics, Status
 from lagrangia.run.scene import Scene
-from lagrangia.run.solvers import AUTO, number_of
+from lagrangia.run.solvers import number_of
 
 _PAUSE, _FIRST = 0.1, 0.02  # seconds between two looks at the clock and the keyboard; before the first one on a tape
 _MANY_STEPS, _MUCH = 100, 100.0
@@ -28,8 +28,6 @@ DOUBTFUL = 0.1  # of all energy: an account that misses by more
 HOPELESS = 0.5  # the same: no errors of integrals alone
 _BESIDE, _NO_LENGTH, _MOST_LENGTHS = "1e-3", 1e-9, 100  # m: a start beside 0, what is 0, and how many are tried
 _TIGHT, _FAINT = 1e-9, 1e-5  # a tolerance, and a miss of all energy, that may be near what rounding allows
-_OTHERS = "pirk", "erk", "erk9", "implicit"  # what else may pass singular positions, in which order
-_BY_ROUNDING = Status.STEP_TOO_SMALL, Status.TURNED_OFF, Status.CONSTRAINTS_OPEN
 _LITTLE = 1e-9  # J: less may be rounding of energies that cancel
 
 
@@ -73,8 +71,7 @@ def simulate(
     run = start_run(scene, engine, experiment, values)
     progress = progress_of(scene, experiment, parameters=run.parameters, engine=engine.how)
     parts = _Parts(scene, engine, run, values, complete)
-    may_choose_again = experiment.solver == AUTO and scene.sizes["n_multipliers"] > 0
-    return progress, (_passing_rows if may_choose_again else _all_rows)(parts, progress, watch)
+    return progress, _all_rows(parts, progress, watch)
 
 
 def progress_of(scene: Scene, experiment: Experiment, **known: Any) -> Progress:
@@ -142,46 +139,6 @@ class _Parts:
         engine = self.complete() if self.complete is not None else None
         assert engine is not None
         return replace(self, engine=engine, run=start_run(self.scene, engine, experiment, self.values), complete=None)
-
-
-def _passing_rows(parts: _Parts, progress: Progress, watch: Callable[[Progress], None] | None) -> Iterator[Sequence[float]]:
-    """Rows of `auto` where loops are closed, told when all are known. Rounding decides near dead points and where linkages lie
-    flat: should the run fail there, those of the first other choice that passes."""
-    begin = replace(progress, limits=Counter(), warned=[])
-    own = rows, error = _known_rows(parts, progress, watch)
-    kept, is_lost = replace(progress), progress.failed in _BY_ROUNDING or bool(loss(progress))
-    for solver in (x for x in _OTHERS if is_lost and x not in parts.scene.refused):
-        if progress.interrupted or (error is None and not loss(progress)):
-            break
-        _set(progress, replace(begin, limits=Counter(), warned=[], seconds=progress.seconds))
-        try:
-            run = start_run(parts.scene, parts.engine, replace(progress.experiment, solver=solver), parts.values)
-        except RunError:
-            continue
-        rows, error = _known_rows(replace(parts, run=run), progress, watch)
-    if error is not None or loss(progress):
-        _set(progress, replace(kept, interrupted=progress.interrupted))
-        rows, error = own
-    yield from rows
-    if error is not None:
-        raise error
-
-
-def _known_rows(parts: _Parts, progress: Progress, watch: Callable[[Progress], None] | None
-                ) -> tuple[list[Sequence[float]], RunError | None]:
-    """All rows, and why there are no more."""
-    rows: list[Sequence[float]] = []
-    try:
-        rows.extend(_all_rows(parts, progress, watch))
-    except RunError as error:
-        return rows, error
-    return rows, None
-
-
-def _set(progress: Progress, other: Progress) -> None:
-    """Makes it say what the other one says."""
-    for name in vars(other):
-        setattr(progress, name, getattr(other, name))
 
 
 def _all_rows(parts: _Parts, progress: Progress, watch: Callable[[Progress], None] | None) -> Iterator[Sequence[float]]:
@@ -319,8 +276,8 @@ def _are_zero(names: Sequence[str]) -> str:
 
 def _of_short_steps(scene: Scene, failure: Failure, where: str, kinetic: str) -> str:
     """What may be there, where no step is small enough: `where` names a coordinate, `kinetic` energies that may be negative."""
-    dead = ("a dead point of a linkage driven in time, near which rounding decides (try the solver pirk or implicit, or a larger "
-            "tolerance), " if scene.sizes["loops_know_time"] else "")
+    dead = ("a dead point of a linkage driven in time, near which rounding decides (auto goes on there by each of its "
+            "choices; try a larger tolerance), " if scene.sizes["loops_know_time"] else "")
     return (f"the motion cannot be continued beyond t = {failure.time:.9g}: no step is small enough{where}; {kinetic}{dead}a "
             "singularity (a collision, a spring of zero length, a division by zero) or values beyond the range of numbers")
 
