@@ -1,10 +1,11 @@
 """Random scenes of all kinds, each twice: as a scene in Lag, and as bodies in maximal coordinates for tests/helpers/maximal.py.
 
-The same seed gives the same scene. Families: trees, loops, rods between uneven masses, hidden kinks, stops, dry friction.
+The same seed gives the same scene, and the same draw the same masses and weight in it, set as parameters: they are compiled once.
+Families: trees, loops, rods between uneven masses, hidden kinks, stops, dry friction.
 """
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -26,6 +27,7 @@ class RandomScene:
     columns: tuple[str, ...]
     picked: tuple[int, ...]
     is_uneven: bool
+    parameters: Mapping[str, float] = field(default_factory=dict)  # of a draw
 
 
 @dataclass(frozen=True)
@@ -50,6 +52,20 @@ def random_scene(seed: int) -> RandomScene:
     kind, turn = seed % len(FAMILIES), seed // len(FAMILIES)
     beside = FAMILIES[(kind + turn // 4) % len(FAMILIES)] if turn % 4 == 3 else None
     return _Builder(seed).build(FAMILIES[kind], beside)
+
+
+def drawn(scene: RandomScene, seed: int, draw: int) -> RandomScene:
+    """It with other masses, each 0.3 to 3 times what it was, and another weight; as it is written in draw 0."""
+    if draw == 0:
+        return scene
+    random, old = np.random.default_rng([seed, draw]), scene.system
+    factors = np.array([float(f"{10 ** x:.3g}") for x in random.uniform(-0.5, 0.5, len(old.m))])
+    gravity = round(float(random.uniform(-3, 3)), 3), round(float(random.uniform(-12, 3)), 3)
+    m, I = np.array(old.m) * factors, np.array(old.I) * factors
+    parameters = {f"b{k}.m": float(value) for k, value in enumerate(m, 1)}
+    parameters |= {f"world.gravity[{k}]": value for k, value in enumerate(gravity, 1)}
+    system = replace(old, m=list(map(float, m)), I=list(map(float, I)), gravity=gravity)
+    return replace(scene, system=system, parameters=parameters)
 
 
 class _Builder:
