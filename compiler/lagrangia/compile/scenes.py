@@ -32,6 +32,7 @@ from lagrangia.frames.kinematics import Kinematics
 from lagrangia.language.attitudes import parts_of
 from lagrangia.language.consequences import place_of_felt_reactions
 from lagrangia.language.dimensions import unit_of
+from lagrangia.language.directions import directions
 from lagrangia.language.events import kept_by
 from lagrangia.language.flat import FlatModel, Variable, When, rate_of
 from lagrangia.language.folding import numbers_of
@@ -297,7 +298,7 @@ def _told(kinematics: Kinematics, constraints: Constraints, initial: InitialCond
             **({"samplers": [str(sampler.span) for sampler in model.samplers],
                 "held": [held.name for sampler in model.samplers for held in sampler.held]} if model.samplers else {}),
             **({"delays": [str(delay.span) for delay in model.delays]} if model.delays else {}),
-            **({"inertias": inertias} if inertias else {}),
+            **({"inertias": inertias} if inertias else {}), **({"directions": along} if (along := directions(model)) else {}),
             "attitudes": {name: parts_of(name) for name in kinematics.symbols.attitudes},
             "readers": find_readers(model) if len(model.variables) <= _MANY_VARIABLES else None,
             "signals": {state.coordinate: name for name, state in model.states.items()}}

@@ -19,6 +19,7 @@ from lagrangia.frames.arrays import map_scalars
 from lagrangia.frames.elements import whole
 from lagrangia.frames.evaluation import Evaluator, Value, elements, scalars_of
 from lagrangia.frames.kinematics import Kinematics
+from lagrangia.language.directions import directions
 from lagrangia.language.flat import FlatModel, Variable
 from lagrangia.language.folding import numbers_of
 from lagrangia.language.tree import Number
@@ -104,12 +105,16 @@ def default_parameters(kinematics: Kinematics) -> tuple[ca.SX, ca.DM]:
 def require_possible(kinematics: Kinematics) -> None:
     """Raises LagError L0605, each at its place, for parameters that are declared as no finite number or beyond their limits."""
     report, values = Report(), iter(default_parameters(kinematics)[1].elements())
+    along = {*directions(kinematics.graph.model)}
     for variable in kinematics.graph.model.variables.values():
         if variable.kind == "parameter":
             unit = f" {variable.unit}" if variable.unit else ""
-            for name, _ in variable.elements():
-                if wrong := misfit(float(next(values)), unit, variable.minimum, variable.maximum):
+            own = {name: float(next(values)) for name, _ in variable.elements()}
+            for name, value in own.items():
+                if wrong := misfit(value, unit, variable.minimum, variable.maximum):
                     report.error("L0605", f"the parameter '{name}' {wrong}", variable.span)
+            if variable.name in along and not any(own.values()):
+                report.error("L0605", f"the direction '{variable.name}' has no length: all its parts are 0", variable.span)
     report.raise_errors()
     find_odd_inertias(kinematics).raise_errors()
 

@@ -284,11 +284,20 @@ def check_parameters(scene: Scene, parameters: Sequence[float]) -> None:
     report = Report()
     for known, value in zip(scene.parameters, parameters, strict=True):
         _require_possible("parameter", known, value, report)
+    for name in scene.notes.get("directions", ()):
+        own = _elements(scene, name, parameters)
+        if not any(value for _, value in own):
+            report.error("L0605", f"the direction '{name}' has no length: all its parts are 0", None,
+                         f"declared at {own[0][0].place}")
     for name in scene.notes.get("inertias", ()):
-        own = [value for known, value in zip(scene.parameters, parameters, strict=True) if known.name.startswith(f"{name}[")]
-        if wrong := _odd_inertia(own):
+        if wrong := _odd_inertia([value for _, value in _elements(scene, name, parameters)]):
             report.error("L0605", f"the inertia '{name}' {wrong}")
     report.raise_errors()
+
+
+def _elements(scene: Scene, name: str, parameters: Sequence[float]) -> list[tuple[Parameter, float]]:
+    pairs = zip(scene.parameters, parameters, strict=True)
+    return [(known, value) for known, value in pairs if known.name.startswith(f"{name}[")]
 
 
 def _odd_inertia(own: Sequence[float]) -> str:

@@ -15,7 +15,7 @@ from lagrangia.base.diagnostics import LagError, Report, fail, suggest
 from lagrangia.base.records import dataclass
 from lagrangia.language.values import read_value
 from lagrangia.run.batch import Kind, Reduction, Sweep
-from lagrangia.run.interpret import evaluate
+from lagrangia.run.interpret import evaluate, evaluate_each
 from lagrangia.run.request import Request, check_values, plan
 from lagrangia.run.rules import Moment, solver_by
 from lagrangia.run.runtime import Settings, Solver
@@ -152,8 +152,25 @@ def build_job(scene: Scene, measures: Sequence[Measure], request: Request, desig
                   tuple(t for times in experiment.times() for t in times) if design.keeps else (),
                   variations.runs >= _FEWEST_IN_LANES)
     sampling = design.sampling if design.samples is not None and len(factors) == 1 else ""
-    return Job(scene, tuple(measures), variations, sweep, sampling, design.seed, _until(scene, measures, design, sampling),
-               _held(scene, design.held, variations.runs, len(sweep.row_times)))
+    job = Job(scene, tuple(measures), variations, sweep, sampling, design.seed, _until(scene, measures, design, sampling),
+              _held(scene, design.held, variations.runs, len(sweep.row_times)))
+    _require_directions(job)
+    return job
+
+
+def _require_directions(job: Job) -> None:
+    """Raises LagError L0605 where the parts of a direction that are varied are all 0 in a run."""
+    import numpy as np
+
+    names = [p.name for p in job.scene.parameters]
+    varied = {names[place].partition("[")[0] for place in job.variations.places if place < len(names)}
+    for name in varied.intersection(job.scene.notes.get("directions", ())):
+        own = [k for k, other in enumerate(names) if other.startswith(f"{name}[")]
+        for given, mask in job.parameter_sets():
+            found = evaluate_each(job.scene.tapes["parameters"], given, mask)[0]
+            if (np.max(np.broadcast_arrays(*(np.abs(found[k]) for k in own)), axis=0) == 0).any():
+                fail("L0605", f"the direction '{name}' has no length in a run of the sweep: all its parts are 0", None,
+                     f"declared at {job.scene.parameters[own[0]].place}")
 
 
 def _held(scene: Scene, given: Any, runs: int, rows: int) -> "np.ndarray | None":
