@@ -1,6 +1,6 @@
 """Linkages in space: as mobile as they are known to be, without hints; their loops stay shut and their energy is kept."""
 
-from math import asin, cos, radians, sin
+from math import asin, cos, pi, radians, sin
 
 import pytest
 
@@ -58,3 +58,29 @@ def test_linkages_in_space(text: str, degrees: int, repeats: bool, most: int) ->
     run = model.simulate(stop=0.5, interval=0.25, tolerance=1e-10)
     assert run.statistics.constraint_residual < 1e-12
     assert run.energy.total == pytest.approx([run.energy.total[0]] * run.time.size, abs=1e-8)
+
+
+JACK = """model Jack "a nut on a screw lifts a rod that moves a lever"
+  World world(gravity = {0, 0, -9.81});
+  {nut}
+  Revolute pin(a = shift(bearing.b, {0.1, 0, 0}), axis = {0, 1, 0});
+  Body rod(m = 0.5, I = {0.001, 0.01, 0.01}, center = shift(pin.b, {0.2, 0, 0}));
+  Revolute lever(a = shift(world, {0.5, 0, 0.3}), axis = {0, 1, 0});
+  Body arm(m = 2, I = {0.01, 0.02, 0.02}, center = shift(lever.b, {0, 0, -0.15}));
+  Revolute last(a = shift(pin.b, {0.4, 0, 0}), b = shift(lever.b, {0, 0, -0.3}), axis = {0, 1, 0});
+end Jack;
+"""
+
+
+def test_a_constraint_along_which_nothing_moves_where_a_run_begins() -> None:
+    """Of a hinge that closes a loop, whose axis the nut turns: its row is 0 there, and accelerations were 0/0. Against
+    a slider with the mass that the turning nut is felt as."""
+    screw = ("Screw screw(a = world, axis = {0, 0, 1}, pitch = 0.2, w(start = 5));"
+             " Revolute bearing(a = screw.b, axis = {0, 0, 1}); Body nut(m = 1, I = {0.01, 0.01, 0.02}, center = screw.b);")
+    per = 0.2 / (2 * pi)
+    slider = (f"Prismatic bearing(a = world, along = {{0, 0, 1}}, v(start = {5 * per}));"
+              f" Body nut(m = {1 + 0.02 / per**2}, I = {{0.01, 0.01, 0.02}}, center = bearing.b);"
+              f" AppliedForce lift(at = nut.center, force = {{0, 0, {9.81 * 0.02 / per**2}}});")
+    turned, slid = (lag.loads(JACK.replace("{nut}", nut)).simulate(at=[0, 0.3], tolerance=1e-11) for nut in (screw, slider))
+    assert turned["lever.phi"][-1] == pytest.approx(slid["lever.phi"][-1], abs=1e-10)
+    assert per * turned["screw.phi"][-1] == pytest.approx(slid["bearing.s"][-1], abs=1e-10)

@@ -24,6 +24,7 @@ SMALL = 1e-10  # of E, relative to the diagonal of J M^-1 J^T
 # The same where rows repeat each other at all closed positions and at no others, as those of loops in space do: beside these,
 # where the stages of steps are, squares of the gaps must not be more. Measured on Bricard's six-bar: 523 steps to 62.
 SMALL_IN_SPACE = 1e-7
+LEAST = 1e-13  # of E in space, relative to that of all constraints: along one nothing may move at a position, about an axis say
 DOUBTFUL = 1e-6  # pivots without E below this, relative to the same: with E and a refinement they keep more digits
 
 
@@ -40,16 +41,21 @@ class KKT:
     small: float = SMALL
 
     @property
+    def _may_vanish(self) -> bool:
+        """Whether nothing may move along a constraint at a position, as about an axis in space."""
+        return self.small == SMALL_IN_SPACE
+
+    @property
     def doubt(self) -> ca.SX:
         """Above 0 where J M^-1 J^T loses digits: a pivot is much less than what it was before others were eliminated."""
         n, total, pattern = self.M.size1(), ca.SX(0), self.upper.sparsity()
         starts, rows = pattern.colind(), pattern.row()
         for k, row in enumerate(self.order):
             above = [i for i in rows[starts[k] : starts[k + 1]] if i < k]
-            if row < n or all(self.order[i] < n for i in above):
+            if row < n or (not self._may_vanish and all(self.order[i] < n for i in above)):
                 continue
             before = sum((self.upper[i, k] ** 2 * self.diagonal[i] for i in above if self.order[i] < n), ca.SX(0))
-            total += -self.diagonal[k] < DOUBTFUL * before
+            total += -self.diagonal[k] <= DOUBTFUL * before if self._may_vanish else -self.diagonal[k] < DOUBTFUL * before
         return total
 
     def solve(self, a: ca.SX, b: ca.SX, refine: bool = True) -> tuple[ca.SX, ca.SX]:
@@ -90,6 +96,8 @@ def factor(M: ca.SX, J: ca.SX, is_singular: bool, is_regular: bool = False, smal
         weight = _masses(M, J) / squares
         M = M + J.T @ (ca.diag(weight) @ J)
     E = ca.SX.zeros(J.size1()) if is_regular else small * ((J * J) @ (1 / diagonal_of(M)))
+    if small == SMALL_IN_SPACE and not is_regular:
+        E = ca.vertcat(ca.SX(0, 1), *[x if x.is_zero() else x + LEAST * ca.sum1(E) for x in ca.vertsplit(ca.densify(E))])
     K = ca.blockcat([[M, J.T], [J, -ca.diag(E)]])
     order = (_front if is_singular else _levels)(M.sparsity(), J.sparsity())
     D, upper, _ = ca.ldl(K[list(order), list(order)], False)

@@ -18,7 +18,7 @@ Constrained articulated body dynamics algorithms (2024), after Popov and Vereshc
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import field
-from functools import cached_property
+from functools import cached_property, reduce
 from typing import Protocol
 
 import casadi as ca
@@ -28,7 +28,8 @@ from lagrangia.algebra.scalars import column, scalars_in
 from lagrangia.base.records import dataclass
 from lagrangia.dynamics.energies import Energies
 from lagrangia.dynamics.forces import Forces
-from lagrangia.dynamics.kkt import DOUBTFUL
+from lagrangia.dynamics.kkt import DOUBTFUL, LEAST
+from lagrangia.frames.spatial_inertia import SIZE
 
 Vector = list[Scalar]
 Inertia = list[Vector]  # the upper triangle counts
@@ -97,6 +98,7 @@ class _Bonds:
     between: dict[tuple[int, int], Scalar] = field(default_factory=dict)
     plain: dict[int, Scalar] = field(default_factory=dict)
     doubt: list[ca.SX] = field(default_factory=list)
+    may_vanish: bool = False  # whether nothing may move along a constraint at a position, as about an axis in space
 
     def add(self, i: int, j: int, value: Scalar) -> None:
         """To N_ij."""
@@ -117,10 +119,20 @@ class _Bonds:
     def pivot(self, i: int, small: float) -> Scalar:
         """N_ii and a small part of what it was; takes notice of whether digits were lost."""
         own, plain = self.of(i, i), self.plain.get(i, 0.0)
-        if own is not plain:
-            self.doubt.append(ca.SX(own < DOUBTFUL * plain))
-        found = own + small * plain if small else own
+        if own is not plain or (self.may_vanish and not is_zero(plain)):
+            self.doubt.append(self.is_lost(own, plain))
+        found = own + self.beside(plain, small) if small else own
         return ca.SX(0) if is_zero(found) else found  # of a loop that nothing moves: told where it begins, infinite where it runs
+
+    def beside(self, plain: Scalar, small: float) -> Scalar:
+        """E: a small part of what N_ii is by itself, where it may vanish with a part of what those of others are."""
+        if is_zero(plain) or not self.may_vanish:
+            return small * plain
+        return small * (plain + LEAST * reduce(plus, self.plain.values()))
+
+    def is_lost(self, own: Scalar, plain: Scalar) -> ca.SX:
+        """Whether N_ii has lost digits to what is closed."""
+        return ca.SX(own <= DOUBTFUL * plain if self.may_vanish else own < DOUBTFUL * plain)
 
 
 class ClosedTree:
@@ -129,7 +141,7 @@ class ClosedTree:
     def __init__(self, tree: LoopTree, forces: Sequence[tuple[Wrenches, bool]], small: float) -> None:
         self.size, self.carriers, self.forces, self.small = tree.size, tree.carriers(), forces, small
         self.at = [meeting(self.carriers, *force) for force in forces]
-        self.bonds = _Bonds()
+        self.bonds = _Bonds(may_vanish=self.span == SIZE)
         self.closings: list[list[_Closing]] = [[] for _ in self.carriers]
         self.givings: list[list[_Giving]] = [[] for _ in self.carriers]
         feels = [[row[:] for row in carrier.inertia] for carrier in self.carriers]
@@ -168,8 +180,9 @@ class ClosedTree:
         for (i, j), value in self.bonds.between.items():
             if i in place and j in place and not is_zero(value):
                 N[place[i], place[j]] = N[place[j], place[i]] = value
-        plain = ca.vertcat(*[self.bonds.plain.get(row, 0.0) for row in self.last])
-        return tuple(ca.ldl(N + ca.diag(self.small * plain), True))
+        plain = [self.bonds.plain.get(row, 0.0) for row in self.last]
+        E = ca.vertcat(*[self.bonds.beside(x, self.small) if self.small else 0.0 for x in plain])
+        return tuple(ca.ldl(N + ca.diag(E), True))
 
     @property
     def doubt(self) -> ca.SX:
@@ -179,9 +192,9 @@ class ClosedTree:
             return total
         diagonal, upper, order = self._factors
         starts = upper.sparsity().colind()
-        later = [k for k in range(len(self.last)) if starts[k + 1] > starts[k]]
+        later = [k for k in range(len(self.last)) if starts[k + 1] > starts[k] or self.bonds.may_vanish]
         plain = [self.bonds.plain.get(self.last[k], 0.0) for k in order]
-        return total + sum((diagonal[k] < DOUBTFUL * plain[k] for k in later), ca.SX(0))
+        return total + sum((self.bonds.is_lost(diagonal[k], plain[k]) for k in later), ca.SX(0))
 
     def solve(self, b: Sequence[Scalar], acting: Granted | None = None) -> tuple[Vector, Vector]:
         """x (n,) and lambda (m,) of M x + J^T lambda = what acts, J x = b."""
