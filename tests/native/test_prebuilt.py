@@ -1,5 +1,7 @@
 """The run time that comes with the package: which library is taken, and what runs without a C compiler."""
 
+import ctypes
+import sys
 from pathlib import Path
 
 import pytest
@@ -65,6 +67,15 @@ def test_files_are_compiled_together_where_no_name_is_that_of_another(tmp_path: 
     made = prebuilt.units(prebuilt.sources(runtime))
     assert sorted(file for unit in made for file in unit) == prebuilt.sources(runtime)
     assert len(made) <= 30
+
+
+@needs_prebuilt
+@pytest.mark.skipif(sys.platform != "linux", reason="addresses are read from an ELF file")
+def test_the_loop_of_tapes_begins_a_line_of_the_cache() -> None:
+    library = prebuilt.find(RUNTIME)
+    assert library is not None
+    address = ctypes.cast(ctypes.CDLL(str(library)).lag_tape_run, ctypes.c_void_p).value
+    assert address is not None and address % 64 == 0
 
 
 def test_what_is_compiled_once_computes_nothing_by_registers() -> None:

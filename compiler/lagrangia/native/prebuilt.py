@@ -31,6 +31,9 @@ FLAGS = ("-std=c99", "-ffp-contract=off", "-fno-math-errno", "-fvisibility=hidde
          *(() if sys.platform == "win32" else ("-fPIC",)))
 LIBRARIES = () if sys.platform == "win32" else ("-lm",)
 LEVEL = "-O2"
+# The loop that runs tapes takes up to a sixth longer where its function begins inside a line of the cache, which any change of
+# another file decides; others 2 to 5 % where they do.
+_ALIGNED = ("-falign-functions=64", "-falign-loops=32")
 PROBE = "int lag_probe(void);\nint lag_probe(void) { return 0; }\n"  # what a compiler that works can build
 _FOLDER = Path(__file__).with_name("prebuilt")
 _PROCESSOR = Path("/proc/cpuinfo")
@@ -127,7 +130,7 @@ def sources(runtime: Path) -> list[Path]:
 def digest(runtime: Path) -> str:
     """Changes with every source, every header and the flags."""
     shared = [(room, sorted(names)) for room, names in _SHARED.items()]
-    hashed = hashlib.sha256(repr((FLAGS, LEVEL, _KINDS["avx512"][0], shared)).encode())
+    hashed = hashlib.sha256(repr((FLAGS, LEVEL, _ALIGNED, _KINDS["avx512"][0], shared)).encode())
     for file in sorted(runtime.rglob("*.[ch]")):
         hashed.update(file.name.encode() + hashlib.sha256(file.read_bytes()).digest())
     return hashed.hexdigest()
@@ -180,8 +183,8 @@ def build(runtime: Path, folder: Path, command: Sequence[str]) -> None:
             source = work / f"{kind}-{unit[0].stem}.c"
             source.write_text("".join(f'#include "{file.as_posix()}"\n' for file in unit), encoding="utf-8")
             made = str(source.with_suffix(".o"))
-            _run([*command, *FLAGS, *flags_of(kind), _level(kind), *_portable(command, runtime), *flags, f"-I{runtime}", "-c",
-                  str(source), "-o", made], work)
+            _run([*command, *FLAGS, *flags_of(kind), _level(kind), *_ALIGNED, *_portable(command, runtime), *flags,
+                  f"-I{runtime}", "-c", str(source), "-o", made], work)
             return made
 
         def linked(name: str, objects: "Sequence[Future[str]]", *flags: str) -> None:
