@@ -19,12 +19,13 @@ STATED
 end M;"""
 NEVER = (
     "sin(b.s/1[m]) > 2", "b.s^2 < 0", "abs(b.v) < 0", "b.s > 1 and b.s < 0", "time > 5", "z < 1", "few*abs(b.s) < 0",
-    "k < -b.s^2*1[N/m3]", "2 + cos(1[rad/s]*time) <= 0.5", "max(b.s, 1) < 1", "not b.s^2 >= 0", "b.s^2 >= 0", "b.s^2/few < 0",
+    "k < -b.s^2*1[N/m3]", "2 + cos(1[rad/s]*time) <= 0.5", "max(b.s, 1) < 1", "not b.s^2 >= 0", "time >= 2 and time <= 2",
+    "floor(b.s/1[m]) >= 3 and floor(b.s/1[m]) <= 2", "b.s^2 >= 0", "b.s^2/few < 0",
     "sqrt(abs(b.s)/1[m]) < 0 or time > 7", "few + b.s^2/1[m2] < 1", "exp(b.s/1[m]) < 0", "few > 0.5 or b.s > 1")
 MAY = (
     "sin(b.s/1[m]) > 0.9", "b.s^2 < 1", "b.s < 0", "b.s > 0 and b.s < 1", "time > 4", "z < 1.5", "few*b.s < 0", "any < b.s/1[m]",
     "b.s > 1 or b.s < 0", "b.s^3 < 0", "k < b.s*1[N/m2]", "b.s/few < 0", "min(b.s, 1) < 0.5", "few > 2.5 + b.s/1[m]",
-    "atan2(b.s, b.v*1[s]) > 3")
+    "atan2(b.s, b.v*1[s]) > 3", "integer(time/1[s]) >= 2 and integer(time/1[s]) <= 2", "z >= 2 and z <= 2 + sign(b.s)")
 
 
 def told(model: lag.Model) -> list[str]:

@@ -17,15 +17,18 @@ def warn_of_both(first: Flat, other: Flat, block: WhenBlock, report: Report) -> 
                        "in Modelica the first one alone does; conditions that exclude each other, as x > 1 and x < -1, are safe")
 
 
-def exclude(a: Flat, b: Flat) -> bool:
-    """Whether two conditions cannot be true at once: one number is above what another condition keeps it below."""
+def exclude(a: Flat, b: Flat, stays: bool = False) -> bool:
+    """Whether two conditions cannot be true at once: one number is above what another condition keeps it below. x >= 2 and x <= 2
+    are true at an instant alone, unless x `stays` there."""
     a, b = without_not(a), without_not(b)
     if not (isinstance(a, Binary) and isinstance(b, Binary) and a.operator in COMPARED and b.operator in COMPARED):
         return False
+    is_met = stays and "=" in a.operator and "=" in b.operator
     for (small, large), (low, high) in ((_sides(a), _sides(b)), (_sides(b), _sides(a))):
         if are_alike(small, high):  # x < large, x > low
             least, most = fold(low), fold(large)
-            if are_alike(low, large) or (least is not None and most is not None and least >= most):
+            is_beyond = least is not None and most is not None and (least > most if is_met else least >= most)
+            if is_beyond or (not is_met and are_alike(low, large)):
                 return True
     return False
 

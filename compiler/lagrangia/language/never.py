@@ -9,12 +9,14 @@ from lagrangia.base.diagnostics import Report
 from lagrangia.language.elsewhen import exclude
 from lagrangia.language.events import COMPARED, parts_of
 from lagrangia.language.flat import Experiment, FlatModel
-from lagrangia.language.tree import Binary, Boolean, Call, Flat, Number, Ref, Time, Unary
+from lagrangia.language.mentions import reached
+from lagrangia.language.tree import Binary, Boolean, Call, Flat, IfExpression, Number, Ref, Time, Unary
 
 Bounds = tuple[float, float]
 _ANY: Bounds = (-math.inf, math.inf)
 _DEEPEST = 20  # bindings of bindings
 _HALVES = 50
+_JUMPING = frozenset({"floor", "ceil", "integer", "sign", "mod", "div", "rem"})
 _OF_CALLS: Mapping[str, Bounds] = {
     **dict.fromkeys(("sin", "cos", "tanh", "sign"), (-1.0, 1.0)), **dict.fromkeys(("abs", "sqrt", "exp"), (0.0, math.inf)),
     **dict.fromkeys(("asin", "atan"), (-math.pi / 2, math.pi / 2)), "acos": (0.0, math.pi), "atan2": (-math.pi, math.pi),
@@ -95,7 +97,7 @@ class _Bounding:
             case Binary("and"):
                 parts = list(parts_of(node))
                 found = list(map(self.truth, parts))
-                fight = any(exclude(a, b) for a, b in combinations(parts, 2))
+                fight = any(exclude(a, b, self._jumps(a)) for a, b in combinations(parts, 2))
                 return all(x for x, _ in found) and not fight, any(x for _, x in found)
             case Binary("or", left, right):
                 one, other = self.truth(left), self.truth(right)
@@ -106,6 +108,12 @@ class _Bounding:
                 (low, high), (least, most) = self.of(left), self.of(right)
                 return (low < most, high >= least) if "=" not in operator else (low <= most, high > least)
         return True, True
+
+    def _jumps(self, condition: Flat) -> bool:
+        """Whether it compares what stays on a value for a while."""
+        bindings = {name: variable.binding for name, variable in self.model.variables.items()}
+        return any(isinstance(node, IfExpression) or (isinstance(node, Call) and node.function in _JUMPING)
+                   for node in reached([condition], bindings))
 
     def of(self, node: Flat, depth: int = 0) -> Bounds:
         """The least and the largest value that a number may have."""
