@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from itertools import pairwise
-from math import ceil, copysign, cos, floor, sin, trunc
+from math import atan2, ceil, copysign, cos, floor, sin, trunc
 from pathlib import Path
 
 import casadi as ca
@@ -48,6 +48,7 @@ CONDITIONS: dict[str, Holds] = {
     "v*sign(s) > 1": lambda s, v, t: v * copysign(1, s) > 1,
     "mod(floor(4*s), 3) < 1": lambda s, v, t: mod(floor(4 * s), 3) < 1,
     "max(s, mod(v, 2)) > 1.5": lambda s, v, t: max(s, mod(v, 2)) > 1.5,
+    "atan2(sin(s + 3), cos(s + 3)) > 2 and s > -0.5": lambda s, v, t: atan2(sin(s + 3), cos(s + 3)) > 2 and s > -0.5,
     "mod(s, 0.5) + mod(v, 1.5) > 1.2": lambda s, v, t: mod(s, 0.5) + mod(v, 1.5) > 1.2,
     "(if mod(s, 1) > 0.5 then v else -v) > 0": lambda s, v, t: (v if mod(s, 1) > 0.5 else -v) > 0,
     "mod(time, 0.5) > 0.2*s": lambda s, v, t: mod(t, 0.5) > 0.2 * s,
@@ -138,6 +139,7 @@ SAME = {  # forces that jump where something in a condition does, and the same b
     "(if mod(floor(4*s), 2) == 0 then 1 else -1)": "(if mod(s, 0.5) < 0.25 then 1 else -1)",
     "mod(floor(6*s), 2)": "(if mod(3*s, 1) < 0.5 then 0 else 1)",
     "floor(floor(5*s)/2)": "floor(5*s/2)",
+    "(if atan2(sin(s + 3), cos(s + 3)) > 2 then 1 else -1)": "(if s > -1 and s < 0.1415926535897932 then 1 else -1)",  # its cut
     "(if (if s > 0 then c.v else abs(c.v)) > 0.5[m/s] then 1 else -1)":  # which are the same where v is positive
         "(if s > 0 and c.v < 0.5[m/s] or s <= 0 and c.v < 0.5[m/s] and c.v > -0.5[m/s] then -1 else 1)",
 }

@@ -6,11 +6,11 @@ import casadi as ca
 
 from lagrangia.algebra.duals import Scalar
 from lagrangia.algebra.scalars import as_expression, symbols_in
-from lagrangia.algebra.with_casadi import STEPS, operations_in
+from lagrangia.algebra.with_casadi import operations_in
 from lagrangia.base.diagnostics import fail
 from lagrangia.base.records import dataclass
 from lagrangia.constraints.parameters import scalars
-from lagrangia.dynamics.levels import Levels
+from lagrangia.dynamics.levels import JUMPS, Levels
 from lagrangia.frames.kinematics import Kinematics
 from lagrangia.language.flat import FlatModel, Guard
 from lagrangia.language.mentions import children
@@ -69,7 +69,7 @@ def _level(kinematics: Kinematics, guard: Guard) -> ca.SX:
     value, tau = kinematics.evaluator.value, kinematics.symbols.tau
     moving = ca.vertcat(kinematics.symbols.time, kinematics.algebra.state, _following(kinematics))
     g, truth = (ca.substitute(as_expression(value(x)), tau, ca.SX(1)) for x in (guard.level, guard.condition))
-    if operations_in(g).isdisjoint(STEPS) or symbols_in(moving).isdisjoint(symbols_in(g)):
+    if operations_in(g).isdisjoint(JUMPS) or symbols_in(moving).isdisjoint(symbols_in(g)):
         return g
     level = Levels(moving).of(truth)
     if level is None:

@@ -22,12 +22,12 @@ from numpy.typing import NDArray
 
 from lagrangia.algebra.duals import Scalar, rate_of, value_of
 from lagrangia.algebra.scalars import symbols_in
-from lagrangia.algebra.with_casadi import STEPS, operations_in
+from lagrangia.algebra.with_casadi import operations_in
 from lagrangia.base.diagnostics import fail
 from lagrangia.base.records import dataclass
 from lagrangia.constraints.parameters import usual_parameters
 from lagrangia.dynamics.energies import Load, paced
-from lagrangia.dynamics.levels import Levels
+from lagrangia.dynamics.levels import JUMPS, Levels
 from lagrangia.frames.evaluation import scalars_of
 from lagrangia.frames.kinematics import Kinematics
 from lagrangia.language.consequences import contact_forces_in
@@ -68,7 +68,7 @@ class Impacts:
 
     def may_hide(self, t: ca.SX) -> bool:
         """Whether conditions may come and go however slow the motion is: with time, or where they jump."""
-        return bool(ca.depends_on(self.conditions, t)) or not operations_in(self.conditions).isdisjoint(STEPS)
+        return bool(ca.depends_on(self.conditions, t)) or not operations_in(self.conditions).isdisjoint(JUMPS)
 
     def contacts_of(self, component: str) -> list[Load]:
         """The forces that hold what rests at the contacts of a component."""
@@ -159,7 +159,7 @@ class _Event:
         value, level = self.kinematics.evaluator.value, level_of(node)
         g = self._expression(value(level))
         truth = self._expression(value(node)) if _is_comparison(node) else g
-        if not _is_comparison(node) or (ca.depends_on(g, self.moving) and operations_in(g).isdisjoint(STEPS)):
+        if not _is_comparison(node) or (ca.depends_on(g, self.moving) and operations_in(g).isdisjoint(JUMPS)):
             return g
         found = Levels(self.moving).of(truth)
         if found is None:

@@ -18,13 +18,15 @@ import numpy as np
 
 from lagrangia.algebra.numbering import Numbering, rebuilt
 from lagrangia.algebra.scalars import Expression, apply, as_expression, operate, symbol, symbols_in
-from lagrangia.algebra.with_casadi import CORNERS, operations_in
+from lagrangia.algebra.with_casadi import CORNERS, STEPS, operations_in
 from lagrangia.base.records import dataclass
 
 Level: TypeAlias = "ca.SX | bool"  # bool: whatever moves
+JUMPS = STEPS | {ca.OP_ATAN2}  # what is compared may jump with these
 _RELATIONS = (ca.OP_LT, ca.OP_LE)
 _ATOMS = {*_RELATIONS, ca.OP_EQ, ca.OP_NE, ca.OP_FLOOR}
 _MOST_CASES = 256
+_BEYOND = 8  # rad: angles beyond their cuts are less
 _FAR = 1e30  # of what is decided beside something that moves
 _LOOKS, _SIZES, _SAME = 4, (0.1, 1, 10), 1e-9  # numbers of both signs and some sizes: abs(v) is v where v is positive
 
@@ -209,12 +211,16 @@ def _decided(found: _Threshold, known: _Known) -> bool | None:
 
 
 def _plain(truth: ca.SX) -> ca.SX:
-    """With floor in place of ceil, and comparisons in place of signs."""
+    """With floor in place of ceil, and comparisons in place of signs and of the cuts of angles."""
     def make(op: int, numbers: list[int], operands: list[Expression]) -> Expression | None:
         if op == ca.OP_CEIL:
             return as_expression(-ca.floor(-operands[0]))
         if op == ca.OP_SIGN:
             return as_expression((operands[0] > 0) - (operands[0] < 0))
+        if op == ca.OP_ATAN2:  # each side of its cut goes on beyond it
+            (y, x), quarter = operands, ca.pi / 2
+            side = _BEYOND * y / ca.sqrt(x * x + y * y)  # below angles where these have cuts of their own
+            return as_expression(ca.if_else(side >= 0, quarter + ca.atan2(-x, y), ca.atan2(x, -y) - quarter))
         return None
 
     return as_expression(rebuilt([truth], Numbering(), make)[0])

@@ -35,6 +35,7 @@ from lagrangia.dynamics.held_switches import (
     pair_of,
     rest_asked,
 )
+from lagrangia.dynamics.levels import JUMPS as ALL_JUMPS
 from lagrangia.dynamics.levels import Levels
 from lagrangia.dynamics.motion import Motion
 from lagrangia.dynamics.same_conditions import match
@@ -236,7 +237,7 @@ class _Finding:
             return as_expression(ca.sin(ca.pi * operands[0]))
         a, b = (operands[0], as_expression(0.0)) if op in SIGNS or op == ca.OP_ATAN2 else operands
         difference, is_first = as_expression(a - b if numbers[0] == pair[0] else b - a), numbers[0] == pair[0]
-        if op == ca.OP_ATAN2 or operations_in(difference).isdisjoint(STEPS):
+        if op == ca.OP_ATAN2 or operations_in(difference).isdisjoint(ALL_JUMPS):
             return difference
         levels = Levels(self.moving)
         level = levels.of(a <= b if op == ca.OP_LE else a < b)
