@@ -136,7 +136,7 @@ static void keep(LagRun *run, double total)
     const double size = lag_max(s->energy_scale, s->energy_stored), residual = residual_of(run, run->motion.y, total);
     const double most = size * (DRIFT * run->settings.tolerance + STEP_ROUNDING * (double)s->steps);
     const double strictest = lag_max(STRICTEST * scale->asked, lag_scale_caution(0));
-    if (!run->methods.table->attempt)
+    if (!run->methods.table->attempt || run->model->n_switches > 0) /* whose ties are as sharp as the tolerance */
         return;
     if (fabs(residual - run->missed_energy) > most) {
         run->missed_energy = residual;
