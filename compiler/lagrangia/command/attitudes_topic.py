@@ -36,7 +36,8 @@ Small motion is in small turns tip.S.s[1] to [3] about the turned axes (rad), th
              quaternion. About a start that turns (--about start), as a sleeping top, frequencies are those seen from the turned
              axes, and it is told whether the motion is steady. --from equilibrium begins at rest, --from "steady tip.w[3]=150"
              where the body spins so about its own axes and these stay: upright, of a top. Regular precession is not that, as
-             the axes of the body go round: it is steady by hinges, a Universal and a Revolute. lag simulate --plot F --linear
-             shows small motion beside the run, in quaternions.
+             the axes of the body go round: it is steady by hinges, a Universal and a Revolute (as a disc that rolls round a
+             circle, --from "steady spin.w=8 yaw.w=1.5", and flyballs in a loop). lag simulate --plot F --linear shows
+             small motion beside the run, in quaternions.
 Not supported yet: kinetic energies of der(S) that are no rigid body's, --angles of a loop that a ball joint
 closes."""

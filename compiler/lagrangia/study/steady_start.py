@@ -35,11 +35,8 @@ def begun(model: Any, start_from: "str | Mapping[str, float]", parameters: Any, 
 def start_steady(model: Any, rates: Mapping[str, float], parameters: Any, guesses: Mapping[str, float] | None, inputs: Any,
                  time: float) -> RestStart:
     """The steady motion with these rates, or with those among the guesses, that is reached from the guesses. Raises LagError
-    L0706, L0901, RunError."""
+    L0706, RunError."""
     scene, compilation = model.scene, model.compilation
-    if compilation.motion.constrained is not None:
-        fail("L0901", "not supported yet: a start in steady motion of a scene with closed loops or rolling", None,
-             "state its rates and positions with --initial")
     places = {rate.name: k for k, rate in enumerate(scene.rates)} | {name: k - scene.n for name, k in scene.aliases.items()}
     signals = [k for k, c in enumerate(scene.coordinates) if c.name in scene.signals]
     stated = {**(guesses or {}), **rates}
@@ -49,6 +46,12 @@ def start_steady(model: Any, rates: Mapping[str, float], parameters: Any, guesse
     if not given:
         fail("L0706", "steady motion is said by rates of coordinates, and none is given", None,
              'write: --from "steady hinge.w=12", or --from steady --initial hinge.w=12')
+    if compilation.motion.constrained is not None:
+        from lagrangia.study.steady_held import steady_held
+
+        guessed = {name: value for name, value in stated.items() if places.get(name, -1) not in given}
+        point, v = steady_held(model, parameters, guessed, inputs, time, given)
+        return _told(scene, given, point, v)
     run = model.start(parameters=parameters, initial=stated, inputs=inputs, start=time)
     quaternions = np.array([[run[f"{name}[{k}]"] for k in range(1, 5)] for name in scene.attitudes]).reshape(-1, 4)
     q, v = np.array(run.state[: scene.n]), np.array(run.state[scene.n : 2 * scene.n])
@@ -58,15 +61,21 @@ def start_steady(model: Any, rates: Mapping[str, float], parameters: Any, guesse
     if wrong:
         raise RunError(f"there is no such steady motion near the start values: {wrong}")
     q, v, turned = steady.state(x)
-    values = {c.name: q[k] for k, c in enumerate(scene.coordinates) if k not in signals and c.name not in scene.turned}
-    values |= (attitudes := steady.turned.told(np.zeros(scene.n), turned))
-    values |= {rate.name: v[k] for k, rate in enumerate(scene.rates) if k not in signals}
-    values |= {name: v[k] for k, name in ((k, scene.signals[scene.coordinates[k].name]) for k in signals)}
-    shown = [f"{rate.name} = {v[k]:.6g}" for k, rate in enumerate(scene.rates) if k in given]
-    shown += [f"{scene.coordinates[k].name} = {q[k]:.6g}" for k in steady.places if k not in steady.turned.all]
-    shown += [f"{name} = {value:.6g}" for name, value in attitudes.items()]
+    point = {c.name: q[k] for k, c in enumerate(scene.coordinates) if k not in signals and c.name not in scene.turned}
+    point |= steady.turned.told(np.zeros(scene.n), turned)
+    point |= {scene.signals[scene.coordinates[k].name]: v[k] for k in signals}
+    return _told(scene, given, point, v)
+
+
+def _told(scene: Any, given: Mapping[int, float], point: Mapping[str, float], v: "np.ndarray") -> RestStart:
+    """`point`: positions, quaternions and first-order states by their names; v (n,)."""
+    rates = {rate.name: v[k] for k, (c, rate) in enumerate(zip(scene.coordinates, scene.rates, strict=True))
+             if c.name not in scene.signals}
+    known = {scene.coordinates[k].name for k in given if scene.coordinates[k].name not in scene.turned}
+    shown = [f"{scene.rates[k].name} = {v[k]:.6g}" for k in sorted(given)]
+    shown += [f"{name} = {value:.6g}" for name, value in point.items() if name not in known]
     more = f", ... ({len(shown)})" if len(shown) > 6 else ""
-    return RestStart({name: float(value) for name, value in values.items()},
+    return RestStart({name: float(value) for name, value in (point | rates).items()},
                      f"starts in steady motion: {', '.join(shown[:6])}{more}")
 
 
