@@ -146,7 +146,7 @@ def test_a_disc_rolls_round_a_circle(spin: float, yaw: float) -> None:
 def test_what_loops_and_rolling_do_not_let_be() -> None:
     loop = """model L Revolute O(a = world, phi(start = 1)), A; Bar one(m = 1, L = 1, a = O.b), two(m = 1, L = 1, a = A.b);
   Prismatic p(a = world, along = {1, 0}); equation connect(one.b, A.a); connect(two.b, p.b); end L;"""
-    with pytest.raises(lag.RunError, match="no such steady motion.*the loop world .* does not let all else rest"):
+    with pytest.raises(lag.RunError, match=r"no such steady motion.*the loop world .* does not let all else rest"):
         lag.loads(loop).simulate(at=[1.0], from_={"O.w": 1.0})
     pushed = COIN.replace("end Coin", "  TorsionDamper d(c = 0.1, a = spin.a, b = spin.b);\nend Coin")
     with pytest.raises(lag.RunError, match=r"no such steady motion.*spin.phi is accelerated \(.*something has to drive it"):

@@ -168,13 +168,13 @@ class Kinematics(Attitudes):
 
     def at_start(self, expressions: list[ca.SX]) -> list[ca.SX]:
         """At the start time, with modes as they are just after it."""
-        t, modes, experiment = self.symbols.time, self.algebra.modes, self.graph.model.experiment
+        t, experiment, present = self.symbols.time, self.graph.model.experiment, symbols_in(ca.veccat(*expressions))
+        modes = [mode for mode in self.algebra.modes if mode.symbol.__hash__() in present]
         just_after = experiment.start + _JUST_AFTER * (experiment.stop - experiment.start)
-        begins = [experiment.start if mode.of_input is not None else just_after for mode in modes]
+        begins = [just_after if mode.of_input is None else experiment.start for mode in modes]
         values = [ca.substitute(mode.value, t, ca.SX(begin)) for mode, begin in zip(modes, begins, strict=True)]
         expressions = ca.substitute(expressions, [mode.symbol for mode in modes], values) if modes else expressions
-        found: list[ca.SX] = ca.substitute(expressions, [t, self.symbols.tau], [ca.SX(experiment.start), ca.SX(1)])
-        return found
+        return list(ca.substitute(expressions, [t, self.symbols.tau], [ca.SX(experiment.start), ca.SX(1)]))
 
     def time(self, level: int) -> Scalar:
         """The time, s, with its rate tau."""

@@ -56,7 +56,7 @@ class SteadyHeld:
         q, v = study.start
         rates = np.where(np.isin(np.arange(self.n), self.states), v, 0.0)
         rates[self.u] = list(given.values())
-        self.pace = max(max(abs(w) / self.reach[k] for k, w in given.items()), _TINY)
+        self.pace = float(max(abs(w) / self.reach[k] for k, w in given.items())) or 1.0
         self.followers = self._followers(q, rates, is_wide)
         start = State(q, rates, np.zeros(self.n), np.zeros(self.e.m))
         self.force = float(np.abs(self._forces(start) * self.reach).max(initial=_TINY))
