@@ -29,3 +29,26 @@ def test_directions_of_no_length_are_refused(component: str, tmp_path: Path, cap
         told = capsys.readouterr()
         assert REFUSED in told.err + told.out and ".lag:3:" in told.err + told.out
     assert main(["simulate", str(one), "-p", "floor.along[2]=2", *rows]) == 0
+
+
+def test_parallel_axes_of_a_cardan_joint_are_named(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """As declared, and by -p."""
+    text = """model U
+      World world(gravity = {0, 0, -9.81});
+      Universal u(a = world, axis_b = {%s, 1, 0}); Body b(m = 1, I = {0.1, 0.1, 0.1}, center = shift(u.b, {0, 0.1, -0.4}));
+    end U;"""
+    file, rows = tmp_path / "u.lag", ["--stop", "0.1", "-o", str(tmp_path / "x.csv")]
+    file.write_text(text.replace("%s, 1", "2, 0"))
+    assert main(["simulate", str(file), *rows]) == 2
+    assert "axes that are parallel: u.axis_a and u.axis_b" in capsys.readouterr().err
+    file.write_text(text % 0)
+    assert main(["simulate", str(file), "-p", "u.axis_b={2,0,0}", *rows]) != 0
+    assert "axis_a and axis_b are parallel" in capsys.readouterr().err
+    assert main(["simulate", str(file), *rows]) == 0
+
+
+def test_a_multiple_of_a_rotation_is_no_angle(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "t.lag").write_text("""model T World world(gravity = {0, 0, -9.81}); coordinate Rotation S;
+      Frame f = turn(world, 2*S); Body b(m = 1, I = {0.1, 0.1, 0.1}, center = f); end T;""")
+    assert main(["check", str(tmp_path / "t.lag")]) == 2
+    assert "takes one angle; a coordinate Rotation S turns as a whole" in capsys.readouterr().err

@@ -35,6 +35,7 @@ from lagrangia.frames.kinematics import Kinematics
 from lagrangia.language.consequences import speaks_of_contact_forces
 from lagrangia.language.events import position_of
 from lagrangia.language.space_limits import refuse_in_space
+from lagrangia.language.tree import Ref
 
 _NOTHING = 1e-9  # of a damping, beside the largest
 _LOOKS = 6  # at random rates, whether a force is linear in them
@@ -260,8 +261,19 @@ class _Places:
         best = max(looks, key=np.linalg.matrix_rank)
         if np.linalg.matrix_rank(best) < len(self.directions):
             loose = np.abs(np.linalg.svd(best)[2][-1])
-            _refuse(self.directions[int(np.argmax(loose > _NOTHING))], "and no spring or damper says where it is",
+            direction = self.directions[int(np.argmax(loose > _NOTHING))]
+            _refuse(direction, "and no spring or damper says where it is", *self._about(direction),
                     "hold it by a spring, or give a body there a mass")
+
+    def _about(self, direction: Direction) -> list[str]:
+        """The axes about which one joint turns along it, in words: they are parallel. None elsewhere."""
+        names = [name for name, _ in direction.factors]
+        for edge in self.kinematics.graph.edges:
+            axes = {step.amount.name: step.axis for step in edge.steps if step.kind == "turn" and isinstance(step.amount, Ref)}
+            if len(names) > 1 and axes.keys() >= {*names} and all(axis is not None for axis in axes.values()):
+                told = [axis.name if isinstance(axis, Ref) else axis.span.text for axis in axes.values() if axis is not None]
+                return [f"they turn about axes that are parallel: {' and '.join(told)}"]
+        return []
 
     def balances_of_rows(self) -> list[_Balance]:
         """Of each coordinate one; those that have no rates in them first."""

@@ -20,6 +20,7 @@ Vector = tuple[Scalar, ...]  # (3,)
 Matrix = tuple[Vector, ...]  # (3, 3), by rows
 NOWHERE: Vector = (0.0, 0.0, 0.0)
 UNIT: Matrix = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+_ONE_ANGLE = "turn(a, phi, axis) takes one angle; a coordinate Rotation S turns as a whole, and no multiple of it: turn(a, S)"
 _TINY = 1e-14  # of the cosine of an angle that is a number: a right angle, but for rounding
 
 
@@ -123,7 +124,7 @@ def step(pose: Pose, step: Step, amount: Value, axis: Value | None, algebra: Alg
     """The pose after a step of this amount; of a turn about an axis, or about z. Raises LagError L0303."""
     if step.kind == "turn":
         if isinstance(amount, tuple):
-            fail("L0303", "an angle is a number", step.amount.span)
+            fail("L0303", "an angle is a number", step.amount.span, _ONE_ANGLE)
         return pose.turned(-amount if step.is_inverse else amount, unit_axis(step, axis, algebra), algebra)
     if not isinstance(amount, tuple) or len(amount) != 3:
         fail("L0303", "a shift needs a vector of three components", step.amount.span, "write {x, y, z}")

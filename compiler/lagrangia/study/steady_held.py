@@ -175,7 +175,7 @@ class SteadyHeld:
 
     def told_of(self, x: State, missed: float) -> str:
         """Why it is none; "" where it is one."""
-        left = np.abs(self.residual(x))
+        left: Vector = np.abs(self.residual(x))
         rates = left[left.size - 2 * self.e.m : left.size - self.e.m]
         if not rates.max(initial=0.0) <= _CLOSED:
             row = self.study.c.constraints.rows[int(np.argmax(rates))]
@@ -193,9 +193,9 @@ class SteadyHeld:
         for what, others in (("the positions whose rates are given", self._further(x)), ("time", self._later(x))):
             for other, state in others:
                 after = other._accelerated(state.q, state.v)[0]
-                left = other.study.call(self.e.static, state.q, self.e.multipliers(), 1.0, state.v)[1:3]
+                gaps = other.study.call(self.e.static, state.q, self.e.multipliers(), 1.0, state.v)[1:3]
                 closes = max(float(np.abs(y).max(initial=0.0)) / scale for y, scale in
-                             zip(left, (self.study.size, self.study.size * self.pace), strict=True))
+                             zip(gaps, (self.study.size, self.study.size * self.pace), strict=True))
                 if closes > _CLOSED or not (np.abs(after - a)[free] <= _CLOSED * size[free]).all():
                     return f"accelerations depend on {what}, so that nothing stays as it is"
         return ""

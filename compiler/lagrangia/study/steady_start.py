@@ -75,7 +75,7 @@ def _told(scene: Any, given: Mapping[int, float], point: Mapping[str, float], v:
     shown = [f"{scene.rates[k].name} = {v[k]:.6g}" for k in sorted(given)]
     shown += [f"{name} = {value:.6g}" for name, value in point.items() if name not in known]
     more = f", ... ({len(shown)})" if len(shown) > 6 else ""
-    return RestStart({name: float(value) for name, value in (point | rates).items()},
+    return RestStart({name: float(value) for name, value in {**point, **rates}.items()},
                      f"starts in steady motion: {', '.join(shown[:6])}{more}")
 
 
