@@ -2,6 +2,7 @@
 
 #include <float.h>
 #include <math.h>
+#include <string.h>
 
 #include "state/evaluate.h"
 #include "numbers/extremes.h"
@@ -61,6 +62,20 @@ static double rounding_of(LagRun *run, double t, const double *y)
     return largest;
 }
 
+/* The same of what loads do to what they do not move: rounding of what they would have made of it in a step, where nothing held it. */
+static double rounding_of_loads(LagRun *run, double t, const double *y)
+{
+    const LagScale *scale = &run->scale;
+    const int n = run->model->n;
+    const double step = (t - run->settings.t_start) / (1 + (double)run->statistics.steps);
+    double *moved = run->motion.point, energies[3];
+    memcpy(moved, y, 2 * (size_t)n * sizeof *moved);
+    for (int i = 0; i < n; ++i)
+        moved[n + i] = scale->onset[i] / DBL_EPSILON * step;
+    lag_energies(run, t, moved, energies);
+    return DBL_EPSILON * fabs(energies[KINETIC]);
+}
+
 /* The miss that the tolerance explains, and rounding: each step may add a part of it. */
 static double explained(const LagRun *run)
 {
@@ -76,7 +91,7 @@ static double explained(const LagRun *run)
 static int is_unexplained(LagRun *run, double t, const double *y, double miss)
 {
     const double left = miss - explained(run);
-    return left > 0 && left > NOISES * rounding_of(run, t, y);
+    return left > 0 && left > NOISES * rounding_of(run, t, y) && left > NOISES * rounding_of_loads(run, t, y);
 }
 
 /* The account is open from the first row on at which the largest miss is more than what explains it, unless that comes to do so. */

@@ -258,3 +258,19 @@ def test_rates_of_a_loop_that_contradict_name_it(scene: Write) -> None:
     model = scene(four_bar(A="phi(start = 1, fixed = true), w(start = 2, fixed = true)", D="w(start = 0, fixed = true)"))
     assert "the loop world - A - crank" in model.freedom["problem"]
     assert "(m/s or rad/s)" in model.freedom["problem"]
+
+
+def test_two_cut_joints_beside_many_coordinates_begin(scene: Write) -> None:
+    """Their rates are two below eight others: 'bug: Mismatching number of rows'."""
+    text = four_bar(**ROUGH).replace("end FourBar;", """
+      Revolute a(a = shift(world, {5, 0}), phi(start = 1)), b(b = long.a, phi(start = -0.5)),
+        c(a = long.b, b = short.b, phi(start = 1)), d(a = shift(world, {7, 0}), b = short.a, phi(start = 1.75));
+      Bar drive(m = 1, L = 0.5, a = a.b), long(m = 1, L = 2), short(m = 1, L = 1.5);
+      Revolute hinge[8](each a = shift(world, {9, 0})); Bar bar[8](each m = 1, each L = 1);
+    equation
+      connect(drive.b, b.a);
+      for i in 1:8 loop connect(hinge[i].b, bar[i].a); end for;
+    end FourBar;""")
+    model = scene(text)
+    assert len({*model.scene.lost} & {"C.phi", "c.phi"}) == 2 and len(model.coordinate_names) >= 8
+    require_closed(begin(model))

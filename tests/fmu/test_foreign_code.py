@@ -89,7 +89,7 @@ def test_foreign_code_writes_in_its_folders_alone(seconds: float | None, tmp_pat
         pytest.skip("the system has no Landlock")
     (tmp_path / "kept").write_text("mine")
     outcome = outcome_of(OUTSIDE.replace("KEPT", str(tmp_path / "kept")), tmp_path, seconds)
-    assert "was inside alone" in outcome.log
+    assert "was inside alone" in outcome.log and "refused here, by Landlock" in outcome.explanation
     assert (tmp_path / "kept").read_text() == "mine" and not (tmp_path / "kept2").exists()
 
 

@@ -2,6 +2,7 @@
 
 import time
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ from lagrangia.model import Model
 from lagrangia.native.build import find_compiler
 from lagrangia.run import engines
 from lagrangia.run.library import start_runtime
+from lagrangia.run.simulate import Experiment, _Looks
 
 EXAMPLES = Path(__file__).parents[2] / "models" / "examples"
 CHAIN, PENDULUM, ISLANDS = (EXAMPLES / f"{name}.lag" for name in ("chain", "double_pendulum", "free_bar"))
@@ -114,3 +116,14 @@ def test_a_build_that_is_given_up_leaves_nothing(empty_cache: Path) -> None:
                         compiler=compiler)
     build.cancel()
     assert not [path for path in empty_cache.iterdir() if "slow" in path.name]
+
+
+def test_what_others_have_the_processor_for_is_not_counted_as_a_run() -> None:
+    """A run of a millisecond that waited for its turn was compiled."""
+    told: list[float] = []
+    engine = SimpleNamespace(upgrade=None, how="tape", look=lambda spent, left: told.append(spent))
+    looks = _Looks(engine, SimpleNamespace(experiment=Experiment(0.0, 1.0, 1e-8, 0.1), time=0.5))  # type: ignore[arg-type]
+    looks.pause()
+    time.sleep(0.3)
+    looks.look()
+    assert told[0] < 0.1

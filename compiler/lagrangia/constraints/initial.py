@@ -217,7 +217,7 @@ class _Starts:
         self.residuals += [(self._at_start(value), row.span) for value, row in constraints.agreements]
         loops += [row.loop.around if row.loop else "" for _, row in constraints.agreements]
         self.report.raise_errors()
-        n, rates = self.n, column(*self.kinematics.symbols.rates.values(), self.lost_v)
+        n, rates = self.n, ca.vertcat(column(*self.kinematics.symbols.rates.values()), self.lost_v)
         moving = [ca.depends_on(ca.SX(g), rates) for g, _ in self.residuals]
         order = sorted(range(len(moving)), key=lambda k: moving[k])
         return InitialConditions(

@@ -32,8 +32,10 @@ _MOST_FILE = 1 << 30  # bytes
 _MEMORY = (2 << 30, 8 << 30)  # bytes: half of the machine's, within these
 _PATIENCE = 5  # seconds: of processor time beyond the time that is allowed; for the end of the log
 _LINES = 6  # of the log, in a message
+_CONFINED = "(what it writes outside the folders of its run is refused here, by Landlock: it needs some other program if it must)"
 _RUN = "LAGRANGIA_FMU_RUN"  # in the environment of all processes of a run: the name of its folder
-_TOLD = {"message": str, "seconds": float, "steps": int, "evaluations": int, "events": int, "is_asked_for": bool, "warns": bool}
+_TOLD = {"message": str, "seconds": float, "steps": int, "evaluations": int, "events": int, "is_asked_for": bool, "warns": bool,
+         "is_confined": bool}
 _PAUSE, _MOST_LOOKS = 0.02, 100  # seconds, for processes to end, and how often
 
 
@@ -80,6 +82,7 @@ class Outcome:
     is_asked_for: bool = False  # by the FMU, in the way that the standard has for it
     is_given_up: bool = False  # after the time that was allowed
     warns: bool = False  # the last step was answered by a warning
+    is_confined: bool = False  # the system kept it from writing elsewhere
 
     @property
     def width(self) -> int:
@@ -93,8 +96,9 @@ class Outcome:
 
     @property
     def explanation(self) -> str:
-        """The message, and what the FMU said last."""
-        return "\n".join([self.message, *(f"  {line}" for line in self.said)]) if self.message else ""
+        """The message, what the FMU said last, and what it may not do."""
+        kept = [_CONFINED] if self.is_confined and not self.is_given_up else []
+        return "\n".join([self.message, *(f"  {line}" for line in (*self.said, *kept))]) if self.message else ""
 
 
 def require_fmpy() -> None:

@@ -367,9 +367,16 @@ class _Building:
         named = next((f for f in frames if f.name in used), frames[0])
         port, _, component = named.name.rpartition(".")[::-1]
         component_text = f" of {named.owner} '{component}'" if component else ""
-        self.report.error("L0401", f"the port '{port}'{component_text} is joined to nothing", named.span,
-                          self._hint_of_equation(component)
-                          or f"bind it to a port, to `world` or to a place: {port} = ...; or connect({named.name}, ...)")
+        hint = (self._hint_of_equation(component)
+                or f"bind it to a port, to `world` or to a place: {port} = ...; or connect({named.name}, ...)")
+        others = dict.fromkeys(f"{f.owner} '{x}'" for f in frames if f.name in used
+                               for x in (f.name.rpartition(".")[0],) if x and x != component)
+        if component and others:
+            self.report.error("L0401", f"the port '{port}'{component_text} is joined to {', '.join(others)} alone, and nothing "
+                              "there has a mass or a place", named.span, hint, "a place without mass between them, which follows "
+                              f"from the balance of their forces: PointMass node(m = 0, center = {named.name})")
+            return
+        self.report.error("L0401", f"the port '{port}'{component_text} is joined to nothing", named.span, hint)
 
     def _hint_of_equation(self, component: str) -> str | None:
         """Where an equation names a variable of the component, which has a value of its own that reads its ports."""

@@ -79,6 +79,8 @@ class Waves:
         found = {key: pair for key, pair in _RULES[op](self, *terms).items() if not all(x.is_zero() for x in pair)}
         if any(power > _LARGEST_DEGREE for _, power in found):
             raise NotAWave(f"a power of the time above {_LARGEST_DEGREE}")
+        if not found.keys() - {(0, 0)}:  # time has cancelled, in what the value is but not as it is written
+            return constant(found.get((0, 0), (_ZERO, _ZERO))[0])
         return Term(value, found)
 
     def slope(self, x: ca.SX | None) -> ca.SX:

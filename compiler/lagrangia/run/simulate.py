@@ -192,7 +192,7 @@ def _rows(parts: _Parts, progress: Progress, watch: Callable[[Progress], None] |
 
 @dataclass
 class _Looks:
-    """Tells an engine between portions what a run has taken, and will take."""
+    """Tells an engine between portions what a run has taken, and will take: of a processor, as others may have it meanwhile."""
 
     engine: Engine
     progress: Progress
@@ -201,11 +201,11 @@ class _Looks:
 
     def pause(self) -> float:
         """Seconds until the next look: soon at first, as native code may be there."""
-        self._begin = time.perf_counter()
+        self._begin = time.thread_time()
         return _FIRST if self.engine.upgrade is not None and not self.spent else _PAUSE
 
     def look(self) -> None:
-        progress, seconds = self.progress, time.perf_counter() - self._begin
+        progress, seconds = self.progress, time.thread_time() - self._begin
         self.spent += seconds
         span = progress.experiment.stop - progress.experiment.start
         done = (progress.time - progress.experiment.start) / span if span > 0 else 1.0

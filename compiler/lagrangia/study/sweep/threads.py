@@ -40,11 +40,12 @@ class _Worker(threading.Thread):
                 together = ABREAST if self.job.sweep.in_lanes else 1
                 pace = Pace(_PIECE, together)
                 while not self.stop.value and (piece := self.pieces.take(pace.count, together)) is not None:
-                    begin = time.perf_counter()
+                    begin, processor = time.perf_counter(), time.thread_time()
                     held, rows = (x if x is None else x[slice(*piece)] for x in (self.job.held, self.rows))
                     self.answers.put((piece[0], *batch.advance(self.job.variations.values(*piece), self.stop, held, rows)))
                     seconds = time.perf_counter() - begin
                     pace.learn(piece[1] - piece[0], seconds)
+                    seconds = time.thread_time() - processor  # what others have it for meanwhile is no work
                     self.engine.look(seconds, seconds / (piece[1] - piece[0]) * self.pieces.left)
                 self.answers.put(batch.lanes)
         except BaseException as error:
