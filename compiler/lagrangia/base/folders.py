@@ -2,10 +2,8 @@
 
 import contextlib
 import os
-import shutil
 import stat
 import sys
-import tempfile
 import time
 from collections.abc import Iterator
 from functools import cache
@@ -81,6 +79,8 @@ def is_trusted(path: Path) -> bool:
 
 def remove(path: Path) -> None:
     """A file, a folder with all in it, or a link, which is not followed; what cannot be removed stays."""
+    import shutil
+
     if path.is_dir() and not path.is_symlink():
         shutil.rmtree(path, ignore_errors=True)
     else:
@@ -101,6 +101,8 @@ def _tell_untrusted(folder: Path) -> None:
 
 def has_room(folder: Path) -> bool:
     """Whether a library can be built there."""
+    import shutil
+
     try:
         usage = shutil.disk_usage(folder)
     except OSError:
@@ -126,6 +128,8 @@ def _cache_candidates() -> Iterator[Path]:
 @cache
 def _private_temporary_folder() -> Path:
     """Libraries get loaded, so nobody else may be able to put one there."""
+    import tempfile
+
     user = os.getuid() if hasattr(os, "getuid") else None
     folder = Path(tempfile.gettempdir()) / f"lagrangia-{'cache' if user is None else user}"
     try:

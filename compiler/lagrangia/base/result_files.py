@@ -4,10 +4,8 @@ never in the place of what is read."""
 import errno
 import os
 import re
-import shutil
 import stat
 import sys
-import tempfile
 from array import array
 from collections.abc import Iterable, Sequence
 from pathlib import Path
@@ -76,6 +74,8 @@ class Target:
             fail("L0004", f"'{path}' cannot be written: {os.strerror(errno.ELOOP)}")
 
     def _open(self, binary: bool) -> IO[Any]:
+        import tempfile
+
         encoding, newline, mode = (None, None, "wb") if binary else ("utf-8", "", "w")
         if self.target.is_dir():
             raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR))
@@ -107,6 +107,8 @@ class Target:
 
     def _name(self) -> None:
         """Gives what has none a name beside the target."""
+        import shutil
+
         self.stream.flush()
         temporary = self.target.with_name(f".{self.target.name[:100]}.{os.getpid()}.{self.stream.fileno()}.part")
         temporary.unlink(missing_ok=True)

@@ -6,7 +6,6 @@ A file is written beside its place and renamed, so that whoever finds it finds i
 import contextlib
 import hashlib
 import os
-import tempfile
 import time
 from collections.abc import Iterator
 from functools import cache
@@ -35,6 +34,8 @@ def find_kept(kind: str, key: str) -> bytes | None:
 
 def keep(kind: str, key: str, content: bytes) -> None:
     """A full or unwritable disk is no error: the next who asks makes it again."""
+    import tempfile
+
     with contextlib.suppress(OSError):
         folder = cache_folder() / kind
         folder.mkdir(mode=0o700, exist_ok=True)

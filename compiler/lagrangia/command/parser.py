@@ -93,11 +93,26 @@ class _Parser(argparse.ArgumentParser):
     alone for numbers). Of a command it has the options when it is asked to read some."""
 
     def __init__(self, *arguments: Any, **settings: Any) -> None:
+        self.is_asked = False  # for help
         super().__init__(*arguments, **settings)
         self._negative_number_matcher = re.compile(r"-\.?\d")
         self.command: _Command | None = None
         for action in (None, "store"):
             self.register("action", action, _Once)
+
+    def _get_formatter(self) -> argparse.HelpFormatter:
+        """Each option that is added asks for one; how wide the terminal is counts where help is printed."""
+        return self.formatter_class(prog=self.prog) if self.is_asked else argparse.HelpFormatter(self.prog, width=80)
+
+    def format_help(self) -> str:
+        """As wide as the terminal."""
+        self.is_asked = True
+        return super().format_help()
+
+    def format_usage(self) -> str:
+        """Likewise."""
+        self.is_asked = True
+        return super().format_usage()
 
     def parse_known_args(self, *arguments: Any, **settings: Any) -> Any:
         """Adds the options of its command before."""

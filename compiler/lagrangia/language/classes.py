@@ -107,7 +107,8 @@ class ClassTable:
         definition = self.found(name, span)
         if definition is not None:
             return definition
-        known = {n for n, c in {**self.library, **self.user}.items() if c.kind != "function"} | BUILTIN_TYPES
+        kinds = {**_kinds(self.library), **_kinds(self.user)}
+        known = {n for n, kind in kinds.items() if kind != "function"} | BUILTIN_TYPES
         if name.startswith("Modelica."):
             fail("L0201", f"'{name}' is of the Modelica Standard Library, which is not here", span,
                  *_of_modelica(name, self.library))
@@ -229,6 +230,11 @@ def _given(function: ClassDefinition, arguments: tuple[Argument, ...]) -> Iterat
         else:
             yield replace(element, binding=given.value if given.value is not None else element.binding,
                           arguments=(*element.arguments, *given.arguments))
+
+
+def _kinds(classes: Mapping[str, ClassDefinition]) -> Mapping[str, str]:
+    """What each is: no class of the library is made for it."""
+    return classes.kinds if isinstance(classes, PlainClasses) else {name: found.kind for name, found in classes.items()}
 
 
 def _of_modelica(name: str, library: Mapping[str, ClassDefinition]) -> list[str]:

@@ -48,10 +48,7 @@ def _package(name: str, file: str) -> Syntax:
 
 def ship_all() -> None:
     """What `library` and the parser would make at first use, put beside the modules. Raises OSError."""
-    from lagrangia.language.grammar_tables import lark_key, lark_tables
-
     ship("reader", [grammar_file()], reader_tables())
-    ship(lark_key(), [grammar_file()], lark_tables(grammar_file()))
     ship("library", _files(), _parsed())
     ship("drawn", _files(), _parsed_whole())
     for name, file in LIBRARY_PACKAGES.items():

@@ -5,10 +5,9 @@ from collections.abc import Iterator
 from itertools import pairwise
 from typing import NoReturn
 
-from lark import Lark, Token
-
 from lagrangia.base.diagnostics import LagError, Report, Source, Span, nearest
 from lagrangia.language.foreign_words import FOREIGN_PAIRS, FOREIGN_WORDS
+from lagrangia.language.reader import Tables, Word
 from lagrangia.language.recovery import Stop, find_stops
 
 # Terminals that are patterns; the others are said as they are written.
@@ -51,15 +50,15 @@ _ENERGIES = ("kinetic", "potential", "dissipation", "work")
 _CLOSES = {")": "(", "]": "[", "}": "{"}
 
 
-def refuse(source: Source, parser: Lark) -> NoReturn:
+def refuse(source: Source, tables: Tables) -> NoReturn:
     """Raise the LagError (L0103 to L0105, L0901) for a text that the parser refuses. It is parsed once more, token by token."""
     report = Report()
-    for stop in find_stops(source, parser):
-        _tell(report, _widened(stop), parser)
+    for stop in find_stops(source, tables):
+        _tell(report, _widened(stop), tables)
     raise LagError(report.errors)
 
 
-def _tell(report: Report, stop: Stop, parser: Lark) -> None:
+def _tell(report: Report, stop: Stop, tables: Tables) -> None:
     if _tell_unsupported(report, stop):
         return
     if stop.source.text.startswith("/*", stop.span.start):
@@ -68,13 +67,13 @@ def _tell(report: Report, stop: Stop, parser: Lark) -> None:
     elif stop.word == '"':
         report.error("L0104", "this text has no closing quote", stop.span)
     elif not stop.word:
-        label = _label(stop, parser, "after this, expected")
+        label = _label(stop, tables, "after this, expected")
         report.error("L0105", "the file ends too early", _end_of(stop), *_end_hints(stop), label=label)
     elif stop.lacks_semicolon:
         report.error("L0103", "a ';' is missing", _end_of(stop), label="after this")
     else:
         report.error("L0103", f"unexpected '{shortened(stop.word)}'", stop.span, *_hints(stop),
-                     label=_label(stop, parser, "expected"))
+                     label=_label(stop, tables, "expected"))
 
 
 def _tell_unsupported(report: Report, stop: Stop) -> bool:
@@ -89,7 +88,7 @@ def _tell_unsupported(report: Report, stop: Stop) -> bool:
                             "let it be replaceable: replaceable function f = g;")
     if types[:1] == ("CLASS_KIND",) and texts[2:3] == ["="] and texts[3:4] and texts[3] in FOREIGN_WORDS:
         return _unsupported(report, _place(stop, -1), *FOREIGN_WORDS[texts[3]])
-    told = [(str(t), Span(stop.source, t.start_pos or 0, t.end_pos or 0)) for t in stop.before[-6:] if t.type not in ("STRING",)]
+    told = [(str(t), Span(stop.source, t.start_pos, t.end_pos)) for t in stop.before[-6:] if t.type not in ("STRING",)]
     for (first, place), (second, end) in pairwise(told):
         if second == "extends" and (first, second) in FOREIGN_PAIRS:
             report.error("L0901", f"not of this language: {FOREIGN_PAIRS[first, second][0]}", place.to(end),
@@ -116,7 +115,7 @@ def _tell_unsupported(report: Report, stop: Stop) -> bool:
 
 def _place(stop: Stop, at: int) -> Span:
     token = stop.before[at]
-    return Span(stop.source, token.start_pos or 0, token.end_pos or 0)
+    return Span(stop.source, token.start_pos, token.end_pos)
 
 
 def _unsupported(report: Report, place: Span, what: str, instead: str) -> bool:
@@ -129,7 +128,7 @@ def _widened(stop: Stop) -> Stop:
     start = stop.span.start
     for first, last in ((start - 1, start + 1), (start, start + 2)):
         if stop.source.text[max(0, first) : last] in _FOREIGN:
-            before = tuple(token for token in stop.before if token.end_pos is not None and token.end_pos <= max(0, first))
+            before = tuple(token for token in stop.before if token.end_pos <= max(0, first))
             return Stop(stop.source, Span(stop.source, max(0, first), last), before, stop.accepted)
     return stop
 
@@ -143,7 +142,7 @@ def _end_of(stop: Stop) -> Span:
 # -------------------------------------------------------------------- what was expected
 
 
-def _label(stop: Stop, parser: Lark, before: str) -> str:
+def _label(stop: Stop, tables: Tables, before: str) -> str:
     names, said = set(stop.accepted), []
     if "RPAR" in names:
         names.discard("STRING")  # which is rare there
@@ -151,14 +150,14 @@ def _label(stop: Stop, parser: Lark, before: str) -> str:
         if names >= needed:
             said.append(phrase)
             names -= needed | taken
-    said += sorted({_spoken(name, parser) for name in names})
+    said += sorted({_spoken(name, tables) for name in names})
     return f"{before} {_either(said)}" if said else ""
 
 
-def _spoken(name: str, parser: Lark) -> str:
+def _spoken(name: str, tables: Tables) -> str:
     if name in SPOKEN:
         return SPOKEN[name]
-    return f"'{parser.get_terminal(name).pattern.value}'"
+    return f"'{tables.plain[name]}'"
 
 
 def _either(said: list[str]) -> str:
@@ -184,7 +183,7 @@ def _guesses(stop: Stop) -> Iterator[str]:
     if word in _FOREIGN:
         yield _FOREIGN[word]
     if stop.before and stop.before[-1].type == "STRING" and "\n" in stop.before[-1]:
-        line, column = stop.source.line_and_column(stop.before[-1].start_pos or 0)
+        line, column = stop.source.line_and_column(stop.before[-1].start_pos)
         yield f"the text that ends before it begins at {line}:{column}: is a quote missing?"
     if word == "+" and stop.last(1) == ("STRING",):
         yield "a text stands in one pair of quotes"
@@ -213,7 +212,7 @@ def _guesses(stop: Stop) -> Iterator[str]:
     yield from _guesses_of_modelica(stop)
     yield from _guesses_from_neighbours(stop)
     if (opened := _open_brackets(stop)) and (word == ";" or word in _CLOSES):
-        line, column = stop.source.line_and_column(opened[-1].start_pos or 0)
+        line, column = stop.source.line_and_column(opened[-1].start_pos)
         yield f"the '{opened[-1]}' at {line}:{column} is still open"
     if "SEMICOLON" in accepted and word.isidentifier():
         yield "is an operator or a ';' missing before it?"
@@ -289,10 +288,10 @@ def _guesses_from_neighbours(stop: Stop) -> Iterator[str]:
 
 def _end_hints(stop: Stop) -> Iterator[str]:
     if opened := _open_brackets(stop):
-        line, column = stop.source.line_and_column(opened[-1].start_pos or 0)
+        line, column = stop.source.line_and_column(opened[-1].start_pos)
         yield f"the '{opened[-1]}' at {line}:{column} is still open"
         return
-    opened_classes: list[Token] = []
+    opened_classes: list[Word] = []
     for before, name, behind in zip(stop.before, stop.before[1:], (*stop.before[2:], None), strict=False):
         if before.type == "CLASS_KIND" and (behind is None or behind.type != "EQUAL"):
             opened_classes.append(name)
@@ -302,9 +301,9 @@ def _end_hints(stop: Stop) -> Iterator[str]:
         yield f"is 'end {opened_classes[-1]};' missing?"
 
 
-def _open_brackets(stop: Stop) -> list[Token]:
+def _open_brackets(stop: Stop) -> list[Word]:
     """Brackets before the stop that are not closed there."""
-    opened: list[Token] = []
+    opened: list[Word] = []
     for token in stop.before:
         if token in ("(", "[", "{"):
             opened.append(token)

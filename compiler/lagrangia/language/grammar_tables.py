@@ -1,17 +1,14 @@
-"""grammar/lag.lark -> the tables of reader.py, by Lark; and Lark's own parser, which tells what is wrong with a text."""
+"""grammar/lag.lark -> the tables of reader.py, by Lark."""
 
 import marshal
 import re
-from functools import cache
 from pathlib import Path
 from typing import Any
 
-from lark import Lark, __version__
+from lark import Lark
 from lark.grammar import Rule as LarkRule
-from lark.lexer import TerminalDef
 
 from lagrangia.language.reader import Rule
-from lagrangia.language.shipped import made_of
 
 # The pattern of a terminal that is one of some words, each perhaps by what follows, and of all such alternatives.
 _WORDS = r"(?:\(\?:[\w|]+\)|\w+)(?:\\b|\(\?[=!](?:[^()\[\]]|\[(?:\\.|[^\]\\])*\])+\))"
@@ -19,37 +16,15 @@ _WHOLE_WORDS = re.compile(rf"{_WORDS}(?:\|{_WORDS})*")
 _SAME_WORDS = re.compile(r"(?:\(\?:)?([\w|]+)\)?(\\b|\(\?[=!](?:[^()\[\]]|\[(?:\\.|[^\]\\])*\])+\))")
 
 
-@cache
 def lark_parser(grammar: Path) -> Lark:
-    """Lark's parser of a grammar: as it was shipped, as it was kept, or made now."""
-    content = made_of(lark_key(), [grammar], lambda: lark_tables(grammar))
-    return Lark.load(marshal.loads(content))  # its own files are pickles, which can run
-
-
-def lark_key() -> str:
-    """What it is kept under: another Lark may have another form."""
-    return f"lark-{__version__}"
-
-
-def lark_tables(grammar: Path) -> bytes:
-    """That parser as plain data, which marshal reads back."""
-    data, memo = _made(grammar).memo_serialize([TerminalDef, LarkRule])
-    return marshal.dumps({"data": data, "memo": memo})
-
-
-def _made(grammar: Path) -> Lark:
-    return _analysed(grammar.read_text(encoding="utf-8"))
-
-
-@cache
-def _analysed(text: str) -> Lark:
-    """Half a second of work, which both kinds of tables are made of where the package is built."""
+    """Lark's parser of a grammar: half a second of work."""
+    text = grammar.read_text(encoding="utf-8")
     return Lark(text, parser="lalr", start="file", propagate_positions=True, maybe_placeholders=True)
 
 
 def make_tables(grammar: Path) -> bytes:
     """The members of reader.Tables, in their order, likewise."""
-    parser: Any = _made(grammar)
+    parser: Any = lark_parser(grammar)
     table = parser.parser.parser._parse_table
     rules: dict[LarkRule, int] = {}
     rows: dict[tuple[tuple[str, int], ...], int] = {}
@@ -62,8 +37,9 @@ def make_tables(grammar: Path) -> bytes:
             row.append((str(symbol), -1 - rules.setdefault(target, len(rules)) if is_reduction else states.index(target)))
         row_of.append(rows.setdefault(tuple(sorted(row)), len(rows)))
     start, end = (states.index(found["file"]) for found in (table.start_states, table.end_states))
-    words, pattern = _words_of(parser)
-    plain: Any = (start, end, tuple(row_of), tuple(map(dict, rows)), tuple(_rule_of(rule) for rule in rules), words, pattern)
+    words, patterns = _words_of(parser)
+    plain: Any = (start, end, tuple(row_of), tuple(map(dict, rows)), tuple(_rule_of(rule) for rule in rules), words, patterns,
+                  {t.name: t.pattern.value for t in parser.terminals if type(t.pattern).__name__ == "PatternStr"})
     return marshal.dumps(plain)
 
 
@@ -87,8 +63,8 @@ def _rule_of(rule: LarkRule) -> Rule:
     return name, size, method, bool(options.expand1 and not rule.alias), tuple(kept), waiting + absent[size]
 
 
-def _words_of(parser: Any) -> tuple[dict[str, tuple[tuple[str, str], ...]], str]:
-    """Words with the terminals they may be, and the pattern of all others; both in the order in which Lark tries them."""
+def _words_of(parser: Any) -> tuple[dict[str, tuple[tuple[str, str], ...]], tuple[tuple[str, str], ...]]:
+    """Words with the terminals they may be, and the patterns of all others; both in the order in which Lark tries them."""
     ordered = sorted(parser.terminals, key=lambda t: (-t.priority, -t.pattern.max_width, -len(t.pattern.value), t.name))
     words: dict[str, list[tuple[str, str]]] = {}
     ignored, patterns = [], []
@@ -103,5 +79,5 @@ def _words_of(parser: Any) -> tuple[dict[str, tuple[tuple[str, str], ...]], str]
                 for word in same[1].split("|"):
                     words.setdefault(word, []).append((terminal.name, "" if same[2] == "\\b" else same[2]))
         else:
-            patterns.append(f"(?P<{terminal.name}>{terminal.pattern.to_regexp()})")
-    return {word: tuple(names) for word, names in words.items()}, "|".join([f"(?P<ignored>{'|'.join(ignored)})", *patterns])
+            patterns.append((terminal.name, terminal.pattern.to_regexp()))
+    return {word: tuple(names) for word, names in words.items()}, (("ignored", "|".join(ignored)), *patterns)

@@ -34,7 +34,7 @@ def write_trees(files: Sequence[Syntax]) -> bytes:
         return node if number is None else [number, *(plain(getattr(node, name)) for name in named[number])]
 
     def file_of(file: Syntax) -> Any:
-        classes = tuple(["class", c.name, marshal.dumps(plain(c))] for c in file.classes)
+        classes = tuple(["class", c.name, c.kind, marshal.dumps(plain(c))] for c in file.classes)
         return [_NUMBERS[Syntax], *(classes if name == "classes" else plain(getattr(file, name)) for name in _OF_FILES)]
 
     return marshal.dumps(([(source.name, source.text) for source in sources], tuple(map(file_of, files))))
@@ -54,7 +54,9 @@ class PlainClasses(Mapping[str, ClassDefinition]):
         """Raises ValueError, EOFError or TypeError for what is none."""
         named, files = marshal.loads(content)
         self.sources = tuple(Source(name, text) for name, text in named)
-        self._plain = {name: body for file in files for _, name, body in file[1 + _OF_FILES.index("classes")]}
+        classes = [found for file in files for found in file[1 + _OF_FILES.index("classes")]]
+        self._plain = {name: body for _, name, _, body in classes}
+        self.kinds = {name: kind for _, name, kind, _ in classes}
         self._made: dict[str, ClassDefinition] = {}
         self._read = _reader(self.sources)
 
@@ -79,7 +81,7 @@ def _reader(sources: Sequence[Source]) -> Callable[[Any], Any]:
             if node[0] == "source":
                 return sources[node[1]]
             if node[0] == "class":
-                return tree_of(marshal.loads(node[2]))
+                return tree_of(marshal.loads(node[3]))
             return makers[node[0]](*map(tree_of, node[1:]))
         return tuple(map(tree_of, node)) if type(node) is tuple else node
 

@@ -1,12 +1,11 @@
 """Text -> what an actor makes of it, by tables of an LALR(1) parser (Aho, Sethi, Ullman, Compilers, 1986, section 4.7).
 
-The tables are those that Lark makes of the grammar (grammar_tables.py), as plain data. Lark itself is not needed to read a text
-that is right: loading it, and the patterns of its many lexers, takes ten times as long as reading a scene does. Where this reader
-does not see its way it says so, and Lark decides.
+The tables are those that Lark makes of the grammar (grammar_tables.py), as plain data. Lark itself is not needed to read a text:
+loading it, and the patterns of its many lexers, takes ten times as long as reading a scene does.
 """
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from functools import cached_property
 from typing import Any, Protocol
 
@@ -44,7 +43,7 @@ class Actor(Protocol):
 
 
 class NotReadError(Exception):
-    """The text is wrong, or is cut into words in another way than this reader's."""
+    """The text is wrong."""
 
 
 # A rule: what it is of, how many symbols it has, the actor's method or None where its children are those of the rule above,
@@ -56,8 +55,8 @@ Rule = tuple[str, int, str | None, bool, Sequence[tuple[int, bool, int]], int]
 @dataclass(frozen=True)
 class Tables:
     """`rows`: by symbol the next state, or -1 - rule; `row_of` the row of each state; `words`: by their text the terminals that
-    they may be, each with what has to follow ("" for anything), of which the first counts that a state accepts; `pattern` matches
-    one word, named by its terminal, or NAME."""
+    they may be, each with what has to follow ("" for anything), of which the first counts that a state accepts; `patterns`
+    of the other terminals, in the order in which they are tried, and of what is ignored; `plain`: the texts of those of one."""
 
     start: int
     end: int
@@ -65,7 +64,13 @@ class Tables:
     rows: Sequence[Mapping[str, int]]
     rules: Sequence[Rule]
     words: Mapping[str, Sequence[tuple[str, str]]]
-    pattern: str
+    patterns: Sequence[tuple[str, str]]
+    plain: Mapping[str, str]
+
+    @cached_property
+    def pattern(self) -> str:
+        """Matches one word, named by its terminal, or NAME."""
+        return "|".join(f"(?P<{name}>{pattern})" for name, pattern in self.patterns)
 
     @cached_property
     def match(self) -> Any:
@@ -90,6 +95,18 @@ class Tables:
                 return other
         return None
 
+    def terminal(self, found: re.Match[str], row: Mapping[str, int]) -> tuple[str, int]:
+        """Which one of those that a word may be is meant in a state, and where it ends there. It may be one that does not fit."""
+        kind, end = str(found.lastgroup), found.end()
+        if kind == "NAME":
+            kind = self.meant(found.group(), row, found.string, end) or kind
+        if kind in row:
+            return kind, end
+        for other, pattern in self.patterns:  # one that is tried later, and may be shorter
+            if other in row and (shorter := re.compile(pattern).match(found.string, found.start())):
+                return other, shorter.end()
+        return kind, end
+
     @cached_property
     def finditer(self) -> Any:
         """All words of a text, and what is ignored between them."""
@@ -104,11 +121,11 @@ def read(text: str, tables: Tables, actor: Actor) -> Any:
         found = tables.match(text, at)
         if found is None:
             raise NotReadError
-        kind = found.lastgroup
-        if kind != "ignored":
-            word = found.group()
-            stack.take(stack.terminal(kind, word, text, found.end()), Word, word, at, found.end())
-        at = found.end()
+        end = found.end()
+        if found.lastgroup != "ignored":
+            kind, end = tables.terminal(found, tables.of_states[stack.states[-1]])
+            stack.take(kind, Word, text[at:end], at, end)
+        at = end
     return stack.finish()
 
 
@@ -120,11 +137,6 @@ class _Stack:
         self.states = [tables.start]
         self.values: list[Any] = []
         self.spans: list[tuple[int, int] | None] = []
-
-    def terminal(self, kind: str, word: str, text: str, end: int) -> str:
-        """Which one of those that a word may be is meant here."""
-        row = self.tables.of_states[self.states[-1]]
-        return self.tables.meant(word, row, text, end) or kind if kind == "NAME" else kind
 
     def take(self, kind: str, make: type[Word], word: str, start: int, end: int) -> None:
         """Raises NotReadError where it cannot stand here."""
@@ -183,20 +195,3 @@ class _Stack:
         self.values.append(made)
         self.spans.append(span)
         states.append(tables.of_states[states[-1]][name])
-
-
-def walk(tree: Any, actor: Actor) -> Any:
-    """The same of a tree of Lark's."""
-    meta = tree.meta
-    place = NOWHERE if meta.empty else Place(meta.start_pos, meta.end_pos)
-    return getattr(actor, str(tree.data))(place, list(_walked(tree.children, actor)))
-
-
-def _walked(children: Sequence[Any], actor: Actor) -> Iterator[Any]:
-    for child in children:
-        if child is None:
-            yield None
-        elif isinstance(child, str):
-            yield Word(child.type, str(child), child.start_pos, child.end_pos)  # type: ignore[attr-defined]
-        else:
-            yield walk(child, actor)

@@ -5,16 +5,13 @@ Better too few stops than a wrong one: what may be a consequence of an earlier s
 
 import re
 from collections.abc import Iterator
-from copy import copy
 from dataclasses import field
 from itertools import pairwise, product
 
-from lark import Lark, Token
-from lark.exceptions import UnexpectedCharacters, UnexpectedToken
-from lark.parsers.lalr_interactive_parser import InteractiveParser
-
 from lagrangia.base.diagnostics import Source, Span
 from lagrangia.base.records import dataclass
+from lagrangia.language.reader import END, Tables, Word
+from lagrangia.language.word_parser import UnexpectedError, WordParser
 
 _MOST_TOLD = 10
 _MOST_STOPS = 100  # with those that are passed over
@@ -39,7 +36,7 @@ class Stop:
 
     source: Source
     span: Span
-    before: tuple[Token, ...]
+    before: tuple[Word, ...]
     accepted: frozenset[str]
 
     @property
@@ -51,7 +48,7 @@ class Stop:
     def is_first_of_line(self) -> bool:
         """Whether nothing stands before it in its line."""
         begin = self.source.text.rfind("\n", 0, self.span.start) + 1
-        return bool(self.before) and (self.before[-1].end_pos or 0) <= begin
+        return bool(self.before) and self.before[-1].end_pos <= begin
 
     @property
     def lacks_semicolon(self) -> bool:
@@ -63,9 +60,9 @@ class Stop:
         return tuple(token.type for token in self.before[-count:])
 
 
-def find_stops(source: Source, parser: Lark) -> Iterator[Stop]:
+def find_stops(source: Source, tables: Tables) -> Iterator[Stop]:
     """The first place where the parser refuses the text, and those after it that are wrong for themselves."""
-    reading = _Reading(source, parser.parse_interactive(source.text))
+    reading = _Reading(source, WordParser(tables, source.text))
     told = 0
     for _ in range(_MOST_STOPS):
         stop = reading.read()
@@ -84,7 +81,7 @@ def find_stops(source: Source, parser: Lark) -> Iterator[Stop]:
 class _Mark:
     """The parser where a statement may begin, and how many tokens it has read."""
 
-    parser: InteractiveParser
+    parser: WordParser
     count: int
 
 
@@ -101,8 +98,8 @@ class _Reading:
     """The parser on its way through a text, and the marks it can go back to."""
 
     source: Source
-    parser: InteractiveParser
-    before: list[Token] = field(default_factory=list)
+    parser: WordParser
+    before: list[Word] = field(default_factory=list)
     start: int = 0  # of the statement
     resumed: int = -1  # where it went on after the last stop
     line: int = 0  # the last one that was skipped
@@ -111,10 +108,7 @@ class _Reading:
     is_strange: bool = False  # no word of the language was there
 
     def __post_init__(self) -> None:
-        state = self.parser.parser_state
-        state.parse_conf = copy(state.parse_conf)
-        state.parse_conf.callbacks = {}  # no tree is made
-        self.file = self.body = self.here = _Mark(_copy(self.parser), 0)
+        self.file = self.body = self.here = _Mark(self.parser.copy(), 0)
 
     # -------------------------------------------------------------------- reading
 
@@ -123,49 +117,49 @@ class _Reading:
         start = end = len(self.source.text)
         is_strange = False
         try:
-            for token in _tokens(self.parser):
+            for token in self.parser.words():
                 if self.is_faulty and token in _BLOCKS and self.before[-1].type == "END":
-                    start, end = token.start_pos or 0, token.end_pos or 0
+                    start, end = token.start_pos, token.end_pos
                     break  # the block's beginning was skipped; it is no class that is called so
-                if self.is_faulty and token.type in _CLASS_WORDS and token.column == 1 and self.body is not self.file:
-                    self._land(_Landing("header", token.start_pos or 0))  # no class in the one that is wrong
+                if self.is_faulty and token.type in _CLASS_WORDS and not self._is_indented(token) and self.body is not self.file:
+                    self._land(_Landing("header", token.start_pos))  # no class in the one that is wrong
                     return self.read()
-                self.parser.feed_token(token)
+                self.parser.take(token)
                 self.before.append(token)
                 self._set_mark(token)
-        except UnexpectedToken as error:
-            start, end = error.token.start_pos or 0, error.token.end_pos or 0
-        except UnexpectedCharacters as error:
-            start, end = error.pos_in_stream or 0, (error.pos_in_stream or 0) + 1
-            is_strange = True
+        except UnexpectedError as error:
+            start, end, is_strange = error.start, error.end, error.is_strange
         self.is_strange = is_strange or self.source.text.startswith("/*", start)
-        accepted = frozenset(self.parser.accepts())  # type: ignore[no-untyped-call]
-        if start == end and "$END" in accepted:
+        accepted = self.parser.accepted()
+        if start == end and END in accepted:
             return None
         return Stop(self.source, Span(self.source, start, end), tuple(self.before), accepted)
 
-    def _set_mark(self, token: Token) -> None:
+    def _set_mark(self, token: Word) -> None:
         """Where `end` fits, a statement may begin; where the file may end, a class."""
-        fitting = self.parser.choices()  # type: ignore[no-untyped-call]
-        if "END" not in fitting and "$END" not in fitting:
+        fitting = self.parser.row
+        if "END" not in fitting and END not in fitting:
             if token.type == "EQUAL" and self.here is self.body and len(self.before) == self.here.count + 1:
                 self.here = self.body = self.file  # type Name = ...; has no body
             return
-        is_in_file = "$END" in fitting
+        is_in_file = END in fitting
         was_in_file = self.here is self.file
-        self.here = _Mark(_copy(self.parser), len(self.before))
-        self.start = token.end_pos or 0
+        self.here = _Mark(self.parser.copy(), len(self.before))
+        self.start = token.end_pos
         if is_in_file:
             self.file, self.is_faulty = self.here, False
         if is_in_file or was_in_file:
             self.body = self.here
+
+    def _is_indented(self, token: Word) -> bool:
+        return self.source.text[max(0, token.start_pos - 1) : token.start_pos] not in ("", "\n")
 
     # -------------------------------------------------------------------- judging
 
     @property
     def is_nested(self) -> bool:
         """Whether classes stand in others: which of their ends was lost is not known."""
-        return any(token.type == "CLASS_KIND" and (token.column or 0) > 1 and before.type != "PARTIAL"
+        return any(token.type == "CLASS_KIND" and self._is_indented(token) and before.type != "PARTIAL"
                    for before, token in pairwise(self.before))
 
     def is_consequence(self, stop: Stop, moved: "_Reading | None") -> bool:
@@ -183,7 +177,7 @@ class _Reading:
     def _first_landmark(self, stop: Stop) -> str:
         """What the statement that does not parse begins with."""
         tokens = self.before[self.here.count :]
-        begin = (tokens[0].start_pos or 0) if tokens else stop.span.start
+        begin = tokens[0].start_pos if tokens else stop.span.start
         landmark = _LANDMARKS.match(self.source.text, begin)
         return landmark.lastgroup or "" if landmark else ""
 
@@ -192,16 +186,16 @@ class _Reading:
         if self.here is self.file or self.is_strange or self._first_landmark(stop) in _NO_STATEMENT:
             return None
         for mark, kind in product(dict.fromkeys((self.here, self.body)), _SECTIONS):
-            trial = _Reading(self.source, _copy(mark.parser), self.before[: mark.count])
-            _set_position(trial.parser, self.start)
+            trial = _Reading(self.source, mark.parser.copy(), self.before[: mark.count])
+            trial.parser.position = self.start
             try:
-                trial.parser.feed_token(Token(kind, _SECTIONS[kind]))
-                for token in _tokens(trial.parser):
-                    trial.parser.feed_token(token)
+                trial.parser.take(Word(kind, _SECTIONS[kind], self.start, self.start))
+                for token in trial.parser.words():
+                    trial.parser.take(token)
                     trial.before.append(token)
                     if token.type == "SEMICOLON":
                         return trial
-            except (UnexpectedToken, UnexpectedCharacters):
+            except UnexpectedError:
                 continue
         return None
 
@@ -210,15 +204,15 @@ class _Reading:
     def go_on(self, stop: Stop, moved: "_Reading | None") -> bool:
         """Goes to where reading can go on; False where there is no such place."""
         if stop.lacks_semicolon and stop.span.start != self.resumed and self._first_landmark(stop) != "header":
-            semicolon = Token.new_borrow_pos("SEMICOLON", ";", self.before[-1])
-            self.parser.feed_token(semicolon)
+            semicolon = Word("SEMICOLON", ";", self.before[-1].start_pos, self.before[-1].end_pos)
+            self.parser.take(semicolon)
             self._set_mark(semicolon)
             self._resume(self.parser, stop.span.start)
             return True
         if moved is not None:
             last = moved.before[-1]
             self.before = moved.before
-            self._resume(moved.parser, last.end_pos or 0)
+            self._resume(moved.parser, last.end_pos)
             self._set_mark(last)
             return True
         landing = self._landing_in_file() if self.here is self.file else self._landing_in_class(stop.span.start)
@@ -227,9 +221,9 @@ class _Reading:
         self._land(landing)
         return True
 
-    def _resume(self, parser: InteractiveParser, position: int) -> None:
+    def _resume(self, parser: WordParser, position: int) -> None:
         self.parser = parser
-        _set_position(parser, position)
+        parser.position = position
         self.start = self.resumed = position
 
     def _land(self, landing: _Landing) -> None:
@@ -241,7 +235,7 @@ class _Reading:
             self.here = self.body
         del self.before[self.here.count :]
         self.line, _ = self.source.line_and_column(landing.position - 1)
-        self._resume(_copy(self.here.parser), landing.position)
+        self._resume(self.here.parser.copy(), landing.position)
 
     def _landing_in_class(self, stopped: int) -> _Landing | None:
         """Behind the statement, or at the end, the section or the class that begins before."""
@@ -280,21 +274,3 @@ class _Reading:
             if is_ended and kind == "semicolon":
                 return _Landing(kind, landmark.end())
         return None
-
-
-def _copy(parser: InteractiveParser) -> InteractiveParser:
-    copied: InteractiveParser = parser.copy(deepcopy_values=False)  # type: ignore[no-untyped-call]
-    return copied
-
-
-def _tokens(parser: InteractiveParser) -> Iterator[Token]:
-    """The words of the text, each read when the parser has taken the one before."""
-    tokens: Iterator[Token] = parser.lexer_thread.lex(parser.parser_state)  # type: ignore[no-untyped-call]
-    return tokens
-
-
-def _set_position(parser: InteractiveParser, position: int) -> None:
-    """The parser reads on from this character."""
-    state = parser.lexer_thread.state
-    assert state is not None
-    state.line_ctr.char_pos = position

@@ -11,7 +11,7 @@ from typing import Any, cast
 from lagrangia.base.diagnostics import Source, Span, fail
 from lagrangia.base.folders import data_folder
 from lagrangia.language.expression_nodes import _ExpressionNodes, name_of, text_of
-from lagrangia.language.reader import NotReadError, Place, Tables, Word, read, walk
+from lagrangia.language.reader import NotReadError, Place, Tables, Word, read
 from lagrangia.language.shipped import made_of
 from lagrangia.language.tree import (
     Argument,
@@ -64,8 +64,9 @@ def parse(source: Source, make: "Callable[[Source], _Nodes] | None" = None) -> S
     try:
         items = read(source.text, tables(), nodes)
     except NotReadError:
-        nodes = make(source)
-        items = _parsed_by_lark(source, nodes)
+        from lagrangia.language.expectations import refuse
+
+        refuse(source, tables())
     nodes.report.raise_errors()
     files = tuple(x for x in items if isinstance(x, ImportFile))
     classes = tuple(x for x in items if isinstance(x, ClassDefinition))
@@ -89,21 +90,6 @@ def reader_tables() -> bytes:
     from lagrangia.language.grammar_tables import make_tables
 
     return make_tables(grammar_file())
-
-
-def _parsed_by_lark(source: Source, nodes: "_Nodes") -> Any:
-    """What the reader has not read. Raises LagError (L0103 to L0105, L0901)."""
-    from lark import UnexpectedInput
-
-    from lagrangia.language.expectations import refuse
-    from lagrangia.language.grammar_tables import lark_parser
-
-    parser = lark_parser(grammar_file())
-    try:
-        tree = parser.parse(source.text)
-    except UnexpectedInput:
-        refuse(source, parser)
-    return walk(tree, nodes)
 
 
 def _check_text(source: Source) -> None:

@@ -4,7 +4,6 @@ import ctypes as c
 import math
 from collections.abc import Mapping
 from dataclasses import field
-from string import Formatter
 
 from lagrangia.base.records import dataclass
 
@@ -57,6 +56,8 @@ class Choice:
     @property
     def figures(self) -> dict[str, str]:
         """The numbers of the reason, by their names."""
+        from string import Formatter
+
         return {name: figure(self.facts[name]) for _, name, _, _ in Formatter().parse(self.reason) if name}
 
 

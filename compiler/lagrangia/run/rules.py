@@ -7,7 +7,6 @@ compare. Limits stand above the table, with what they were measured on.
 
 from collections.abc import Callable, Mapping
 from enum import Enum
-from string import Formatter
 
 from lagrangia.base.records import dataclass
 from lagrangia.run.choice import figure
@@ -119,6 +118,8 @@ RULES = (
 
 def decide(moment: Moment, facts: Facts) -> Taken:
     """What the first row that holds takes; the last of each moment always does."""
+    from string import Formatter
+
     row = next(row for row in RULES if row.moment is moment and row.holds(facts))
     numbers = {**facts, "limit": row.limit(facts)}
     shown = {name: figure(float(numbers[name])) for _, name, _, _ in Formatter().parse(row.why) if name}
