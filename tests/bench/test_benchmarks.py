@@ -29,7 +29,7 @@ COMMANDS = [
     pytest.param(["hand_written.py"], marks=pytest.mark.slow, id="hand_written.py"),
     pytest.param(["startup.py", "--repeat", "1", "--links", "5"], marks=pytest.mark.slow, id="startup.py --repeat"),
     ["four_bars.py", "--largest", "2"],
-    ["space.py", "--repeat", "1", "--only", "arm,bricard"],
+    ["space.py", "--repeat", "1", "--only", "arm,bricard", "--longest", "0.01", "--no-native"],
     ["many_runs.py", "--runs", "50", "--repeats", "1"],
     ["stepping.py", "--steps", "200", "--repeats", "1"],
     ["rollouts.py", "--runs", "20", "--repeats", "1"],

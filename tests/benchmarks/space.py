@@ -1,15 +1,17 @@
 """Time to an error of scenes in space whose motion is known: a fast top, a swinging robot arm, 20 bars on ball joints, Bricard's
-six-bar, a spatial four-bar. Beside them what is installed of the peers in the Python that runs this: heyoka on the top's
-equations written by hand, Pinocchio's ABA under SciPy's DOP853 on the bars, MuJoCo, Exudyn on the arm (space_peers.py).
-Processor time, the shortest of some runs.
+six-bar, a spatial four-bar. Beside them what is installed of the peers in the Python that runs this: heyoka and SciPy on
+equations written by hand, Pinocchio's ABA under SciPy and SUNDIALS (space_equations.py), Exudyn (space_exudyn.py) and MuJoCo
+(space_peers.py). Processor time, the shortest of some runs, ours prepared and compiled as heyoka's are; below, for each scene and
+decade of error, ours by the fastest peer's of those that take the scene as it is, and of those by hand.
 
     python tests/benchmarks/space.py [--repeat N] [--only top,arm,chain,bricard,rssr]
 """
 
 import sys
 import time
-from argparse import ArgumentParser
+from argparse import ArgumentParser, BooleanOptionalAction, Namespace
 from collections.abc import Callable, Iterator
+from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
@@ -19,168 +21,175 @@ from scipy.spatial.transform import Rotation
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
+from benchmarks import space_equations as equations
+from benchmarks import space_exudyn as exudyn
 from benchmarks import space_peers as peers
+from lagrangia.bench.measure import Point
+from lagrangia.bench.table import ERRORS, by_solver, seconds_at
 from lagrangia.model import Model
 from whole.test_space_cases import EXAMPLES, FOLDER, REFERENCES, chain, rod_start
 
-TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
-Found = tuple[float, float]  # ms, error
+TOLERANCES = tuple(10.0**-k for k in range(1, 14))
+OPTIONS = Namespace(native=True, longest=2.0)
+US = "lagrangia"
+HAND = "by hand"  # ends the names of those whose equations are
+Run = tuple[str, str, Callable[[float], peers.Case]]  # who, the package that it needs, its run at a tolerance
 
 
-def shortest(run: Callable[[], Any], repeat: int) -> tuple[float, Any]:
-    """ms of processor time, and the last result."""
-    best, result = np.inf, None
-    for _ in range(repeat):
+def shortest(run: Callable[[], Any], repeat: int) -> float:
+    """s of processor time."""
+    best = np.inf
+    for turn in range(repeat):
         begin = time.process_time()
-        result = run()
+        run()
         best = min(best, time.process_time() - begin)
-    return 1e3 * best, result
+        if best > OPTIONS.longest / 20 and turn > 1:
+            break
+    return best
 
 
-def ours(model: Model, stop: float, error: Callable[[Any], float], repeat: int, **more: Any) -> list[Found]:
-    found = []
-    for tolerance in TOLERANCES:
-        took, run = shortest(lambda t=tolerance: model.simulate(at=[0, stop], tolerance=t, **more), repeat)
-        found.append((took, error(run)))
-    return found
+def measured(runs: Iterator[Run], repeat: int) -> Iterator[Point]:
+    for who, package, make in runs:
+        if any(find_spec(name) is None for name in package.split()):
+            print(f"  {who}: not installed")
+            continue
+        for tolerance in TOLERANCES:
+            try:
+                run, error = make(tolerance)
+                point = Point(who, tolerance, shortest(run, repeat), error())
+            except (ArithmeticError, RuntimeError, ValueError) as failure:
+                print(f"  {who} at {tolerance:.0e}: {str(failure).strip().splitlines()[-1][:90]}")
+                continue
+            yield point
+            if point.seconds > OPTIONS.longest:
+                break
 
 
-def ours_compiled(model: Model, stop: float, error: Callable[[Any], float], repeat: int) -> list[Found]:
-    """Prepared runs in native code, as heyoka's are."""
-    model.native = True
-    found = []
-    for tolerance in TOLERANCES:
-        asked = {"at": [0, stop], "tolerance": tolerance}
-        took, _ = shortest(model.prepare(**asked), repeat)
-        found.append((took, error(model.simulate(**asked))))
-    return found
+def ours(model: Model, stop: float, error: Callable[[Any], float], who: str = US, **more: Any) -> Run:
+    values = [list(more.get(name, {}).values()) for name in ("initial", "parameters")]
+
+    def make(tolerance: float) -> peers.Case:
+        model.native = OPTIONS.native
+        asked: dict[str, Any] = {"at": [0, stop], "tolerance": tolerance}
+        again = model.prepare(**more, **asked)
+        return lambda: again(*values), lambda: error(model.simulate(**more, **asked))
+
+    return who, "lagrangia", make
 
 
-def peer(make: Callable[[float], peers.Case], repeat: int, package: str = "mujoco") -> list[Found] | None:
-    """Of runs made for each tolerance; None where the package is missing."""
-    if find_spec(package) is None:
-        return None
-    found = []
-    for tolerance in TOLERANCES:
-        run, error = make(tolerance)
-        took, _ = shortest(run, repeat)
-        found.append((took, error()))
-    return found
+def steps(pace: float, order: int) -> Callable[[float], int]:
+    """Steps of a method of that order; `pace` at tolerance 1."""
+    return lambda tolerance: max(1, round(pace * tolerance ** (-1 / order)))
 
 
-def by_steps(pace: float, tolerance: float) -> float:
-    """Steps a second of a method of fourth order; `pace` at tolerance 1."""
-    return pace * tolerance**-0.25
+def by_hand(name: str, problem: Callable[[], equations.Equations]) -> Iterator[Run]:
+    once = cache(problem)
+    derivative = cache(lambda: equations.compiled(once()))
+    yield f"heyoka, {name} {HAND}", "heyoka", lambda tolerance: equations.by_heyoka(once(), tolerance)
+    yield f"SciPy, {name} {HAND}", "heyoka", lambda tolerance: equations.by_scipy(derivative(), once(), "DOP853", tolerance)
 
 
-def top(repeat: int) -> Iterator[tuple[str, list[Found] | None]]:
+def by_pinocchio(make: Callable[[], tuple[Any, equations.Equations]]) -> Iterator[Run]:
+    for method in ("DOP853", "LSODA"):
+        yield (f"Pinocchio, SciPy {method}", "pinocchio",
+               lambda tolerance, method=method: equations.by_scipy(*make(), method, tolerance))
+    yield "Pinocchio, CVODE", "pinocchio sksundae", lambda tolerance: equations.by_cvode(*make(), tolerance)
+
+
+def top() -> Iterator[Run]:
     centre = np.array(REFERENCES["top"]["fast"][-1]["centre"])
-    model = Model(FOLDER / "cases.lag", model="HeavyTop")
-    yield "lagrangia", ours_compiled(model, 2, lambda run: np.abs(run["top.center.r"][-1] - centre).max() / 0.1, repeat)
-    yield "MuJoCo", peer(lambda tolerance: peers.top(by_steps(250, tolerance), centre), 1)
-    try:
-        import heyoka as hy
-    except ImportError:
-        return
-    a, x, y, z, p, q, r = hy.make_vars(*"axyzpqr")
-    A, C, pull = 0.007, 0.001, 0.5 * 9.81 * 0.1
-    level = 2 * (x * z - a * y), 2 * (y * z + a * x)  # components of the vertical in body axes
-    motion = [(a, -0.5 * (x * p + y * q + z * r)), (x, 0.5 * (a * p + y * r - z * q)), (y, 0.5 * (a * q + z * p - x * r)),
-              (z, 0.5 * (a * r + x * q - y * p)), (p, ((A - C) * q * r + pull * level[1]) / A),
-              (q, ((C - A) * r * p - pull * level[0]) / A), (r, 0.0 * p)]
-    start, found = [np.cos(0.25), np.sin(0.25), 0, 0, 0, 0, 200.0], []
-    for tolerance in TOLERANCES:
-        solver = hy.taylor_adaptive(motion, start, tol=tolerance)
+    model, mujoco, alpha = Model(FOLDER / "cases.lag", model="HeavyTop"), steps(250, 4), steps(600, 2)
+    hinges = Model(Path(__file__).parent / "scenes" / "top_of_hinges.lag")
 
-        def run(solver: Any = solver) -> None:
-            solver.time, solver.state[:] = 0.0, start
-            solver.propagate_until(2.0)
+    def error(run: Any) -> float:
+        return float(np.abs(run["top.center.r"][-1] - centre).max() / 0.1)
 
-        took, _ = shortest(run, repeat)
-        a_, x_, y_, z_ = solver.state[:4] / np.linalg.norm(solver.state[:4])
-        axis = np.array([2 * (x_ * z_ + a_ * y_), 2 * (y_ * z_ - a_ * x_), 1 - 2 * (x_**2 + y_**2)])
-        found.append((took, np.abs(axis - 10 * centre).max()))
-    yield "heyoka", found
+    yield ours(model, 2, error)
+    yield ours(hinges, 2, error, f"{US}, three hinges")
+    yield from by_hand("quaternion", lambda: equations.top(centre))
+    yield from by_hand("Euler angles", lambda: equations.top_in_angles(centre))
+    yield "MuJoCo", "mujoco", lambda tolerance: peers.top(mujoco(tolerance), centre)
+    yield "Exudyn", "exudyn", lambda tolerance: exudyn.top(alpha(tolerance), centre)
+    yield "Exudyn, DOPRI5", "exudyn", lambda tolerance: exudyn.top_of_hinges(tolerance, centre)
 
 
-def arm(repeat: int) -> Iterator[tuple[str, list[Found] | None]]:
+def arm() -> Iterator[Run]:
     known = np.array(REFERENCES["robot_arm_swing"][-1]["q"])
-    start = [0, np.pi / 4, np.pi, 0.3, np.pi / 4, 0]
+    start, rates = [0, np.pi / 4, np.pi, 0.3, np.pi / 4, 0], [0.5, 0, 0, 0, 0, 0]
     initial = {f"joint[{k}].phi": x for k, x in enumerate(start, 1)} | {"joint[1].w": 0.5}
     model = Model(EXAMPLES / "robot_arm.lag")
-    yield "lagrangia", ours(model, 2, lambda run: max(
-        abs(run[f"joint[{k}].phi"][-1] - known[k - 1]) for k in range(1, 7)), repeat, initial=initial)
-    values, rates = dict(zip(model.parameter_names, model.parameter_values(), strict=True)), [0.5, 0, 0, 0, 0, 0]
-    yield "Exudyn", peer(lambda tolerance: peers.arm(values, tolerance, start, rates, known), 1, "exudyn")
+    yield ours(model, 2, lambda run: max(abs(run[f"joint[{k}].phi"][-1] - known[k - 1]) for k in range(1, 7)), initial=initial)
+    values = dict(zip(model.parameter_names, model.parameter_values(), strict=True))
+    links = peers.arm_links(values)
+    yield from by_pinocchio(lambda: equations.arm(links, start + rates, known))
+    yield "Exudyn, DOPRI5", "exudyn", lambda tolerance: peers.arm(links, tolerance, start, rates, known)
 
 
-def bars(repeat: int) -> Iterator[tuple[str, list[Found] | None]]:
-    n = 20
+def bars() -> Iterator[Run]:
+    n, mujoco, alpha = 20, steps(60, 4), steps(100, 2)
     m = L = 1 / n
-    across, known = m * L**2 / 12 + m * 0.01**2 / 4, np.array(REFERENCES["hanging_20"][-1]["end"])
-    model = chain([(m, L, (m * 0.01**2 / 2, across, across), 1)] * n,
-                  [Rotation.from_rotvec([0, 0, 1.2 * k / n]) for k in range(1, n + 1)], np.array([[10, 0, 0]] * n))
-    yield "lagrangia", ours(model, 1, lambda run: np.abs([run[f"tip[{k}]"][-1] - known[k - 1] for k in (1, 2, 3)]).max(), repeat)
-    yield "MuJoCo", peer(lambda tolerance: peers.bars(by_steps(60, tolerance), n, (m * 0.01**2 / 2, across, across), known), 1)
-    try:
-        import pinocchio as pin
-        from scipy.integrate import solve_ivp
-    except ImportError:
-        return
-    tree, parent, place, q, v = pin.Model(), 0, pin.SE3.Identity(), [], []
-    tree.gravity.linear = np.array([0, 0, -9.81])
-    for k in range(n):
-        parent = tree.addJoint(parent, pin.JointModelSpherical(), place, f"j{k}")
-        inertia = pin.Inertia(m, np.zeros(3), np.diag([m * 0.01**2 / 2, across, across]))
-        tree.appendBodyToJoint(parent, inertia, pin.SE3(np.eye(3), np.array([L / 2, 0, 0])))
-        place, half, spin = pin.SE3(np.eye(3), np.array([L, 0, 0])), 0.6 / n, np.array([10.0, 0, 0])
-        q += [0, 0, np.sin(half), np.cos(half)]
-        v += list(spin - (Rotation.from_rotvec([0, 0, -1.2 / n]).apply(spin) if k else 0))
-    tip = tree.addFrame(pin.Frame("tip", parent, 0, place, pin.FrameType.OP_FRAME))
-    data, still = tree.createData(), np.zeros(3 * n)
-
-    def derivative(_: float, state: np.ndarray) -> np.ndarray:
-        turns, w = state[: 4 * n].reshape(n, 4), state[4 * n :].reshape(n, 3)
-        turns = turns / np.linalg.norm(turns, axis=1)[:, None]
-        x, real = turns[:, :3], turns[:, 3:]
-        rates = np.hstack([(real * w + np.cross(x, w)) / 2, -(x * w).sum(1, keepdims=True) / 2])
-        return np.concatenate([rates.ravel(), pin.aba(tree, data, turns.ravel(), state[4 * n :], still)])
-
-    found = []
-    for tolerance in TOLERANCES:
-        took, run = shortest(lambda t=tolerance: solve_ivp(derivative, (0, 1), q + v, method="DOP853", rtol=t, atol=t), 1)
-        turns = run.y[: 4 * n, -1].reshape(n, 4)
-        pin.framesForwardKinematics(tree, data, (turns / np.linalg.norm(turns, axis=1)[:, None]).ravel())
-        found.append((took, np.abs(data.oMf[tip].translation - known).max()))
-    yield "Pinocchio, SciPy", found
+    inertia = (m * 0.01**2 / 2, *[m * L**2 / 12 + m * 0.01**2 / 4] * 2)
+    known = np.array(REFERENCES["hanging_20"][-1]["end"])
+    model = chain([(m, L, inertia, 1)] * n, [Rotation.from_rotvec([0, 0, 1.2 * k / n]) for k in range(1, n + 1)],
+                  np.array([[10, 0, 0]] * n))
+    yield ours(model, 1, lambda run: np.abs([run[f"tip[{k}]"][-1] - known[k - 1] for k in (1, 2, 3)]).max())
+    yield from by_pinocchio(lambda: equations.bars(n, inertia, known))
+    yield "MuJoCo", "mujoco", lambda tolerance: peers.bars(mujoco(tolerance), n, inertia, known)
+    yield "Exudyn", "exudyn", lambda tolerance: exudyn.bars(alpha(tolerance), n, inertia, known)
 
 
-def bricard(repeat: int) -> Iterator[tuple[str, list[Found] | None]]:
-    model, known = Model(FOLDER / "bricard.lag"), 2.89332820598129336
-    yield "lagrangia", ours(model, 2, lambda run: abs(run["p0.phi"][-1] - known), repeat)
+def bricard() -> Iterator[Run]:
+    model, known, mujoco, alpha = Model(FOLDER / "bricard.lag"), 2.89332820598129336, steps(20, 4), steps(100, 2)
+    yield ours(model, 2, lambda run: abs(run["p0.phi"][-1] - known))
+    yield from by_hand("one coordinate", lambda: equations.bricard(known))
     begin = model.simulate(at=[0])
-    yield "MuJoCo", peer(lambda tolerance: peers.bricard(by_steps(20, tolerance), begin, known), 1)
+    yield "MuJoCo", "mujoco", lambda tolerance: peers.bricard(mujoco(tolerance), begin, known)
+    yield "Exudyn", "exudyn", lambda tolerance: exudyn.bricard(alpha(tolerance), known)
 
 
-def rssr(repeat: int) -> Iterator[tuple[str, list[Found] | None]]:
+def rssr() -> Iterator[Run]:
     model, known, values = Model(FOLDER / "cases.lag", model="Rssr"), REFERENCES["rssr"][-1]["theta"], rod_start()
-    yield "lagrangia", ours(model, 2, lambda run: abs(run["turning.phi"][-1] - known), repeat, parameters=values)
+    mujoco, alpha = steps(20, 4), steps(100, 2)
+    yield ours(model, 2, lambda run: abs(run["turning.phi"][-1] - known), parameters=values)
+    yield from by_hand("one coordinate", lambda: equations.rssr(known))
     begin = model.simulate(at=[0], parameters=values)
-    yield "MuJoCo", peer(lambda tolerance: peers.rssr(by_steps(20, tolerance), begin, known), 1)
+    yield "MuJoCo", "mujoco", lambda tolerance: peers.rssr(mujoco(tolerance), begin, known)
+    yield "Exudyn", "exudyn", lambda tolerance: exudyn.rssr(alpha(tolerance), known)
 
 
 SCENES = {"top": top, "arm": arm, "chain": bars, "bricard": bricard, "rssr": rssr}
+
+
+def compare(points: list[Point]) -> Iterator[str]:
+    """For each decade of error ours, and the fastest peer's time and their ratio: of peers that take the scene, and by hand."""
+    groups = by_solver(points)
+    for error in ERRORS:
+        times = {who: seconds for who, group in groups.items() if (seconds := seconds_at(group, error)) is not None}
+        mine = min((times.pop(who) for who in list(times) if who.startswith(US)), default=None)
+        if mine is None:
+            continue
+        line = f"  {error:.0e} {1e3 * mine:9.3g} ms"
+        for by_hand in (False, True):
+            group = {who: seconds for who, seconds in times.items() if who.endswith(HAND) == by_hand}
+            if group:
+                best = min(group, key=group.__getitem__)
+                line += f"  | {1e3 * group[best]:9.3g} ms  {mine / group[best]:.2f}  {best}"
+        yield line
 
 
 def main() -> None:
     parser = ArgumentParser(description="time to an error of scenes in space")
     parser.add_argument("--repeat", type=int, default=5)
     parser.add_argument("--only", default=",".join(SCENES))
-    options = parser.parse_args()
+    parser.add_argument("--longest", type=float, default=2.0, help="s of a run beyond which a peer is asked for no more digits")
+    parser.add_argument("--native", action=BooleanOptionalAction, default=True, help="ours compiled, not on tapes")
+    options = parser.parse_args(namespace=OPTIONS)
     for name in options.only.split(","):
-        for who, found in SCENES[name](options.repeat):
-            told = ["not installed"] if found is None else [f"{took:.3g} ms to {error:.0e}" for took, error in found]
-            print(f"{name:8}{who:18}" + "  ".join(told))
+        print(name)
+        points = list(measured(SCENES[name](), options.repeat))
+        for who, group in by_solver(points).items():
+            print(f"  {who:31}" + "  ".join(f"{1e3 * point.seconds:.3g} ms to {point.error:.0e}" for point in group))
+        print(*compare(points), sep="\n", flush=True)
 
 
 if __name__ == "__main__":

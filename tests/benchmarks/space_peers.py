@@ -73,31 +73,37 @@ def bars(steps: float, n: int, inertia: Sequence[float], known: Array) -> Case:
                   lambda data: float(np.abs(2 * data.xipos[n] - data.xpos[n] - known).max()))
 
 
-def arm(numbers: Mapping[str, float], tolerance: float, q: Sequence[float], v: Sequence[float], known: Array) -> Case:
-    """PUMA 560 in Exudyn, by the parameters of our scene. MuJoCo takes no inertia that breaks the triangle inequality, as three
-    of its links have, nor the first one, which has no mass."""
+Link = tuple[float, Array, Array, Array, Array]  # mass, centre, inertia about it, turn and way to the next hinge
+
+
+def arm_links(numbers: Mapping[str, float]) -> list[Link]:
+    """Of PUMA 560 by the parameters of our scene, in the axes of each hinge, which turns about z."""
+    links = []
+    for k in range(1, 7):
+        turn = Rotation.from_rotvec([numbers[f"alpha[{k}]"], 0, 0]).as_matrix()
+        ahead = np.array([numbers[f"a[{k}]"], 0.0, numbers[f"d[{k}]"]])
+        centre, moments = ([numbers[f"{name}[{k},{i}]"] for i in (1, 2, 3)] for name in ("r", "I"))
+        links.append((numbers[f"m[{k}]"], ahead + turn @ centre, turn @ np.diag(moments) @ turn.T, turn, ahead))
+    return links
+
+
+def arm(links: Sequence[Link], tolerance: float, q: Sequence[float], v: Sequence[float], known: Array) -> Case:
+    """Exudyn's tree. MuJoCo takes no inertia that breaks the triangle inequality, as three of the links have, nor the first one,
+    which has no mass."""
     import exudyn
     from exudyn.itemInterface import NodeGenericODE2, ObjectKinematicTree
 
-    def row(name: str) -> list[float]:
-        return [numbers[f"{name}[{k}]"] for k in range(1, 7)]
-
-    centre, moments = ([[numbers[f"{name}[{k},{i}]"] for i in (1, 2, 3)] for k in range(1, 7)] for name in ("r", "I"))
-    ahead = [[a, 0.0, d] for a, d in zip(row("a"), row("d"), strict=True)]  # from joint to link, in the joint's axes
-    turns = [Rotation.from_rotvec([x, 0, 0]) for x in row("alpha")]
+    masses, centres, inertias, turns, ahead = map(list, zip(*links, strict=True))
     exudyn.config.printToConsole = False
     system = exudyn.SystemContainer().AddSystem()
     node = system.AddNode(NodeGenericODE2(referenceCoordinates=[0.0] * 6, initialCoordinates=list(q),
                                           initialCoordinates_t=list(v), numberOfODE2Coordinates=6))
-    matrices = [turn.as_matrix() for turn in turns]
-    inertias = [R @ np.diag(I) @ R.T for R, I in zip(matrices, moments, strict=True)]
-    centres = [list(np.array(shift) + turn.apply(r)) for shift, turn, r in zip(ahead, turns, centre, strict=True)]
     system.AddObject(ObjectKinematicTree(
         nodeNumber=node, gravity=[0.0, 0.0, -9.81], jointTypes=[exudyn.JointType.RevoluteZ] * 6,
-        linkParents=list(range(-1, 5)), linkMasses=row("m"),
-        jointTransformations=exudyn.Matrix3DList([np.eye(3), *matrices[:-1]]),
-        jointOffsets=exudyn.Vector3DList([[0.0] * 3, *ahead[:-1]]),
-        linkInertiasCOM=exudyn.Matrix3DList(inertias), linkCOMs=exudyn.Vector3DList(centres)))
+        linkParents=list(range(-1, 5)), linkMasses=masses,
+        jointTransformations=exudyn.Matrix3DList([np.eye(3), *turns[:-1]]),
+        jointOffsets=exudyn.Vector3DList([[0.0] * 3, *map(list, ahead[:-1])]),
+        linkInertiasCOM=exudyn.Matrix3DList(inertias), linkCOMs=exudyn.Vector3DList([list(centre) for centre in centres])))
     system.Assemble()
     settings = exudyn.SimulationSettings()
     time, now = settings.timeIntegration, exudyn.ConfigurationType
