@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 import lagrangia
+from lagrangia.draw.modes_film import animate_mode
 
 G = 9.81
 BALL = """
@@ -124,3 +125,36 @@ def test_events_that_read_each_other_are_told(tmp_path: Path) -> None:
     for said, codes in ((text, ["L0237"]), (text.replace("seen = n;", "seen = pre(n);"), [])):
         file.write_text(said, encoding="utf-8")
         assert [code for code in ("L0237", "L0224") if any(code in told for told in lagrangia.load(file).warnings)] == codes
+
+
+def test_small_motion_keeps_them(tmp_path: Path) -> None:
+    """m s'' + c s' + k s = 2 n rests, and dies out, about 0.5 n: n is no unknown, no state, no mode."""
+    file = tmp_path / "held.lag"
+    file.write_text("""
+model Held "A spring beside a force that events make larger"
+  Block block(m = 1, base = world, s(start = 3));
+  Spring spring(k = 4, stretch = block.s);
+  Damper damper(c = 0.4, rate = der(block.s));
+  Integer n(start = 2);
+  Boolean up;
+energy
+  work 2[N]*n on block.s;
+equation
+  when block.s < 1 then
+    n = pre(n) + 1;
+    up = true;
+  end when;
+end Held;
+""", encoding="utf-8")
+    model = lagrangia.load(file)
+    (rest,) = model.equilibrium()
+    assert rest.stability == "asymptotically stable" and rest.n_neutral == 0
+    assert {**rest.position} == pytest.approx({"block.s": 1, "n": 2, "up": 0})
+    assert model.equilibrium(initial={"n": 5})[0].position["block.s"] == pytest.approx(2.5)
+    linear, modes = model.linearize(), model.modes()
+    assert linear.states == ("block.s", "der(block.s)") and linear.outputs == ("block.s",)
+    assert linear.K.tolist() == [[4]] and linear.C.tolist() == [[0.4]]
+    assert modes.coordinates == ("block.s",) and modes.omega == pytest.approx([2]) and len(modes.damped) == 1
+    modes.plot(tmp_path / "modes.svg")
+    assert "</html>" in animate_mode(model, model.study(), modes, 0)
+    assert model.linearize(about="start").states == linear.states

@@ -122,8 +122,10 @@ def _describe(scene: Any, freedom: Mapping[str, Any]) -> str:
     closed = f", {notes['loops']} closed loop{'s' if notes['loops'] != 1 else ''}" if notes["loops"] else ""
     if names:
         lines.append(f"  coordinates {shown}" + (f"; {held} constraint{'s' if held != 1 else ''}{closed}" if held else ""))
-    if scene.signals:
-        lines.append(f"  first-order states {', '.join(scene.signals.values())}")
+    if scene.flowing:
+        lines.append(f"  first-order states {', '.join(scene.flowing.values())}")
+    if scene.kept:
+        lines.append(f"  discrete variables {', '.join(scene.signals[name] for name in scene.kept)}")
     if notes["dependent"]:
         lines.append(f"  given by others: {', '.join(notes['dependent'][:8])}")
     if freedom["is_rigid_at_start"]:

@@ -29,7 +29,8 @@ def summarise(options: Namespace, model: Model, progress: Progress, target: str,
     say(f"{scene.name}: {scene.description}" if scene.description else scene.name)
     n = scene.n - len(scene.signals)
     names = ", ".join(scene.told[:6]) + (", ..." if len(scene.told) > 6 else "")
-    states = f" and first-order states ({', '.join(scene.signals.values())})" if scene.signals else ""
+    states = f" and first-order states ({', '.join(scene.flowing.values())})" if scene.flowing else ""
+    states += f" and discrete variables ({', '.join(scene.signals[name] for name in scene.kept)})" if scene.kept else ""
     say(f"  {n} coordinate{'s' if n != 1 else ''}{f' ({names})' if names else ''}{states}, "
         f"{experiment.start:g} to {experiment.stop:g} s, tolerance {experiment.tolerance:g}")
     if scene.notes["is_prescribed"]:

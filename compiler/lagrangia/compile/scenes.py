@@ -301,7 +301,8 @@ def _told(kinematics: Kinematics, constraints: Constraints, initial: InitialCond
             **({"inertias": inertias} if inertias else {}), **({"directions": along} if (along := directions(model)) else {}),
             "attitudes": {name: parts_of(name) for name in kinematics.symbols.attitudes},
             "readers": find_readers(model) if len(model.variables) <= _MANY_VARIABLES else None,
-            "signals": {state.coordinate: name for name, state in model.states.items()}}
+            "signals": {state.coordinate: name for name, state in model.states.items()},
+            **({"kept": kept} if (kept := [state.coordinate for state in model.states.values() if state.is_kept]) else {})}
 
 
 def _notes(motion: Motion, tapes: dict[str, Tape]) -> dict[str, object]:

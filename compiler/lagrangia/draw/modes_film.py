@@ -44,7 +44,7 @@ def title_of(modes: Modes, k: int) -> str:
 
 
 def point_and_shape(modes: Modes, k: int) -> tuple[Vector, Vector]:
-    """In all coordinates; attitudes are not turned at the point."""
+    """In all coordinates that are no discrete variables; attitudes are not turned at the point."""
     point = modes.linearization.point
     return (np.array([point.get(name, 0.0) for name in modes.coordinates]),
             np.array([modes[k].shape[name] for name in modes.coordinates]))
@@ -52,7 +52,7 @@ def point_and_shape(modes: Modes, k: int) -> tuple[Vector, Vector]:
 
 def swaying(study: Study, modes: Modes, k: int, factor: float) -> tuple[Vector, States]:
     """Times, and the moments of q = point + factor shape sin(omega t) with loops closed, attitudes by their quaternions."""
-    q, shape = point_and_shape(modes, k)
+    q, shape = map(study.signals.spread, point_and_shape(modes, k))
     omega = modes[k].omega or 2 * np.pi / _NO_PERIOD
     t = np.linspace(0, _PERIODS * 2 * np.pi / omega, _PERIODS * _MOMENTS + 1)
     here = study.about_point(modes.linearization.point)

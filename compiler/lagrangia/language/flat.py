@@ -11,7 +11,7 @@ from lagrangia.language.function_variables import FlatFunction
 from lagrangia.language.functions import FRAME_FUNCTIONS
 from lagrangia.language.lookups import Lookup, ReadPlane, ReadTable
 from lagrangia.language.spaces import Found
-from lagrangia.language.tree import Array, Call, EnergyKind, Flat, FrameRef, Ref
+from lagrangia.language.tree import Array, Call, EnergyKind, Flat, FrameRef, Number, Ref
 
 T = TypeVar("T")
 Kind = Literal["parameter", "input", "coordinate", "variable", "held", "delayed"]
@@ -115,6 +115,11 @@ class State:
     component: str
     span: Span
     equation: Equation  # as written
+
+    @property
+    def is_kept(self) -> bool:
+        """Whether it changes at events alone, as discrete variables do."""
+        return isinstance(self.rate, Number) and self.rate.value == 0
 
 
 @dataclass(frozen=True)

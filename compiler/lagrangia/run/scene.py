@@ -101,6 +101,16 @@ class Scene:
         return found
 
     @property
+    def kept(self) -> tuple[str, ...]:
+        """Of `signals`, the coordinates of discrete variables, which change at events alone."""
+        return tuple(self.notes.get("kept", ()))
+
+    @property
+    def flowing(self) -> Mapping[str, str]:
+        """`signals` without discrete variables."""
+        return {name: state for name, state in self.signals.items() if name not in self.kept}
+
+    @property
     def turned(self) -> tuple[str, ...]:
         """Coordinates of attitudes, which say nothing without the references that they are against."""
         return tuple(part for parts in self.attitudes.values() for part in parts)

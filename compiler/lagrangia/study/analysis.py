@@ -140,15 +140,19 @@ class Study(Beginning):
         """The equations at rest in numbers, time passing at `pace`."""
         m_h = sum(row.is_holonomic for row in self.c.constraints.rows)
 
+        s = self.signals
+
         def slopes(names: Sequence[str], q: Vector, lam: Vector) -> dict[str, list[Vector]]:
-            s = self.signals
             found = s.by_states(self.slopes(e, e.slopes, s.asked(names), q, lam, pace, s.steady(q)))
             if self.turned.names and "v" in found:  # rows of rates, beside forces on positions
                 found["v"] = [self.turned.by_positions(x, q) if x.size else x for x in found["v"]]
             return found
 
-        return Resting(e, lambda f, q, lam: self.call(f, q, lam, pace, self.signals.steady(q)), slopes, m_h, self.reach,
-                       self.is_angle & ~np.isin(np.arange(self.scene.n), self.turned.all), tuple(map(tuple, self.turned.places)))
+        def call(f: ca.Function, q: Vector, lam: Vector) -> list[Vector]:
+            first, *others = self.call(f, q, lam, pace, s.steady(q))
+            return [s.held(first, q, self.first) if f is e.static else first, *others]
+
+        return Resting(e, call, slopes, m_h, self.reach, self.is_angle & ~np.isin(np.arange(self.scene.n), self.turned.all), tuple(map(tuple, self.turned.places)))
 
     @property
     def first(self) -> Vector:
@@ -279,7 +283,7 @@ class Study(Beginning):
         """About a state and its accelerations; the forces R that are left over without those are the load."""
         lam = e.multipliers(lam) if lam.size == e.m else lam
         parts, places = self.tangent(e, q, lam, pace, v, a, grip)
-        tangent = tangent_of(parts, self.is_preferred, self.reach, plane)
+        tangent = tangent_of(parts, self.is_preferred, self.reach, plane, self.signals.kept_places)
         y, yq, yv, ya, yl, *ys = self.observed(e, q, lam, pace, v, a)
         residual = np.zeros(e.n) if is_equilibrium else self.call(e.static, q, lam, pace, v)[0].ravel()
         given = Given(self.scene.name, self.names, tuple(p.name for p in e.probes), e.outputs,
@@ -366,7 +370,9 @@ class Study(Beginning):
         others = [x.name for x in self.scene.own_outputs if not x.name.startswith("der(") and x.name not in prescribed]
         declared = [name for name, variable in variables.items() if variable.is_output]
         told = [x.name for x in self.scene.outputs if x.name.partition("[")[0] in declared]
-        return tuple(dict.fromkeys((*self.signals.names, *(name for name in others if name not in told), *told)))
+        kept = {self.scene.signals[name] for name in self.scene.kept}
+        return tuple(name for name in dict.fromkeys((*self.signals.names, *(x for x in others if x not in told), *told))
+                     if name not in kept)
 
     def _about_start(self, e: SmallMotion, pace: float) -> Linearization:
         """The exact derivatives of the motion there: of a moving or accelerated state, of scenes without constraints alone."""
@@ -409,7 +415,7 @@ class Study(Beginning):
 
     def modes(self, about: str, mass_normalised: bool) -> Modes:
         """Natural modes about "equilibrium" or "start"; where ways of moving meet, those of each. Raises LagError, RunError."""
-        if signals := self.scene.signals:
+        if signals := self.scene.flowing:
             fail("L0916", f"not supported yet: natural modes of scenes with first-order states: {', '.join(signals.values())}",
                  self.c.flat.span, "lag linearize tells the eigenvalues, lag response what frequencies do")
         if about == "equilibrium":
@@ -417,7 +423,8 @@ class Study(Beginning):
             linears = self._linears(e, self.pace(e))
         else:
             linears = {"": self.linearize(about, (), ())}
-        found = {way: find_modes(linear, self.names, mass_normalised, self.mechanism) for way, linear in linears.items()}
+        found = {way: find_modes(linear, self.names, self.signals.kept_places, mass_normalised, self.mechanism)
+                 for way, linear in linears.items()}
         return modes_of_ways(found) if len(found) > 1 else found[""]
 
     @cached_property
@@ -434,13 +441,14 @@ class Study(Beginning):
 
     @property
     def mechanism(self) -> Mechanism | None:
-        """What can be drawn of the scene, its loops closed where a position is a little beside them; None in space."""
+        """What can be drawn of the scene, of coordinates that are no discrete variables, its loops closed where a position is a
+        little beside them; None in space."""
         if self.c.flat.space.is_spatial:
             return None
         frames, places = self.places
         values = {p.name: float(x) for p, x in zip(self.scene.parameters, self.p, strict=True)}
-        closed = self.closing
-        return build_mechanism(self.c.kinematics.graph, frames, lambda q: np.asarray(places(closed(q)).full()), values)
+        closed, spread = self.closing, self.signals.spread
+        return build_mechanism(self.c.kinematics.graph, frames, lambda q: np.asarray(places(closed(spread(q))).full()), values)
 
     def response(self, excitations: Sequence[str] | None, outputs: Sequence[str] | None, about: str,
                  frequencies: Sequence[float] | None, span: tuple[float, float] | None, points: int) -> Response:

@@ -45,7 +45,7 @@ class Beginning:
     @cached_property
     def signals(self) -> SignalStates:
         """The first-order states."""
-        return SignalStates(self.names, self.scene.signals)
+        return SignalStates(self.names, self.scene.signals, self.scene.kept)
 
     @cached_property
     def start(self) -> tuple[Vector, Vector]:

@@ -9,7 +9,7 @@ names: those whose columns of J are not needed to solve for the others. Works wi
 """
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
@@ -66,8 +66,10 @@ class TangentParts:
     pulls: Matrix | None = None
 
 
-def tangent_of(x: TangentParts, is_preferred: Sequence[bool], reach: Matrix, plane: Matrix | None = None) -> Tangent:
-    """Coordinates that are preferred stay free where the choice is open. `plane` (n, f): of one way of moving of several."""
+def tangent_of(x: TangentParts, is_preferred: Sequence[bool], reach: Matrix, plane: Matrix | None = None,
+               kept: Collection[int] = ()) -> Tangent:
+    """Coordinates that are preferred stay free where the choice is open. `plane` (n, f): of one way of moving of several; `kept`:
+    coordinates of discrete variables, which do not change in small motion."""
     M, C, K, J, rates, (E0, E1, E2), pushed = x.M, x.C, x.K, x.J, x.rates, x.E, x.pushed
     n = M.shape[0]
     weight = reach * np.where(is_preferred, PREFERRED, 1.0)
@@ -75,7 +77,7 @@ def tangent_of(x: TangentParts, is_preferred: Sequence[bool], reach: Matrix, pla
         J, pushed = _null_space(plane.T).T, np.zeros((n - plane.shape[1], E0.shape[1]))
         rates = np.vstack([J, rates[x.J.shape[0]:]])
     dependent = pivots(J, weight)
-    independent = tuple(k for k in range(n) if k not in set(dependent))
+    independent = tuple(k for k in range(n) if k not in {*dependent, *kept})
     N, P = np.zeros((n, len(independent))), np.zeros((n, E0.shape[1]))
     N[list(independent), range(len(independent))] = 1.0
     if dependent:

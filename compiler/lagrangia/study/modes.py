@@ -197,9 +197,10 @@ def modes_of_ways(found: Mapping[str, Modes]) -> Modes:
                    is_gyroscopic=any(own.is_gyroscopic for own in found.values()), notes=(*notes, word))
 
 
-def find_modes(linear: Linearization, coordinates: tuple[str, ...], mass_normalised: bool = False,
+def find_modes(linear: Linearization, names: tuple[str, ...], kept: Sequence[int], mass_normalised: bool = False,
                mechanism: Mechanism | None = None) -> Modes:
-    """Raises RunError where M is singular."""
+    """`names` (n,) of all coordinates, of which `kept` are discrete variables. Raises RunError where M is singular."""
+    coordinates = tuple(name for k, name in enumerate(names) if k not in kept)
     if linear.free_rates:
         return Modes(linear.name, coordinates, (), damped_modes(linear, True), True, True, "maximum 1",
                      (*linear.notes, _OF_MOTION), linear)
@@ -214,7 +215,7 @@ def find_modes(linear: Linearization, coordinates: tuple[str, ...], mass_normali
         notes.append("the point is no equilibrium: these are modes of the motion seen from a point that it leaves")
     omega2, shapes = _undamped(M, K, is_symmetric)
     scale = float(np.abs(omega2).max(initial=0.0))
-    full = t.N @ t.W @ shapes
+    full = np.delete(t.N @ t.W @ shapes, kept, axis=0)
     modes = []
     for w2, column in zip(omega2, full.T, strict=True):
         kind = "rigid body" if abs(w2) <= _ROUNDING * scale or w2 == 0 else "oscillation" if w2 > 0 else "divergence"

@@ -47,6 +47,7 @@ class Study(Protocol):
     scene: Any
     names: tuple[str, ...]
     turned: Any
+    signals: Any
 
     def advanced(self, q: Matrix, v: Matrix, moment: float) -> "tuple[Study, Matrix]":
         """The same after so many seconds at these rates, where attitudes are told against those there, and the position."""
@@ -96,24 +97,25 @@ class Held:
 
 @dataclass(frozen=True)
 class Choice:
-    """The places of the coordinates and of the rates that follow from the others."""
+    """The places of the coordinates and of the rates that follow from the others; `kept`: those of discrete variables."""
 
     dependent: list[int]
     followers: list[int]
+    kept: list[int]
 
 
-def choose(parts: TangentParts, weights: tuple[Matrix, Matrix]) -> Choice:
+def choose(parts: TangentParts, weights: tuple[Matrix, Matrix], kept: list[int]) -> Choice:
     """`weights` (n,) each, of coordinates and rates: what weighs little stays free."""
     dependent = pivots(parts.J, weights[0])
     rolls = parts.rates.shape[0] > parts.J.shape[0]
-    return Choice(dependent, pivots(parts.rates, weights[1]) if rolls else dependent)
+    return Choice(dependent, pivots(parts.rates, weights[1]) if rolls else dependent, kept)
 
 
 def held_changes(parts: TangentParts, turned: Matrix, second: tuple[Matrix, Matrix], choice: Choice) -> Held:
     """`turned` (m, n): d rate/dq; `second`: of the second rates by q and by v."""
     n, dependent, followers = parts.M.shape[0], choice.dependent, choice.followers
-    coordinates = tuple(k for k in range(n) if k not in dependent)
-    rates = tuple(k for k in range(n) if k not in followers)
+    coordinates = tuple(k for k in range(n) if k not in {*dependent, *choice.kept})
+    rates = tuple(k for k in range(n) if k not in {*followers, *choice.kept})
     N, P = np.eye(n)[:, list(coordinates)], np.eye(n)[:, list(rates)]
     N[dependent] = _follow(parts.J, dependent, N)
     P[followers] = _follow(parts.rates, followers, P)
@@ -181,13 +183,13 @@ def moving_linearization(parts: TangentParts, held: Held, given: Given, a: Matri
 
 def about_motion(study: Study, e: SmallMotion, state: tuple[Matrix, Matrix, Matrix], pace: float) -> Linearization:
     """About q, v and, behind the multipliers, forces of contacts and shares of friction. Raises LagError L0916, RunError."""
-    what = "first-order states" if study.scene.signals else "supports that move" if pace == 0.0 else ""
+    what = "first-order states" if study.scene.flowing else "supports that move" if pace == 0.0 else ""
     if what:
         fail("L0916", f"not supported yet: {what} in small motion of a scene that moves while constraints hold it",
              study.c.flat.span, "linearise about the equilibrium found from there: --about equilibrium")
     q, v, free = state
     centred, position = study.advanced(q, v, 0.0)
-    choice = choose(study.tangent(e, q, free, pace, v)[0], _weights(study))
+    choice = choose(study.tangent(e, q, free, pace, v)[0], _weights(study), study.signals.kept_places)
     here = _at(centred, e, (position, v, free), choice)
     size = _STEADY * float(np.abs(here.A).max(initial=1e-300))
     later = (_later(study, e, state, choice, moment) for moment in _LATER)
