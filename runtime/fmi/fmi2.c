@@ -125,7 +125,7 @@ static fmi2Status get_whole(fmi2Component c, int group, const fmi2ValueReference
     LagAnswer answer = LAG_ANSWER_OK;
     for (size_t i = 0; i < nvr && answer == LAG_ANSWER_OK; ++i) {
         double number = 0;
-        answer = lag_instance_get_constants(core(c), group, vr ? vr + i : NULL, 1, value ? &number : NULL);
+        answer = lag_instance_get_whole(core(c), group, vr ? vr + i : NULL, 1, value ? &number : NULL);
         if (answer == LAG_ANSWER_OK)
             value[i] = (int)number;
     }

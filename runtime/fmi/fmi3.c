@@ -180,7 +180,7 @@ fmi3Status fmi3GetInt32(fmi3Instance instance, const fmi3ValueReference valueRef
         return no_place(instance);
     for (size_t i = 0; i < nValues && answer == LAG_ANSWER_OK; ++i) {
         double value = 0;
-        answer = lag_instance_get_constants(core(instance), LAG_GROUP_INTEGER, valueReferences + i, 1, &value);
+        answer = lag_instance_get_whole(core(instance), LAG_GROUP_INTEGER, valueReferences + i, 1, &value);
         values[i] = (fmi3Int32)value;
     }
     return status(answer);
@@ -196,7 +196,7 @@ fmi3Status fmi3GetBoolean(fmi3Instance instance, const fmi3ValueReference valueR
         return no_place(instance);
     for (size_t i = 0; i < nValues && answer == LAG_ANSWER_OK; ++i) {
         double value = 0;
-        answer = lag_instance_get_constants(core(instance), LAG_GROUP_BOOLEAN, valueReferences + i, 1, &value);
+        answer = lag_instance_get_whole(core(instance), LAG_GROUP_BOOLEAN, valueReferences + i, 1, &value);
         values[i] = value != 0;
     }
     return status(answer);

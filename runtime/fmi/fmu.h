@@ -16,10 +16,13 @@ enum {
     LAG_GROUP_INPUT,
     LAG_GROUP_PARAMETER,
     LAG_GROUP_INDICATOR, /* n_switches: above 0 as long as steps may hold them */
+    LAG_GROUP_KEPT_REAL, /* discrete variables: states that events alone change */
     LAG_GROUP_REAL,      /* constants */
     LAG_GROUP_INTEGER,
     LAG_GROUP_BOOLEAN,
     LAG_GROUP_STRING,
+    LAG_GROUP_KEPT_INTEGER,
+    LAG_GROUP_KEPT_BOOLEAN,
     LAG_GROUPS
 };
 
@@ -38,7 +41,7 @@ typedef struct {
     const char *token;                    /* FMI 2: guid; FMI 3: instantiationToken */
     double start, tolerance;              /* of the default experiment */
     double stabilisation;                 /* rate in 1/s at which constraints and unit quaternions are approached in Model Exchange: exchange.c */
-    int n_reals, n_integers, n_booleans, n_strings;
+    int n_reals, n_integers, n_booleans, n_strings, n_kept_reals, n_kept_integers, n_kept_booleans;
     const double *reals, *integers, *booleans;
     const char *const *strings;
     const char *const *names;             /* by value reference */
@@ -51,6 +54,7 @@ typedef struct {
     const double *minimum, *maximum;      /* n_parameters */
     const int *parameter_settable;        /* n_parameters: 0 where it follows from others */
     int has_knowns;                       /* whether the last six lists here are there */
+    const int *kept;                      /* n_kept_reals, n_kept_integers, n_kept_booleans: the states that they are */
     const int *extents;                   /* FMI 3: how many numbers a value reference stands for; 0 within an array */
     /* By value reference, and one more: where what a number depends on begins in the next two, which tell scalars by their references,
      * rising, and how (fmi3DependencyKind); while the simulation runs, and at its start. */

@@ -131,8 +131,8 @@ int lag_fmu_count(const LagFmu *fmu, int group);
 /* The value reference of the first of a group. */
 int lag_fmu_first(const LagFmu *fmu, int group);
 
-/* Values of one of the groups LAG_GROUP_INTEGER, _BOOLEAN, _STRING, which have no arrays. */
-LagAnswer lag_instance_get_constants(LagInstance *instance, int group, const unsigned int *references, size_t count, double *values);
+/* Constants and discrete variables that are whole (LAG_GROUP_INTEGER) or true or false (_BOOLEAN), which have no arrays. */
+LagAnswer lag_instance_get_whole(LagInstance *instance, int group, const unsigned int *references, size_t count, double *values);
 LagAnswer lag_instance_get_strings(LagInstance *instance, const unsigned int *references, size_t count, const char **values);
 LagAnswer lag_instance_get(LagInstance *instance, const unsigned int *references, size_t count, double *values, size_t size);
 LagAnswer lag_instance_set(LagInstance *instance, const unsigned int *references, size_t count, const double *values, size_t size);

@@ -50,6 +50,9 @@ int lag_fmu_count(const LagFmu *fmu, int group)
     case LAG_GROUP_INPUT: return m->n_inputs;
     case LAG_GROUP_PARAMETER: return m->n_parameters;
     case LAG_GROUP_INDICATOR: return m->n_switches;
+    case LAG_GROUP_KEPT_REAL: return fmu->n_kept_reals;
+    case LAG_GROUP_KEPT_INTEGER: return fmu->n_kept_integers;
+    case LAG_GROUP_KEPT_BOOLEAN: return fmu->n_kept_booleans;
     case LAG_GROUP_REAL: return fmu->n_reals;
     case LAG_GROUP_INTEGER: return fmu->n_integers;
     case LAG_GROUP_BOOLEAN: return fmu->n_booleans;

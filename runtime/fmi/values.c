@@ -37,6 +37,15 @@ LagAnswer lag_instance_fits(const LagInstance *s, const unsigned int *references
 
 /* ---------------------------------------------------------------- getting */
 
+/* A discrete variable, which is a state at rest. */
+static double kept(const LagInstance *s, int group, int index)
+{
+    const LagFmu *fmu = s->fmu;
+    const int reals = group == LAG_GROUP_KEPT_REAL ? 0 : fmu->n_kept_reals;
+    const int first = reals + (group == LAG_GROUP_KEPT_BOOLEAN ? fmu->n_kept_integers : 0);
+    return s->x[fmu->kept[first + index]];
+}
+
 static LagAnswer get_from(LagInstance *s, int group, int index, double *value)
 {
     LagAnswer answer = LAG_ANSWER_OK;
@@ -61,6 +70,9 @@ static LagAnswer get_from(LagInstance *s, int group, int index, double *value)
         *value = s->indicators[index];
         break;
     case LAG_GROUP_PARAMETER: *value = s->run ? lag_run_parameters(s->run)[index] : s->given[index]; break;
+    case LAG_GROUP_KEPT_REAL:
+    case LAG_GROUP_KEPT_INTEGER:
+    case LAG_GROUP_KEPT_BOOLEAN: *value = kept(s, group, index); break;
     default: *value = s->fmu->reals[index]; break;
     }
     return answer;
@@ -86,15 +98,25 @@ LagAnswer lag_instance_get(LagInstance *s, const unsigned int *references, size_
     return worst;
 }
 
-LagAnswer lag_instance_get_constants(LagInstance *s, int group, const unsigned int *references, size_t count, double *values)
+LagAnswer lag_instance_get_whole(LagInstance *s, int group, const unsigned int *references, size_t count, double *values)
 {
-    for (size_t i = 0; i < count; ++i) {
+    const int is_integer = group == LAG_GROUP_INTEGER, changing = is_integer ? LAG_GROUP_KEPT_INTEGER : LAG_GROUP_KEPT_BOOLEAN;
+    LagAnswer worst = LAG_ANSWER_OK;
+    for (size_t i = 0; i < count && worst < LAG_ANSWER_ERROR; ++i) {
         int index = 0;
-        if (!references || !values || lag_instance_locate(s->fmu, references[i], &index) != group)
-            return unknown(s, references ? references[i] : 0, group == LAG_GROUP_INTEGER ? "integer" : "Boolean");
-        values[i] = group == LAG_GROUP_INTEGER ? s->fmu->integers[index] : s->fmu->booleans[index];
+        const int found = references && values ? lag_instance_locate(s->fmu, references[i], &index) : -1;
+        if (found != group && found != changing && found != LAG_GROUP_OUTPUT)
+            return unknown(s, references ? references[i] : 0, is_integer ? "integer" : "Boolean");
+        if (found == group) {
+            values[i] = is_integer ? s->fmu->integers[index] : s->fmu->booleans[index];
+            continue;
+        }
+        const LagAnswer settled = lag_instance_settle(s), answer = get_from(s, found, index, values + i);
+        worst = settled > worst ? settled : worst;
+        worst = answer > worst ? answer : worst;
+        values[i] = is_integer ? nearbyint(values[i]) : values[i] > 0.5;
     }
-    return LAG_ANSWER_OK;
+    return worst;
 }
 
 LagAnswer lag_instance_get_strings(LagInstance *s, const unsigned int *references, size_t count, const char **values)

@@ -302,7 +302,12 @@ def _told(kinematics: Kinematics, constraints: Constraints, initial: InitialCond
             "attitudes": {name: parts_of(name) for name in kinematics.symbols.attitudes},
             "readers": find_readers(model) if len(model.variables) <= _MANY_VARIABLES else None,
             "signals": {state.coordinate: name for name, state in model.states.items()},
-            **({"kept": kept} if (kept := [state.coordinate for state in model.states.values() if state.is_kept]) else {})}
+            **({"kept": kept} if (kept := _kept_types(model)) else {})}
+
+
+def _kept_types(model: FlatModel) -> dict[str, str]:
+    """Real, Integer or Boolean of each discrete variable, by its coordinate."""
+    return {state.coordinate: model.variables[name].type_name for name, state in model.states.items() if state.is_kept}
 
 
 def _notes(motion: Motion, tapes: dict[str, Tape]) -> dict[str, object]:

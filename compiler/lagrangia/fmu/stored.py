@@ -32,7 +32,7 @@ _WORD = 8  # what is put begins at a multiple of it
 _PAGE_TOKEN = "page"  # LAG_PLAY_TOKEN of play.h
 _VECTORS = ("reals", "integers", "booleans", "strings", "names", "guards", "state_start", "state_settable", "nominal",
             "input_start", "parameter_start", "minimum", "maximum", "parameter_settable")
-_LISTS = ("extents", "known_first", "knowns", "known_kinds", "start_first", "starts", "start_kinds")
+_LISTS = ("kept", "extents", "known_first", "knowns", "known_kinds", "start_first", "starts", "start_kinds")
 
 
 class _Fmu(c.Structure):
@@ -42,7 +42,8 @@ class _Fmu(c.Structure):
         ("model", c.c_void_p),
         ("token", c.c_void_p),
         *((name, c.c_double) for name in ("start", "tolerance", "stabilisation")),
-        *((name, c.c_int) for name in ("n_reals", "n_integers", "n_booleans", "n_strings")),
+        *((name, c.c_int) for name in ("n_reals", "n_integers", "n_booleans", "n_strings", "n_kept_reals", "n_kept_integers",
+                                      "n_kept_booleans")),
         *((name, c.c_void_p) for name in _VECTORS),
         ("has_knowns", c.c_int),
         *((name, c.c_void_p) for name in _LISTS),

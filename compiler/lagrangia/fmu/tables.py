@@ -4,10 +4,10 @@ import math
 from collections.abc import Mapping, Sequence
 
 from lagrangia.fmu.elements import element_lists
-from lagrangia.fmu.variables import FmuModel
+from lagrangia.fmu.variables import KEPT, FmuModel, held_of
 from lagrangia.run.rules import Moment, solver_by
 
-_GROUPS = ("real", "integer", "boolean", "string")
+_GROUPS = ("real", "integer", "boolean", "string", *KEPT)
 
 
 def sizes_of(model: FmuModel) -> Mapping[str, int]:
@@ -31,7 +31,8 @@ def extents_of(model: FmuModel) -> list[int]:
 
 def integers(model: FmuModel) -> Mapping[str, Sequence[int]]:
     """Lists of whole numbers, and of what is 0 or 1."""
-    return {"state_settable": model.state_settable, "parameter_settable": model.settable, "extents": extents_of(model),
+    names = {variable.name: place for place, variable in enumerate(model.of("state"))}
+    return {"kept": [names[held_of(v.name)] for v in model.of(*KEPT)], "state_settable": model.state_settable, "parameter_settable": model.settable, "extents": extents_of(model),
             **element_lists(model)}
 
 

@@ -22,8 +22,10 @@ class Variable:
     nominal: float | None = None
     derivative_of: str | None = None
     aliases: tuple[str, ...] = ()
+    type_name: str = ""  # of outputs that are no Reals: Integer, Boolean
 
     @property
     def kind(self) -> str:
         """Real, Integer, Boolean or String."""
-        return {"integer": "Integer", "boolean": "Boolean", "string": "String"}.get(self.group, "Real")
+        return self.type_name or {"integer": "Integer", "boolean": "Boolean", "string": "String",
+                "kept_integer": "Integer", "kept_boolean": "Boolean"}.get(self.group, "Real")

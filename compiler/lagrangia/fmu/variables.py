@@ -18,7 +18,8 @@ from lagrangia.run.request import check_values
 from lagrangia.run.scene import Scene
 
 _CONSTANTS = ("real", "integer", "boolean", "string")
-GROUPS = ("time", "state", "slope", "output", "energy", "input", "parameter", "indicator", *_CONSTANTS)
+KEPT = ("kept_real", "kept_integer", "kept_boolean")  # discrete variables
+GROUPS = ("time", "state", "slope", "output", "energy", "input", "parameter", "indicator", KEPT[0], *_CONSTANTS, *KEPT[1:])
 _ENERGIES = {"kinetic": "kinetic energy", "potential": "potential energy", "total": "kinetic and potential energy",
              "dissipated": "taken out by dampers since the start", "work": "put in by loads and moving supports since the start",
              "residual": "of the energy account, which is 0 but for errors"}
@@ -115,11 +116,17 @@ class _Names:
         for k, coordinate in enumerate(scene.coordinates):
             own = others.get(scene.n + k)
             first, *rest = own or [_free(parts.get(coordinate.name, f"{coordinate.name}_rate"), taken)]
+            first = held_of(first) if own and coordinate.name in scene.kept else first
             self.states.append(first)
             self.aliases[first] = tuple(rest)
             self.slopes.append(f"der({first})" if own or coordinate.name in parts else f"der({coordinate.name},2)")
         heads = {name.partition(".")[0].partition("[")[0] for name in taken}
         self.energy, self.switch = _free("energy", heads), _free("switch", heads)
+
+
+def held_of(name: str) -> str:
+    """The continuous state at rest that a discrete variable is to solvers, which events set."""
+    return f"{name}.held"
 
 
 def _free(name: str, taken: set[str]) -> str:
@@ -142,6 +149,8 @@ def _variables(scene: Scene, names: _Names, kinds: Sequence[str], start: Sequenc
     n = len(columns) - scene.n
     for k, column in enumerate(columns):
         text = column.description or ("" if k < n else f"rate of {_told_name(scene, k - n)}")
+        if names.states[k] == held_of(column.name):
+            text = f"what {column.name} is between events, to solvers"
         yield Variable(names.states[k], "state", reference(), "local", "continuous", kinds[k],
                        None if kinds[k] == "calculated" else start[k], column.unit, column.display_unit, text,
                        nominal=nominal[k], aliases=names.aliases.get(names.states[k], ()))
@@ -149,9 +158,12 @@ def _variables(scene: Scene, names: _Names, kinds: Sequence[str], start: Sequenc
         yield Variable(names.slopes[k], "slope", reference(), "local", "continuous", "calculated", None,
                        per_second(column.unit), per_second(column.display_unit) if column.display_unit else "",
                        f"derivative of {names.states[k]}", derivative_of=names.states[k])
+    types = {scene.signals[name]: kept for name, kept in scene.notes.get("kept", {}).items()}
     for column in scene.own_outputs:
-        yield Variable(column.name, "output", reference(), "output", "continuous", "calculated", None, column.unit,
-                       column.display_unit, column.description)
+        kept = types.get(column.name)
+        unit = ("", "") if kept in ("Integer", "Boolean") else (column.unit, column.display_unit)
+        yield Variable(column.name, "output", reference(), "output", "discrete" if kept else "continuous", "calculated", None,
+                       *unit, column.description, type_name=kept or "")
     for part, text in _ENERGIES.items():
         yield Variable(f"{names.energy}.{part}", "energy", reference(), "local", "continuous", "calculated", None, "J", "", text)
     for given_input in scene.inputs:
@@ -164,7 +176,20 @@ def _variables(scene: Scene, names: _Names, kinds: Sequence[str], start: Sequenc
     for k in range(1, 1 + scene.sizes["n_switches"]):
         yield Variable(f"{names.switch}[{k}]", "indicator", reference(), "local", "continuous", "calculated", None,
                        description="event indicator: forces bend or jump where it falls to 0")
+    yield from _kept(scene, names, KEPT[:1], reference)
     yield from _constants(scene, reference)
+    yield from _kept(scene, names, KEPT[1:], reference)
+
+
+def _kept(scene: Scene, names: _Names, groups: Sequence[str], reference: Callable[[], int]) -> Iterator[Variable]:
+    """Discrete variables that are no outputs."""
+    rates = dict(zip((c.name for c in scene.coordinates), scene.rates, strict=True))
+    for group in groups:
+        for coordinate, type_name in scene.notes.get("kept", {}).items():
+            name, column = scene.signals[coordinate], rates[coordinate]
+            if group == f"kept_{type_name.lower()}" and held_of(name) in names.states:
+                unit = (column.unit, column.display_unit) if type_name == "Real" else ("", "")
+                yield Variable(name, group, reference(), "local", "discrete", "calculated", None, *unit, column.description)
 
 
 def _told_name(scene: Scene, k: int) -> str:

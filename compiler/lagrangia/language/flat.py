@@ -39,6 +39,7 @@ class Variable:
     locked: str = ""  # "final" or "protected" where it cannot be set from outside
     is_attitude: bool = False  # a coordinate of the type Rotation
     is_inertia: bool = False  # of three axes, in space
+    type_name: str = "Real"  # or "Integer", "Boolean": of discrete variables
 
     def elements(self) -> list[tuple[str, tuple[int, ...]]]:
         """Names and indices of the scalars it is made of."""

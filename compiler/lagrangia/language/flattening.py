@@ -277,6 +277,7 @@ class _Flattening:
             kind == "parameter" and has_annotation(declaration, "Varying"),
             "final" if slot.is_final else "protected" if "protected" in declaration.prefixes else "",
             kind == "coordinate" and declaration.type_name == ROTATION, is_inertia(slot),
+            slot.base if slot.base in DISCRETE_TYPES else "Real",
         )
 
     def fitted(self, value: Flat, slot: Slot) -> Flat:
