@@ -11,11 +11,19 @@ from lagrangia.run.engines import Engine, describe
 from lagrangia.run.moved_starts import FIXED, moved_starts, quantity
 from lagrangia.run.request import Experiment, Values
 from lagrangia.run.runtime import Solver, Statistics
+from lagrangia.run.scene import Scene
 from lagrangia.run.simulate import Progress, short_steps, shortcomings
 from lagrangia.run.solvers import AUTO, name_of, reason_of
 from lagrangia.view.statics import is_static, reaction_table
 
 _MOST_ROWS = 40  # MOST_ROWS of runtime/run/unsure.c
+
+
+def _told_states(scene: Scene) -> str:
+    """What else than coordinates the state has."""
+    kept = [scene.signals[name] for name in scene.kept]
+    named = (("first-order states", [*scene.flowing.values()]), ("discrete variables", kept))
+    return "".join(f" and {what} ({', '.join(own)})" for what, own in named if own)
 
 
 def summarise(options: Namespace, model: Model, progress: Progress, target: str, compiled: float, loaded: float) -> None:
@@ -29,9 +37,7 @@ def summarise(options: Namespace, model: Model, progress: Progress, target: str,
     say(f"{scene.name}: {scene.description}" if scene.description else scene.name)
     n = scene.n - len(scene.signals)
     names = ", ".join(scene.told[:6]) + (", ..." if len(scene.told) > 6 else "")
-    states = f" and first-order states ({', '.join(scene.flowing.values())})" if scene.flowing else ""
-    states += f" and discrete variables ({', '.join(scene.signals[name] for name in scene.kept)})" if scene.kept else ""
-    say(f"  {n} coordinate{'s' if n != 1 else ''}{f' ({names})' if names else ''}{states}, "
+    say(f"  {n} coordinate{'s' if n != 1 else ''}{f' ({names})' if names else ''}{_told_states(scene)}, "
         f"{experiment.start:g} to {experiment.stop:g} s, tolerance {experiment.tolerance:g}")
     if scene.notes["is_prescribed"]:
         say("  no freedom is left: its motion is prescribed")

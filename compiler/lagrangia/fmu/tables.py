@@ -32,8 +32,8 @@ def extents_of(model: FmuModel) -> list[int]:
 def integers(model: FmuModel) -> Mapping[str, Sequence[int]]:
     """Lists of whole numbers, and of what is 0 or 1."""
     names = {variable.name: place for place, variable in enumerate(model.of("state"))}
-    return {"kept": [names[held_of(v.name)] for v in model.of(*KEPT)], "state_settable": model.state_settable, "parameter_settable": model.settable, "extents": extents_of(model),
-            **element_lists(model)}
+    return {"kept": [names[held_of(v.name)] for v in model.of(*KEPT)], "state_settable": model.state_settable,
+            "parameter_settable": model.settable, "extents": extents_of(model), **element_lists(model)}
 
 
 def guards_of(model: FmuModel) -> list[str]:

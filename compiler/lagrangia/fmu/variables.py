@@ -158,12 +158,7 @@ def _variables(scene: Scene, names: _Names, kinds: Sequence[str], start: Sequenc
         yield Variable(names.slopes[k], "slope", reference(), "local", "continuous", "calculated", None,
                        per_second(column.unit), per_second(column.display_unit) if column.display_unit else "",
                        f"derivative of {names.states[k]}", derivative_of=names.states[k])
-    types = {scene.signals[name]: kept for name, kept in scene.notes.get("kept", {}).items()}
-    for column in scene.own_outputs:
-        kept = types.get(column.name)
-        unit = ("", "") if kept in ("Integer", "Boolean") else (column.unit, column.display_unit)
-        yield Variable(column.name, "output", reference(), "output", "discrete" if kept else "continuous", "calculated", None,
-                       *unit, column.description, type_name=kept or "")
+    yield from _outputs(scene, reference)
     for part, text in _ENERGIES.items():
         yield Variable(f"{names.energy}.{part}", "energy", reference(), "local", "continuous", "calculated", None, "J", "", text)
     for given_input in scene.inputs:
@@ -179,6 +174,16 @@ def _variables(scene: Scene, names: _Names, kinds: Sequence[str], start: Sequenc
     yield from _kept(scene, names, KEPT[:1], reference)
     yield from _constants(scene, reference)
     yield from _kept(scene, names, KEPT[1:], reference)
+
+
+def _outputs(scene: Scene, reference: Callable[[], int]) -> Iterator[Variable]:
+    """In their order; discrete variables are of their types."""
+    types = {scene.signals[name]: kept for name, kept in scene.notes.get("kept", {}).items()}
+    for column in scene.own_outputs:
+        kept = types.get(column.name)
+        unit = ("", "") if kept in ("Integer", "Boolean") else (column.unit, column.display_unit)
+        yield Variable(column.name, "output", reference(), "output", "discrete" if kept else "continuous", "calculated", None,
+                       *unit, column.description, type_name=kept or "")
 
 
 def _kept(scene: Scene, names: _Names, groups: Sequence[str], reference: Callable[[], int]) -> Iterator[Variable]:

@@ -7,7 +7,7 @@ from functools import cached_property
 
 from lagrangia.base.diagnostics import LIBRARY, Report, Source, Span, fail, suggest
 from lagrangia.base.records import dataclass
-from lagrangia.language.component_library import library_package
+from lagrangia.language.component_library import library_package, packages_with
 from lagrangia.language.foreign_words import FOREIGN_CALLS
 from lagrangia.language.functions import FUNCTIONS
 from lagrangia.language.plain_tree import PlainClasses
@@ -123,6 +123,8 @@ class ClassTable:
         inside = [full for full in self.user if full.rpartition(".")[2] == name]
         if inside:
             hint = f"did you mean '{inside[0]}'?"
+        elif packages := packages_with(name):
+            hint = f"it is in {' and in '.join(packages)}: import {packages[0]}.{name};"
         fail("L0201", f"there is no model or type '{name}'", span, hint or 'is a file to be imported? import "file.lag";')
 
     def function(self, name: str, span: Span) -> ClassDefinition | None:

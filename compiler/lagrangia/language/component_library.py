@@ -39,6 +39,12 @@ def library_package(name: str) -> Syntax | None:
     return _package(name, file) if file is not None else None
 
 
+def packages_with(name: str) -> list[str]:
+    """The packages of the library that have a class of this name, without that of Modelica's own names."""
+    return [package for package, file in LIBRARY_PACKAGES.items() if package != "Modelica"
+            and any(c.name == name for c in _package(package, file).classes[0].classes)]
+
+
 @cache
 def _package(name: str, file: str) -> Syntax:
     place = _folder() / file

@@ -152,7 +152,8 @@ class Study(Beginning):
             first, *others = self.call(f, q, lam, pace, s.steady(q))
             return [s.held(first, q, self.first) if f is e.static else first, *others]
 
-        return Resting(e, call, slopes, m_h, self.reach, self.is_angle & ~np.isin(np.arange(self.scene.n), self.turned.all), tuple(map(tuple, self.turned.places)))
+        return Resting(e, call, slopes, m_h, self.reach,
+                       self.is_angle & ~np.isin(np.arange(self.scene.n), self.turned.all), tuple(map(tuple, self.turned.places)))
 
     @property
     def first(self) -> Vector:

@@ -47,7 +47,6 @@ class Study(Protocol):
     scene: Any
     names: tuple[str, ...]
     turned: Any
-    signals: Any
 
     def advanced(self, q: Matrix, v: Matrix, moment: float) -> "tuple[Study, Matrix]":
         """The same after so many seconds at these rates, where attitudes are told against those there, and the position."""
@@ -60,6 +59,10 @@ class Study(Protocol):
 
     def point(self, q: Matrix, v: Matrix) -> dict[str, float]:
         """Positions by their names."""
+
+    @property
+    def signals(self) -> Any:
+        """The first-order states."""
 
     @property
     def reach(self) -> Matrix:
