@@ -117,3 +117,50 @@ def test_what_reads_attitudes_is_refused() -> None:
         written("model S\n  World world(gravity = {0, 0, -9.81});\n  Spherical tip(a = world);\n"
                 "  Body b(m = 1, I = {1, 1, 1}, center = shift(tip.b, {0, 0, 1}));\nenergy\n"
                 "  dissipation 0.1*dot(b.center.omega, b.center.omega)/2;\nend S;\n")
+
+
+@pytest.mark.parametrize(("equations", "said"), [
+    ("f = turn(shift(world, {x, 0}), phi); g = turn(shift(world, {1, 0}), phi);", "the coordinate 'phi' of more than one joint"),
+    ("f = turn(shift(world, {x, 0}), phi); g = turn(world, -phi);", "the coordinate 'phi' of more than one joint"),
+    ("f = world; g = turn(shift(world, {x, 0}), phi); energy kinetic 1[kg]*dot(g.v, g.v)/2 + 0.4[kg.m]*g.v[2]*g.w;",
+     "no rigid body's"),
+    ("f = world; g = turn(shift(world, {x, 0}), phi); energy kinetic 0.4[kg.m2/s]*g.w;", "no rigid body's")])
+def test_what_would_move_otherwise_is_refused(equations: str, said: str) -> None:
+    """One coordinate in two places, and energies that couple a velocity in the world's axes with a spin, or are linear."""
+    with pytest.raises(LagError, match=said):
+        written("model S\n  World world(gravity = {0, -9.81});\n  coordinate Angle phi(start = 0.5);\n  coordinate Length x;\n"
+                "  Frame f, g;\n  Body one(m = 1, I = 0.1, center = f), two(m = 1, I = 0.1, center = g);\n"
+                f"equation\n  {equations}\nend S;\n")
+
+
+def test_a_hinge_against_its_slider_is_a_joint_of_its_own() -> None:
+    """Joints.Cylindrical has one axis for both."""
+    scene = ("model S\n  World world(gravity = {0, 0, 0});\n  coordinate Angle phi;\n  coordinate Length s;\n"
+             "  Body one(m = 1, I = {1, 1, 1}, center = turn(shift(world, {0, 0, s}), phi, {0, 0, AXIS}));\nend S;\n")
+    assert "Joints.Cylindrical" in written(scene.replace("AXIS", "2"))
+    known = " ".join(f"{name}({given})" for name, given in parts(written(scene.replace("AXIS", "-1"))).items())
+    assert "Cylindrical" not in known and "n = {0, 0, -1}, phi(" in known and "n = {0, 0, 1}, s(" in known
+
+
+def test_energies_of_one_frame_are_one_body() -> None:
+    """Whose weight acts once; gravity follows its parameter, and outputs that are left out are told."""
+    text = written("model S\n  parameter Acceleration g = 5;\n  World world(gravity = {g, -2*g});\n"
+                   "  coordinate Angle phi(start = 0.3);\n  Frame f = shift(turn(world, phi), {1, 0});\n"
+                   "  output Length height = f.y;\nenergy\n  kinetic 0.5[kg.m2]*f.w^2/2;\n  kinetic 2[kg]*dot(f.v, f.v)/2;\n"
+                   "  potential -2[kg]*dot(world.gravity, f.r);\nend S;\n")
+    known = parts(text)
+    assert text.count("Parts.Body ") == 1 and known["Parts.Body f"] == "m = 2, r_CM = {0, 0, 0}, I_11 = 0, I_22 = 0, I_33 = 1/2"
+    assert "WorldForce" not in text and known["World world"] == "n = {g, -2*g, 0}, g = sqrt(5)*abs(g)"
+    assert "// outputs are not written: height" in text and "// starts are numbers" in text
+
+
+def test_names_are_of_modelica_and_frames_may_stand_in_packages(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "q.lag").write_text(
+        "package Q\n  partial model Base\n    World world(gravity = {0, -9.81});\n    Revolute 'bär'(a = world);\n  end Base;\n"
+        "  model One\n    extends Base;\n    Body 'a body'(m = 1, I = 1, center = shift('bär'.b, {1, 0}));\n  end One;\nend Q;\n",
+        encoding="utf-8")
+    command = ["export", str(tmp_path / "q.lag"), "--model", "Q.One", "--to", "modelica", "--components", "-o", "-"]
+    assert main(command) == 0
+    text = capsys.readouterr().out
+    assert text.startswith("model Q_One\n") and text.endswith("end Q_One;\n")
+    assert "Joints.Revolute b_r(" in text and "Parts.Body a_body(" in text

@@ -49,8 +49,10 @@ _INSTEAD = "lag export --to modelica without --components writes the equations o
 def has_frames(source: Source) -> bool:
     """Whether a file speaks of frames, or of components of the library that are not in its packages: joints, bodies."""
     library = library_classes()
-    types = {element.type_name for definition in parse(source).classes for element in definition.elements
-             if isinstance(element, Declaration)}
+    classes = [*parse(source).classes]
+    for definition in classes:
+        classes += definition.classes  # in packages
+    types = {element.type_name for definition in classes for element in definition.elements}
     return "Frame" in types or any(library[name].kind in ("model", "partial model") for name in types & {*library})
 
 

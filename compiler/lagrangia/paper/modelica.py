@@ -34,6 +34,12 @@ _NAMES = {"Abs": "abs", "ceiling": "ceil"}
 _LOGARITHMS = (sp.asinh, sp.acosh, sp.atanh)  # which Modelica has not
 
 
+def identifier(wanted: str) -> str:
+    """Of Modelica, whose letters are those of ASCII."""
+    found = re.sub(r"[^A-Za-z0-9_]+|_{2,}", "_", wanted).strip("_") or "part"
+    return f"_{found}" if found[0].isdigit() else found
+
+
 def write_modelica(book: Book, starts: Mapping[str, float], remarks: Iterable[str] = ()) -> str:
     """`starts` are the assembled start values by coordinate and der(coordinate), and those of the inputs."""
     e, scene = book.equations, book.equations.scene
@@ -46,7 +52,7 @@ def write_modelica(book: Book, starts: Mapping[str, float], remarks: Iterable[st
         x = _without_given_rates(scene, exact_throughout(x))
         return str(printer.doprint(x.xreplace({s: sp.Symbol(names[s], real=True) for s in x.free_symbols if s in names})))
 
-    lines = [f"model {model.name}{quoted(model.description)}", *(f"  // {remark}" for remark in remarks)]
+    lines = [f"model {identifier(model.name)}{quoted(model.description)}", *(f"  // {remark}" for remark in remarks)]
     for p in (p for p in scene.parameters if p.symbol in names):
         value = code(p.formula) if p.formula is not None else repr(book.values[p.name])
         lines.append(f"  parameter Real {names[p.symbol]}{unit_of(p.unit)} = {value}{quoted(p.description)};")
@@ -72,7 +78,7 @@ def write_modelica(book: Book, starts: Mapping[str, float], remarks: Iterable[st
     interval = "" if run.interval is None else f", Interval = {run.interval!r}"
     lines.append(f"  annotation(experiment(StartTime = {run.start!r}, StopTime = {run.stop!r}, Tolerance = {run.tolerance!r}"
                  f"{interval}));")
-    return "\n".join([*lines, f"end {model.name};"])
+    return "\n".join([*lines, f"end {identifier(model.name)};"])
 
 
 def _states(scene: SymbolicScene, names: Mapping[Expr, str], starts: Mapping[str, float]) -> list[str]:

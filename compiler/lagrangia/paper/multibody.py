@@ -9,12 +9,13 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 
 import numpy as np
+import sympy as sp
 
 from lagrangia.frames.attitude_starts import FLOATING
 from lagrangia.frames.kinematics import Kinematics
 from lagrangia.language.frame_attributes import ANGLE
 from lagrangia.language.frame_steps import between
-from lagrangia.paper.modelica import quoted, unit_of
+from lagrangia.paper.modelica import identifier, quoted, unit_of
 from lagrangia.paper.multibody_forces import Reading, read_statements, refuse
 from lagrangia.paper.multibody_joints import ALONG, Piece, merged, pieces_of
 from lagrangia.paper.multibody_loads import write_loads
@@ -31,7 +32,8 @@ def write_multibody(kinematics: Kinematics, starts: Starts, numbers: Mapping[str
         refuse(f"the equation '{equation.span.text}'", equation.span)
     writing = Writing(reading, kinematics.graph, starts, stated)
     body = _lines(writing)
-    lines = [f"model {model.name}{quoted(model.description)}", *(f"  // {remark}" for remark in remarks)]
+    name = identifier(model.name)
+    lines = [f"model {name}{quoted(model.description)}", *(f"  // {remark}" for remark in remarks)]
     for p in reading.table.parameters.values():
         if p.name in writing.names:
             value = writing.code(p.formula) if p.formula is not None else repr(numbers[p.name])
@@ -39,7 +41,7 @@ def write_multibody(kinematics: Kinematics, starts: Starts, numbers: Mapping[str
     run = model.experiment
     interval = "" if run.interval is None else f", Interval = {run.interval!r}"
     return "\n".join([*lines, *body, f"  annotation(experiment(StartTime = {run.start!r}, StopTime = {run.stop!r}, "
-                      f"Tolerance = {run.tolerance!r}{interval}));", f"end {model.name};"])
+                      f"Tolerance = {run.tolerance!r}{interval}));", f"end {name};"])
 
 
 def _lines(writing: Writing) -> list[str]:
@@ -62,6 +64,10 @@ def _lines(writing: Writing) -> list[str]:
 def _world(writing: Writing) -> str:
     gravity = [writing.starts.values.get(f"world.gravity[{k}]", 0.0) for k in (1, 2, 3)]
     size = float(np.linalg.norm(gravity))
+    if size and any(str(s) != "world.gravity" and not str(s).startswith("world.gravity[")
+                    for x in writing.gravity for s in x.free_symbols):
+        g = sp.sqrt(sum(x**2 for x in writing.gravity))
+        return f"  inner {LIBRARY}.World world(n = {writing.vector(writing.gravity)}, g = {writing.code(g)});"
     n = "{" + ", ".join(repr(x / size + 0.0) for x in gravity) + "}" if size else "{0, -1, 0}"
     return f"  inner {LIBRARY}.World world(n = {n}, g = {size!r});"
 
@@ -85,7 +91,19 @@ def _ways(writing: Writing) -> list[Way]:
         elif writing.node(first) != writing.node(last):
             first, last = writing.node(first), writing.node(last)
             writing.leader[last if last != "world" else first] = first if last != "world" else last
+    _require_once(writing, found)
     return found
+
+
+def _require_once(writing: Writing, ways: Sequence[Way]) -> None:
+    """Raises LagError L0901 for a coordinate of several joints, each of which would move by itself."""
+    seen: set[str] = set()
+    for way in ways:
+        for piece in (piece for piece in way.pieces if piece.moves):
+            if piece.coordinate in seen:
+                refuse(f"the coordinate '{piece.coordinate}' of more than one joint",
+                       way.equation.span if way.equation is not None else writing.reading.model.span)
+            seen.add(piece.coordinate)
 
 
 def _floating(frame: str, attributes: Sequence[str]) -> list[Piece]:

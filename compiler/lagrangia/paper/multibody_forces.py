@@ -47,12 +47,11 @@ class Quantity:
 
 @dataclass(frozen=True)
 class RigidBody:
-    """Its mass, centre of mass and inertia about that, in the axes of its frame: kg, m, kg.m2."""
+    """Its mass, at the origin of its frame, and its inertia in the axes of that: kg, kg.m2."""
 
     component: str
     frame: str
     mass: Expr
-    center: tuple[Expr, ...]
     inertia: tuple[tuple[Expr, ...], ...]
     span: Span
 
@@ -148,7 +147,7 @@ def read_statements(reading: Reading) -> Stated:
         value = exact_throughout(reading.evaluator.value(energy.value))
         if energy.kind == "kinetic":
             if value != 0:
-                found.bodies.append(_body(reading, energy, value, found.spans[energy.component]))
+                _add_body(found, _body(reading, energy, value, found.spans[energy.component]))
             continue
         for s in value.free_symbols & reading.known.keys():
             what = reading.known[s]
@@ -158,6 +157,17 @@ def read_statements(reading: Reading) -> Stated:
         found.spans[work.component] = place_of(model, work)
         _add_work(reading, found, work)
     return found
+
+
+def _add_body(found: Stated, body: RigidBody) -> None:
+    """One body for all that a component states of a frame, as of its mass and of its inertia."""
+    for k, other in enumerate(found.bodies):
+        if (other.component, other.frame) == (body.component, body.frame):
+            inertia = tuple(tuple(x + y for x, y in zip(*rows, strict=True))
+                            for rows in zip(other.inertia, body.inertia, strict=True))
+            found.bodies[k] = RigidBody(body.component, body.frame, other.mass + body.mass, inertia, body.span)
+            return
+    found.bodies.append(body)
 
 
 def _add(found: Stated, component: str, what: Quantity, force: Expr) -> None:
@@ -194,7 +204,8 @@ def place_of(model: FlatModel, statement: Energy | Work) -> Span:
 
 
 def _body(reading: Reading, energy: Energy, value: Expr, span: Span) -> RigidBody:
-    """Of a kinetic energy in the velocity of one frame and its spin, in its own axes."""
+    """Of a kinetic energy in the velocity of one frame and its spin, in its own axes. Raises LagError L0901 where these are
+    coupled: velocities are told in the world's axes, in which no centre of mass rests."""
     what_is_told = f"the kinetic energy of {told(energy.component)}, which is no rigid body's,"
     moving = {reading.known[s] for s in value.free_symbols & reading.known.keys()}
     frames = {what.of[0] for what in moving}
@@ -208,18 +219,13 @@ def _body(reading: Reading, energy: Energy, value: Expr, span: Span) -> RigidBod
     w = [sp.Symbol(f"w{k}", real=True) for k in range(3)]
     known = {reading.symbol_of(Quantity("spin", (frame, name), (k,), 1)): w[k] for name in names for k in range(3)}
     H = sp.hessian(value.xreplace(known), [*v, *w])
-    m = H[0, 0]
-    b = (H[1, 5], H[2, 3], H[0, 4])
-    skew = sp.Matrix([[0, b[2], -b[1]], [-b[2], 0, b[0]], [b[1], -b[0], 0]])
+    m, moved = H[0, 0], sp.Matrix([*v, *w])
     same = range(reading.size)
     is_body = all(sp.simplify(H[i, j] - (m if i == j else 0)) == 0 for i in same for j in same)
-    if not is_body or (reading.size == 3 and sp.simplify(H[:3, 3:] - skew) != sp.zeros(3)) or H.free_symbols & {*v, *w}:
+    is_whole = sp.simplify(value.xreplace(known) - (moved.T * H * moved)[0] / 2) == 0
+    if not is_body or not is_whole or sp.simplify(H[:3, 3:]) != sp.zeros(3) or H.free_symbols & {*v, *w}:
         refuse(what_is_told, span)
-    if m == 0 and any(x != 0 for x in b):
-        refuse(what_is_told, span)
-    c = sp.Matrix([x / m if m != 0 else 0 for x in b])
-    I = H[3:, 3:] - m * (c.dot(c) * sp.eye(3) - c * c.T)
-    return RigidBody(energy.component, frame, m, tuple(c), tuple(tuple(I[i, j] for j in range(3)) for i in range(3)), span)
+    return RigidBody(energy.component, frame, m, tuple(tuple(H[3 + i, 3 + j] for j in range(3)) for i in range(3)), span)
 
 
 def spring_of(force: Expr, s: Expr, v: Expr, moving: Mapping[Expr, Any]) -> tuple[Expr, Expr, Expr] | None:

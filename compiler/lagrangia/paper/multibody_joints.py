@@ -114,7 +114,8 @@ def _is_part(pieces: Sequence[Piece], size: int, driven: Collection[str]) -> boo
         case ("slider", "slider", "hinge"):
             return axes == ALONG
         case ("slider", "hinge"):
-            return all(sp.simplify(x) == 0 for x in sp.Matrix(axes[0]).cross(sp.Matrix(axes[1])))
+            along, about = (sp.Matrix(axis) for axis in axes)
+            return all(sp.simplify(x) == 0 for x in along / along.norm() - about / about.norm())  # not against it
         case ("hinge", "hinge"):
             return bool(sp.simplify(sp.Matrix(axes[0]).dot(sp.Matrix(axes[1]))) == 0)
         case ("shift", "turn"):

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import sympy as sp
 
 from lagrangia.algebra.with_sympy import Expr
-from lagrangia.paper.multibody_forces import Quantity, RigidBody, refuse, spring_of, told
+from lagrangia.paper.multibody_forces import Quantity, RigidBody, refuse, spring_of
 from lagrangia.paper.multibody_walk import angles, matrix, numbers
 from lagrangia.paper.multibody_writing import Writing
 
@@ -32,9 +32,6 @@ def write_loads(writing: Writing) -> None:
         else:
             push = pushes.setdefault((component, what.of[0]), [sp.S.Zero] * 3)
             push[what.place[0]] += force
-    for body in writing.stated.bodies:
-        if any(x != 0 for x in body.center) and any(sp.simplify(x) != 0 for x in pushes[body.component, body.frame]):
-            refuse(f"{told(body.component)}, whose weight does not act at its frame,", body.span)
     for (component, ends), force in lines.items():
         _line(writing, component, ends, force)
     for name, force in drives.items():
@@ -49,7 +46,7 @@ def _body(writing: Writing, body: RigidBody) -> None:
     entries = [(f"I_{i + 1}{j + 1}", I[i][j]) for i, j in ((0, 0), (1, 1), (2, 2), (1, 0), (2, 0), (2, 1))]
     told = [f"{name} = {writing.code(x)}" for name, x in entries if x != 0 or name[-1] == name[-2]]
     name = writing.part("Parts.Body", writing.bodies[body.component, body.frame], f"m = {writing.code(body.mass)}",
-                        f"r_CM = {writing.vector(body.center)}", *told, *_guesses(writing, body.frame))
+                        "r_CM = {0, 0, 0}", *told, *_guesses(writing, body.frame))
     writing.attach(f"{name}.frame_a", body.frame)
 
 

@@ -3,7 +3,6 @@
 Frames that are the same are one node, to which connectors are joined.
 """
 
-import re
 from collections.abc import Mapping, Sequence
 
 from lagrangia.algebra.with_sympy import TIME, Expr, exact_throughout
@@ -11,7 +10,7 @@ from lagrangia.base.records import dataclass
 from lagrangia.frames.edges import Closure
 from lagrangia.frames.graph import ComponentGraph
 from lagrangia.language.flat import FrameEquation
-from lagrangia.paper.modelica import RESERVED, Printer
+from lagrangia.paper.modelica import RESERVED, Printer, identifier
 from lagrangia.paper.multibody_forces import Quantity, Reading, Stated, padded, refuse
 from lagrangia.paper.multibody_joints import Piece
 
@@ -66,8 +65,7 @@ class Writing:
 
     def name(self, wanted: str) -> str:
         """An identifier of Modelica that nothing else has."""
-        found = re.sub(r"\W+", "_", wanted).strip("_") or "part"
-        found = found if not found[0].isdigit() else f"_{found}"
+        found = identifier(wanted)
         while found in self.taken:
             found += "_"
         self.taken.add(found)
