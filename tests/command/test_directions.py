@@ -31,6 +31,30 @@ def test_directions_of_no_length_are_refused(component: str, tmp_path: Path, cap
     assert main(["simulate", str(one), "-p", "floor.along[2]=2", *rows]) == 0
 
 
+def test_directions_are_found_in_arrays_and_where_they_follow(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """In one run of a sweep: of an element of components, and of a vector that follows from what is varied."""
+    file, rows = tmp_path / "s.lag", ["-o", str(tmp_path / "x.csv")]
+    file.write_text(SCENE % "parameter Real h = 1;"
+                    "Stop floor[2](each a = world, each b = p.center, along = {{0, 1}, {0, h}}, each e = 0);")
+    for given in ("floor[2].along[2]", "h", "floor[1].along[2]"):
+        assert main(["sweep", str(file), "-p", f"{given}=1,0,2", *rows]) == 2
+        named = "floor[1].along" if given.startswith("floor[1]") else "floor[2].along"
+        assert f"the direction '{named}' has no length in a run of the sweep" in capsys.readouterr().err
+    assert main(["simulate", str(file), "-p", "h=0", *rows]) == 2
+    assert main(["sweep", str(file), "-p", "h=1,-1", *rows]) == 0
+
+
+@pytest.mark.parametrize("force", ["if d[1]*d[1] + d[2]*d[2] > 0 then 3*d[1]/norm(d) else 0", "u"])
+def test_vectors_that_may_be_none_are_not_refused(force: str, tmp_path: Path) -> None:
+    """A vector of 0 that is divided by its length only where it has one."""
+    file = tmp_path / "g.lag"
+    file.write_text(f"""model G
+  parameter Real d[2] = {{0, 0}}, u = if norm(d) > 0 then 3*d[1]/norm(d) else 0;
+  Block b(m = 1 + u, base = world); AppliedForce f(at = b.center, force = {{1 + ({force}), 0}});
+end G;""")
+    assert main(["simulate", str(file), "--stop", "1", "-o", str(tmp_path / "x.csv")]) == 0
+
+
 def test_parallel_axes_of_a_cardan_joint_are_named(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """As declared, and by -p."""
     text = """model U

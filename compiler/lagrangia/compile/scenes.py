@@ -32,7 +32,7 @@ from lagrangia.frames.kinematics import Kinematics
 from lagrangia.language.attitudes import parts_of
 from lagrangia.language.consequences import place_of_felt_reactions
 from lagrangia.language.dimensions import unit_of
-from lagrangia.language.directions import directions
+from lagrangia.language.directions import directions, parameter_places
 from lagrangia.language.events import kept_by
 from lagrangia.language.flat import FlatModel, Variable, When, rate_of
 from lagrangia.language.folding import numbers_of
@@ -291,7 +291,7 @@ def _told(kinematics: Kinematics, constraints: Constraints, initial: InitialCond
     found = tuple(warning for warning in found if warning.code not in model.allowed)
     told, timed = [w.render() for w in found], {w.render(): list(w.interval) for w in found if w.interval is not None}
     files = sorted({lookup.path for lookup in model.lookups})
-    inertias = [v.name for v in model.variables.values() if v.is_inertia and v.kind == "parameter"]
+    inertias = parameter_places(model, {v.name for v in model.variables.values() if v.is_inertia})
     kinetic, felt = [str(span) for span in written_inertias(kinematics)], place_of_felt_reactions(model)
     return {"warnings": told, "allowed": list(model.allowed), "contacts": contacts, "files": files, "kinetic": kinetic,
             "felt": str(felt) if felt else "", **({"timed_warnings": timed} if timed else {}),

@@ -1,25 +1,48 @@
 """Parameters that are directions: vectors of numbers by whose length something is divided, or about which frames turn.
 
 Those of no length say nothing: conditions that are divided by it are never true, and a component is not there without a word.
+What stands in branches of choices may be meant for others alone, as d/norm(d) where d is not 0: it tells nothing.
 """
 
-from collections.abc import Iterator
+import math
+from collections.abc import Container, Iterator
 
 from lagrangia.language.flat import FlatModel
-from lagrangia.language.mentions import nodes
-from lagrangia.language.tree import Binary, Call, Flat, Ref
+from lagrangia.language.mentions import children
+from lagrangia.language.tree import Binary, Call, Flat, IfExpression, Ref
 
 _SHAPES = ((2,), (3,))
 
 
-def directions(model: FlatModel) -> list[str]:
-    """Their names, in the order of the variables."""
+def directions(model: FlatModel) -> dict[str, list[int]]:
+    """Their names, in the order of the variables, with the places of their parts among the elements of all parameters."""
     may_be = {v.name for v in model.variables.values() if v.kind == "parameter" and v.shape in _SHAPES and v.unit in ("", "1")}
     if not may_be:
-        return []
+        return {}
     bindings = (v.binding for v in model.variables.values() if v.binding is not None)
-    found = {name for node in nodes(*model.stated(), *bindings) for name in _named(node) if name in may_be}
-    return [name for name in model.variables if name in found]
+    found = {name for node in _certain(*model.stated(), *bindings) for name in _named(node) if name in may_be}
+    return parameter_places(model, found)
+
+
+def parameter_places(model: FlatModel, names: Container[str]) -> dict[str, list[int]]:
+    """Of these parameters, in the order of the variables: where their elements stand among those of all."""
+    found, first = dict[str, list[int]](), 0
+    for variable in model.variables.values():
+        if variable.kind == "parameter":
+            size = math.prod(variable.shape)
+            if variable.name in names:
+                found[variable.name] = [*range(first, first + size)]
+            first += size
+    return found
+
+
+def _certain(*roots: Flat) -> Iterator[Flat]:
+    """Every node that is computed whatever is chosen: none within branches."""
+    stack = list(roots)
+    while stack:
+        node = stack.pop()
+        yield node
+        stack += (node.condition,) if isinstance(node, IfExpression) else children(node)
 
 
 def _named(node: Flat) -> Iterator[str]:

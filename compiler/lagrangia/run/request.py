@@ -284,20 +284,14 @@ def check_parameters(scene: Scene, parameters: Sequence[float]) -> None:
     report = Report()
     for known, value in zip(scene.parameters, parameters, strict=True):
         _require_possible("parameter", known, value, report)
-    for name in scene.notes.get("directions", ()):
-        own = _elements(scene, name, parameters)
-        if not any(value for _, value in own):
+    for name, places in scene.notes.get("directions", {}).items():
+        if not any(parameters[k] for k in places):
             report.error("L0605", f"the direction '{name}' has no length: all its parts are 0", None,
-                         f"declared at {own[0][0].place}")
-    for name in scene.notes.get("inertias", ()):
-        if wrong := _odd_inertia([value for _, value in _elements(scene, name, parameters)]):
+                         f"declared at {scene.parameters[places[0]].place}")
+    for name, places in scene.notes.get("inertias", {}).items():
+        if wrong := _odd_inertia([parameters[k] for k in places]):
             report.error("L0605", f"the inertia '{name}' {wrong}")
     report.raise_errors()
-
-
-def _elements(scene: Scene, name: str, parameters: Sequence[float]) -> list[tuple[Parameter, float]]:
-    pairs = zip(scene.parameters, parameters, strict=True)
-    return [(known, value) for known, value in pairs if known.name.startswith(f"{name}[")]
 
 
 def _odd_inertia(own: Sequence[float]) -> str:

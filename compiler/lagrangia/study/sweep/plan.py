@@ -159,18 +159,19 @@ def build_job(scene: Scene, measures: Sequence[Measure], request: Request, desig
 
 
 def _require_directions(job: Job) -> None:
-    """Raises LagError L0605 where the parts of a direction that are varied are all 0 in a run."""
+    """Raises LagError L0605 where a direction has no length in a run, as its parts are varied or follow from what is."""
     import numpy as np
 
-    names = [p.name for p in job.scene.parameters]
-    varied = {names[place].partition("[")[0] for place in job.variations.places if place < len(names)}
-    for name in varied.intersection(job.scene.notes.get("directions", ())):
-        own = [k for k, other in enumerate(names) if other.startswith(f"{name}[")]
-        for given, mask in job.parameter_sets():
-            found = evaluate_each(job.scene.tapes["parameters"], given, mask)[0]
-            if (np.max(np.broadcast_arrays(*(np.abs(found[k]) for k in own)), axis=0) == 0).any():
+    scene = job.scene
+    known = scene.notes.get("directions", {})
+    if not known or all(place >= len(scene.parameters) for place in job.variations.places):
+        return
+    for given, mask in job.parameter_sets():
+        found = evaluate_each(scene.tapes["parameters"], given, mask)[0]
+        for name, places in known.items():
+            if np.all(np.broadcast_arrays(*(found[k] == 0 for k in places)), axis=0).any():
                 fail("L0605", f"the direction '{name}' has no length in a run of the sweep: all its parts are 0", None,
-                     f"declared at {job.scene.parameters[own[0]].place}")
+                     f"declared at {scene.parameters[places[0]].place}")
 
 
 def _held(scene: Scene, given: Any, runs: int, rows: int) -> "np.ndarray | None":
