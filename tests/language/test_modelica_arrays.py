@@ -65,6 +65,7 @@ VALUES = {
     "parts({S({R(i), R(2)}) for i in 1:4})": 42.0, "chosen(E.a) + chosen(E.b) + chosen(E.b, \"y\")": 24.0,
     "sum(x for x in 0[deg]:90[deg]:180[deg])/270[deg]": 1.0, "sum(x for x in -1[m]:2[m])/1[m]": 2.0,
     "sum(x for x in 0:reach/2:reach)/1[m]": 6.0, "sum(x for x in 0[mm]:3[mm])/1[mm]": 6.0,
+    "sum(x for x in 0:0.5:reach)/1[m]": 18.0, "sum(x for x in 1[m]:-50[cm]:0)/1[m]": 1.5,
     "sum(u[i]*sum(z[i] for i) for i)": 60.0,
     "sum(far) + near": 14.0,
     "sum(z[i]*i for i)": 30.0, "sum(m)": 10.0, "sum(none)": 0.0, "jump + jumps[1]*jumps[2]": 23.0, "sum(where_it_is)": 3.0,
@@ -99,7 +100,7 @@ def test_arrays_are_connected_as_wholes(scene: Write) -> None:
     ("sum(u[i]*w[i, 1] for i)", r"L0214.*arrays of 2 and 3"),
     ("sum(Integer(e) for e in E.a:F.y)", r"L0214.*begins with a value of E"),
     ("Integer(E(4))", r"L0214.*E has 3 values"), ("sum(u[{0.5*i for i in 2:3}])", r"L0210.*not 1\.5"),
-    ("sum(x for x in 0[mm]:2[m])", r"L0210.*one unit"),
+    ("sum(x for x in 0[mm]:2[m])", r"L0210.*one unit"), ("sum(x for x in 0[mm]:1:2*3[mm])", r"L0210.*one unit"),
     ("chosen(F.y)", r"L0302.*value of E"), ("sum(weighed(u, 2))", r"L0303"), ("size(w, 3)", r"L0303.*no dimension 3"),
 ])
 def test_refused(expression: str, message: str, scene: Write) -> None:

@@ -97,11 +97,12 @@ class Loops(Enumerations, StructuralValues, Protocol):
 
     def _range(self, node: Range, scope: Scope) -> Sequence[int | Flat]:
         """Raises LagError L0209, L0210, L0214."""
-        ends = [self.flatten(end, scope) for end in (node.start, node.stop, node.step) if end is not None]
+        parts = [end for end in (node.start, node.stop, node.step) if end is not None]
+        ends = [self.flatten(end, scope) for end in parts]
         if isinstance(ends[0], EnumerationLiteral) and node.step is None:
             return from_to(ends[0], ends[1])
         values = [self.number(end, scope, "the end of a range") for end in (node.start, node.stop)]
-        unit = _unit_of(ends, node.span)
+        unit = _unit_of(parts, ends, node.span)
         step = 1.0 if unit is None else parse_unit(unit).factor
         if node.step is not None:
             step = self.number(node.step, scope, "the step of a range")
@@ -113,18 +114,27 @@ class Loops(Enumerations, StructuralValues, Protocol):
         return [Number(values[0] + k * step, unit, node.span) for k in range(count)]
 
 
-def _unit_of(ends: Sequence[Flat], span: Span) -> str | None:
-    """The unit that the ends and the step of a range have, where one has any; 0 takes that of the others. Raises LagError L0210
-    where it is not one."""
-    bare = [end for end in ends if dimension_of_known(end) is None and fold(end) != 0]
+def _unit_of(parts: Sequence[Expression], ends: Sequence[Flat], span: Span) -> str | None:
+    """The unit that the ends and the step of a range have, where one has any: `parts` as written and `ends` as they are known.
+    0 takes that of the others; so does another bare number, in SI units, beside names alone: beside a literal with its unit it
+    may be meant in that. Raises LagError L0210 where it is not one."""
+    in_place = all(isinstance(part, Reference) or (_is_literal(part) and _written(part) is None) for part in parts)
+    bare = [end for part, end in zip(parts, ends, strict=True)
+            if dimension_of_known(end) is None and fold(end) != 0 and not (in_place and _is_literal(part))]
     dimensions = {found for end in ends if (found := dimension_of_known(end)) is not None}
     written = {unit for end in ends if (unit := _written(end)) is not None}
-    if len(dimensions) > 1 or len(written) > 1 or (dimensions and bare):
+    if len(dimensions) > 1 or (len(written) > 1 and len(ends) < 3) or (dimensions and bare):
         fail("L0210", "the ends and the step of a range have one unit", span, _ONE_UNIT)
-    return next(iter(written), name_of_unit(next(iter(dimensions)))) if dimensions else None
+    if not dimensions:
+        return None
+    return next(iter(written)) if len(written) == 1 else name_of_unit(next(iter(dimensions)))
 
 
-def _written(node: Flat) -> str | None:
+def _is_literal(node: Expression) -> bool:
+    return isinstance(node.operand if isinstance(node, Unary) else node, Number)
+
+
+def _written(node: Expression | Flat) -> str | None:
     """The unit of a number, also of a negative one."""
     if isinstance(node, Unary):
         return _written(node.operand)

@@ -53,7 +53,7 @@ from lagrangia.language.tree import (
     Whole,
 )
 from lagrangia.language.truths import NO, truth_of
-from lagrangia.language.units_written import in_own_unit, in_si
+from lagrangia.language.units_written import in_own_unit, in_si, read_own_unit
 
 _EACH_WHOLE = "write `each` before it if every element is to have the whole of it"
 _UNIT_BEHIND = "a unit stands behind a literal alone, as in 30[deg]; square brackets behind a name pick an element"
@@ -144,6 +144,7 @@ class Names(Calls):
                  "it is structural (Integer, Boolean or constant): use numbers and structural values")
         require_kind(slot, value)
         if slot.base == "Real" and isinstance(unit := getattr(slot.attributes.get("unit"), "expression", None), String):
+            read_own_unit(unit.value, unit.span)
             value = in_own_unit(value, unit.value)
         self._structural[slot] = value
         return value
