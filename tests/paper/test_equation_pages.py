@@ -78,6 +78,19 @@ def test_formats_of_the_suspended_bar(format: str, capsys, compare) -> None:
     compare(equations(capsys, "suspended_bar", "--format", format), GOLDEN / f"suspended_bar.{format}.txt")
 
 
+@pytest.mark.parametrize(("ending", "format"), [(".md", "markdown"), (".TEX", "latex"), (".html", "html"), (".py", "sympy"),
+                                               (".x", "text")])
+def test_files_are_of_the_format_they_end_in(ending: str, format: str, tmp_path: Path, capsys) -> None:
+    """Unless another one is asked for: page.html held plain text, without a word."""
+    asked = ["equations", str(EXAMPLES / "pendulum.lag")]
+    for given, expected in (([], format), (["--format", "markdown"], "markdown")):
+        file = tmp_path / f"page{ending}"
+        assert main([*asked, "-o", str(file), *given]) == 0
+        capsys.readouterr()
+        assert main([*asked, "--format", expected]) == 0
+        assert file.read_text() == capsys.readouterr().out
+
+
 def test_a_chain_of_five_fits_on_two_pages_and_its_derivation_does_not(capsys, compare) -> None:
     compare(equations(capsys, "chain", "--form", "worked"), GOLDEN / "chain.txt")
     said = equations(capsys, "chain")

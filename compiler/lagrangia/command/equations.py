@@ -17,12 +17,15 @@ from lagrangia.command.arguments import (
 )
 from lagrangia.run.request import Request as Drawn
 
+_FORMATS = {".md": "markdown", ".html": "html", ".htm": "html", ".tex": "latex", ".py": "sympy"}  # by the endings of files
+
 
 def equations_command(options: Namespace) -> int:
     """`lag equations`: prints or writes the equations of motion, or checks one (1 where it is wrong). Raises LagError."""
     from lagrangia.paper.sheet import Request, checked, write_equations
 
     keep_inputs(options, options.output)
+    options.format = options.format or _FORMATS.get(Path(options.output or "").suffix.lower(), "text")
     structural, parameters = part_structural(options, assignments(options.parameter, "-p"))
     about = None if options.about is None else named_pairs(options.about, "--about")
     names = named_pairs(options.names or "", "--names")

@@ -44,7 +44,7 @@ def add_equations(parser: ArgumentParser) -> None:
     add("--sections", metavar="NAME,...", help="of the derivation, these alone: kinetic,potential,equations")
     add("--check", metavar="EQUATION", help="whether it is one of the scene: --check \"m*x'' + k*x = P(t)\"; exit code 1 if not")
     add("--first-letter", default="a", metavar="LETTER", help="of the derivation's formulas, to go on from another page")
-    add("--format", default="text", metavar="FORMAT", help="text, markdown, latex, html, or sympy: a Python script")
+    add("--format", metavar="FORMAT", help="text, markdown, latex, html, or sympy: a Python script (or as -o ends)")
     add("--language", default="en", metavar="CODE", help="of the headings and sentences: en, pt, de, fr, es")
     add("--fragment", action="store_true", help="of LaTeX: what stands in a document of your own, with labels lag:a, lag:b")
     add("--names", metavar="NAME=SYMBOL,...", help="symbols of your own: --names tilt.phi=theta,guide.s=x")
