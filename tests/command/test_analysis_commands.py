@@ -83,6 +83,13 @@ def test_modes_with_a_picture(run: Lag) -> None:
     assert code == 0 and "rigid-body motion" in out and "mass-normalised" in out
 
 
+def test_frequencies_are_told_from_the_lowest_to_the_highest_one(run: Lag) -> None:
+    """However they are given; one that stands twice is one."""
+    code, out, _ = run("response", BAR, "--at", "3,1,3")
+    assert code == 0 and "2 frequencies from 1 to 3 Hz" in out
+
+
+
 def test_a_response_as_table_and_bode_plot(run: Lag) -> None:
     code, out, _ = run("response", BAR, "--to", "tilt.phi,bar.a.y", "-o", "bar.csv", "--plot", "bode.svg", "--points", "50")
     assert code == 0 and "tilt.phi / P.force[2] [rad/N]" in out and "peak" in out

@@ -455,6 +455,28 @@ def test_what_is_no_file_is_written_to_and_stays_what_it_is(lag: Run) -> None:
     assert len(read[0].splitlines()) == 502
 
 
+def test_what_is_open_already_is_gone_on_with(lag: Run) -> None:
+    """>> log -o /dev/stdout: a file of its own would take the place of all that the log said before."""
+    Path("log").write_text(OLD)
+    with open("log", "a") as log:
+        command = [sys.executable, "-m", "lagrangia.command.cli", "simulate", "pendulum.lag", "-o", "/dev/stdout", "--quiet"]
+        subprocess.run(command, stdout=log, check=True)
+    said = Path("log").read_text()
+    assert said.startswith(OLD) and len(said.splitlines()) == len(OLD.splitlines()) + 502
+    assert lag("simulate", "pendulum.lag", "-o", "/dev/fd/987")[0] == WRONG
+
+
+@pytest.mark.parametrize("command", ["simulate", "sweep -p m=1,2"])
+def test_names_of_results_are_as_long_as_they_may_be(command: str, lag: Run) -> None:
+    """In bytes; what is too long is told before the run."""
+    name = 80 * "\u4e2d" + ".csv"
+    words = [*command.split(), "-o"]
+    words.insert(1, "pendulum.lag")
+    assert lag(*words, name, "--quiet")[0] == DONE and Path(name).is_file()
+    assert lag(*words, f"{name}{'x' * 20}")[0] == WRONG
+    assert not list(Path().glob(".*part*"))
+
+
 def test_a_link_is_followed(lag: Run) -> None:
     Path("real.csv").write_text(OLD)
     Path("link.csv").symlink_to("real.csv")

@@ -80,6 +80,18 @@ def test_a_file_without_classes_is_refused(text: str, tmp_path: Path, capsys: py
     assert "it has no class" in capsys.readouterr().err and not (tmp_path / "empty.lag").exists()
 
 
+def test_units_of_which_all_are_imported() -> None:
+    """Other words stay what they are: each one was Real."""
+    text = imported("""model C
+  import Modelica.Units.SI.*;
+  import Modelica.Constants.*;
+  parameter Torque T = 3*own.e;
+  parameter MomentOfInertia J = 2;
+end C;
+""").text
+    assert "parameter Torque T = 3*own.e;" in text and "parameter Inertia J = 2;" in text
+
+
 def test_names_that_the_library_itself_uses() -> None:
     """Its own examples name packages from where they stand."""
     found = imported("within Modelica.Mechanics.Translational.Examples;\nmodel A\n  SI.Length x;\n  Components.Mass m(m=1);\n"

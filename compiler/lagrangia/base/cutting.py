@@ -4,7 +4,7 @@ import re
 
 from lagrangia.base.diagnostics import fail
 
-_QUOTED = re.compile(r"(?<!\w)'[^'\n]+'")  # a name; the sign behind a name is a prime
+_QUOTED = re.compile(r"(?<![\w'\])])'[^'\n]+'")  # a name; the sign behind a name, or behind another prime, is a prime
 
 
 def split_list(text: str) -> list[str]:

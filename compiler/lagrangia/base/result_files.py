@@ -1,6 +1,7 @@
 """Files that are read, opened with care, and files of results: written beside the target, and given its name when all is well;
 never in the place of what is read."""
 
+import contextlib
 import errno
 import os
 import re
@@ -41,6 +42,34 @@ def require_file(path: Path) -> None:
 
 
 _OPEN_FILES = "/proc/self/fd"
+_MOST_LINKS = 40
+
+
+def _opened(path: Path) -> Path | None:
+    """The name among those of open files (/proc/1/fd/3, on macOS /dev/fd/3) that a path leads to, as /dev/stdout does; None where
+    it leads elsewhere."""
+    for _ in range(_MOST_LINKS):
+        folder = os.path.realpath(path.parent)
+        if re.fullmatch(r"/proc/\d+/(task/\d+/)?fd|/dev/fd", folder):
+            return Path(folder, path.name)
+        if not os.path.islink(path):
+            return None
+        path = path.parent / os.readlink(path)
+    return None
+
+
+def _open_again(opened: Path) -> int:
+    """Goes on with an open file where it is, and cuts nothing short. Raises OSError."""
+    if opened.parent in (Path("/dev/fd"), Path(os.path.realpath(_OPEN_FILES))) and opened.name.isdecimal():
+        handle = os.dup(int(opened.name))
+    else:
+        handle = os.open(opened, os.O_WRONLY | os.O_APPEND)
+    try:
+        os.write(handle, b"")  # refused where it is open for reading alone
+    except OSError:
+        os.close(handle)
+        raise
+    return handle
 
 
 def _nameless(folder: Path) -> int | None:
@@ -56,7 +85,8 @@ def _nameless(folder: Path) -> int | None:
 class Target:
     """A file that takes its name when all is well, so that a run that is killed leaves an older result as it was.
 
-    A link is followed; what is no file (a device, a named pipe) is written to directly, for a file must not take its place.
+    A link is followed; what is no file (a device, a named pipe), or is open already (/dev/stdout), is written to directly, for a
+    file must not take its place.
     Use it in a `with` statement. Raises LagError L0004 when the place cannot be written.
     """
 
@@ -74,19 +104,32 @@ class Target:
             fail("L0004", f"'{path}' cannot be written: {os.strerror(errno.ELOOP)}")
 
     def _open(self, binary: bool) -> IO[Any]:
-        import tempfile
-
         encoding, newline, mode = (None, None, "wb") if binary else ("utf-8", "", "w")
         if self.target.is_dir():
             raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR))
+        if (opened := _opened(self.path)) is not None:
+            return os.fdopen(_open_again(opened), mode, encoding=encoding, newline=newline)
+        with contextlib.suppress(FileNotFoundError):
+            self.target.lstat()  # a name that is too long is told now
         if self.direct or (self.target.exists() and not self.target.is_file()):
             return self.target.open(mode, encoding=encoding, newline=newline)
         handle = _nameless(self.target.parent)
         if handle is None:
-            handle, name = tempfile.mkstemp(prefix=f".{self.target.name[:100]}.", suffix=".part", dir=self.target.parent)
-            self.temporary = Path(name)
+            handle = self._begin_beside()
         self.is_nameless = self.temporary is None
         return os.fdopen(handle, mode, encoding=encoding, newline=newline)
+
+    def _begin_beside(self) -> int:
+        """A new file beside the target, where no link is followed."""
+        import tempfile
+
+        handle, name = tempfile.mkstemp(prefix=self._prefix(), suffix=".part", dir=self.target.parent)
+        self.temporary = Path(name)
+        return handle
+
+    def _prefix(self) -> str:
+        """Of names beside the target, so short that they are no longer than a file system takes: 255 bytes, as a rule."""
+        return f".{os.fsencode(self.target.name)[:100].decode(errors='ignore')}."
 
     def put(self, *parts: str | bytes) -> None:
         """Text, or bytes where it is binary. Raises OSError with the name people know: a full disk is no fault of the input."""
@@ -110,14 +153,16 @@ class Target:
         import shutil
 
         self.stream.flush()
-        temporary = self.target.with_name(f".{self.target.name[:100]}.{os.getpid()}.{self.stream.fileno()}.part")
-        temporary.unlink(missing_ok=True)
         handle = self.stream.fileno()
+        temporary = self.target.with_name(f"{self._prefix()}{os.getpid()}.{handle}.part")
+        temporary.unlink(missing_ok=True)
         try:
             os.link(f"{_OPEN_FILES}/{handle}", temporary, src_dir_fd=handle)  # without a folder it would link the link
         except OSError:  # links may be forbidden where nameless files are not
-            shutil.copyfile(f"{_OPEN_FILES}/{handle}", temporary)
-        self.temporary = temporary
+            with open(self._begin_beside(), "wb") as copy, open(f"{_OPEN_FILES}/{handle}", "rb") as whole:
+                shutil.copyfileobj(whole, copy)
+        else:
+            self.temporary = temporary
 
     def __enter__(self) -> Self:
         return self
@@ -146,7 +191,10 @@ def _keep_mode(path: Path, temporary: Path) -> None:
 
 
 def is_device(path: str | os.PathLike[str]) -> bool:
-    """A terminal, a named pipe: what is written to as it is. A folder is none, and told of where it is to be written."""
+    """A terminal, a named pipe, what is open already (/dev/stdout): what is written to as it is. A folder is none, and told of
+    where it is to be written."""
+    if _opened(Path(path)) is not None:
+        return True
     return os.path.exists(path) and not os.path.isfile(path) and not os.path.isdir(path)
 
 

@@ -96,7 +96,7 @@ def response_command(options: Namespace) -> int:
     if options.plot is not None:
         require_format(options.plot)
     a_count_within("number of points", options.points, 2, MOST_POINTS)
-    frequencies = None if options.at is None else [a_frequency(number(text, "--at")) for text in options.at.split(",")]
+    frequencies = None if options.at is None else sorted({a_frequency(number(text, "--at")) for text in options.at.split(",")})
     span = _span(options.range)
     model, values = _load(options)
     response = model.response(_names(options.excite, "--from"), _names(options.to, "--to"), **values, about=options.about,

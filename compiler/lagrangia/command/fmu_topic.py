@@ -31,9 +31,10 @@ state. With a Lagrangia source inside, both kinds must move as the native run do
 errors grow to; others are only run. --no-run leaves that out: to run a binary is to trust it. Exit codes: 2 for what is
 written wrong, 1 for what runs wrong, 0.
 
-Any binary that is run here, by check and simulate, has its home, its place for temporary files and its working folder in a folder
-that goes with the run. Linux from 5.13 on (Landlock) keeps it and all that it starts from making, changing or removing files
-anywhere else, and from 6.12 on from sending signals; what it reads, and networks, stay open. Elsewhere nothing keeps it.
+Any binary that is run here, by check and simulate, has its place for temporary files and its working folder in a folder that goes
+with the run. Linux from 5.13 on (Landlock) keeps it and all that it starts from making, opening to write, moving or removing
+files anywhere else but in shared memory (/dev/shm), from 6.2 on from cutting them short by name, from 6.12 on from sending
+signals; what it reads, its home among it, and networks stay open. Elsewhere nothing keeps it.
 
 Simulate. --kind me or cs (cs where there is one), --start, --stop, --interval, --at, --tolerance, -p (parameters), --initial
 (start values), -u (inputs), --outputs, -o, --plot (outputs, or states), --plot-quantities, --stats mean what they mean for a

@@ -25,6 +25,8 @@ UNITS = {
     "ElectricCurrent": "Current", "ElectricPotential": "Voltage", "Temperature": "Temperature", "Momentum": "Momentum",
     "AngularMomentum": "AngularMomentum", "DimensionlessRatio": "Ratio", "Efficiency": "Ratio",
 }
+_UNIT_PACKAGES = ("Modelica.Units.SI", "Modelica.SIunits")
+_WITHOUT_PACKAGES = (*_UNIT_PACKAGES, "Modelica.Constants", "Modelica.Math")  # inside, of what is known of them
 _WARMING = {"Copper": "3.92e-3", "Aluminium": "4e-3", "Brass": "1.1e-3", "Bronze": "0.8e-3", "Zero": "0"}  # of resistances, 1/K
 _FUNCTIONS = {"sin", "cos", "tan", "asin", "acos", "atan", "atan2", "sinh", "cosh", "tanh", "exp", "log", "log10"}
 _CONSTANTS = {"pi": "pi", "g_n": "9.80665", "e": "exp(1)"}
@@ -243,12 +245,19 @@ def _meaning(word: str, aliases: Mapping[str, str], around: Sequence[str]) -> st
         name = aliases[head] + dot + rest
     elif not dot:
         packages = [full for short, full in aliases.items() if short.startswith("*") and full.startswith("Modelica")]
-        return next((found for full in packages if (found := _of_library(f"{full}.{name}")) is not None), word)
+        return next((found for full in packages if (found := _in_package(full, name)) is not None), word)
     if name.startswith("Modelica."):
         return _of_library(name)
     packages = [*around, *(full for short, full in aliases.items() if short.startswith("*") and full.startswith("Modelica"))]
-    found = next((found for package in packages if (found := _of_library(f"{package}.{name}")) is not None), word)
+    found = next((found for package in packages if (found := _in_package(package, name)) is not None), word)
     return None if found == word and packages and head in _PACKAGES else found
+
+
+def _in_package(package: str, name: str) -> str | None:
+    """A name as one of a package of the library; None where it has no counterpart, or is none that the package is known for."""
+    if (package in _WITHOUT_PACKAGES and "." in name) or (package in _UNIT_PACKAGES and name not in UNITS):
+        return None
+    return _of_library(f"{package}.{name}")
 
 
 def _of_library(name: str) -> str | None:

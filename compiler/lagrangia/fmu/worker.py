@@ -23,7 +23,7 @@ def main(folder: Path) -> int:
     """Does the job in a folder and writes how it ended; returns the exit code."""
     job = json.loads((folder / "job.json").read_text(encoding="utf-8"))
     _limit(job["limits"])
-    result: dict[str, Any] = {"message": "", "faults": [], "is_confined": confine([folder, Path(job["fmu"])])}
+    result: dict[str, Any] = {"message": "", "faults": [], "is_confined": confine([folder, Path(job["fmu"])]) > 0}
     (folder / "result.json").write_text(json.dumps(result), encoding="utf-8")  # known where it crashes, too
     begin = time.perf_counter()
     count = Count()
