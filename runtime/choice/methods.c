@@ -54,7 +54,7 @@ int lag_methods_alternate(const LagModel *model, int32_t solver)
 }
 
 static const int32_t OTHERS[] = {LAG_SOLVER_PIRK, LAG_SOLVER_ERK, LAG_SOLVER_ERK9, LAG_SOLVER_IMPLICIT};
-enum { COUNT_OF_OTHERS = sizeof OTHERS / sizeof *OTHERS };
+enum { COUNT_OF_OTHERS = sizeof OTHERS / sizeof *OTHERS, OWN = 5 }; /* solvers that a run may need besides */
 
 int lag_methods_may_retry(const LagModel *model, const LagSettings *settings)
 {
@@ -136,10 +136,10 @@ void lag_methods_layout(LagMethods *methods, const LagSettings *settings, const 
     const int needs_other = leaves || lag_methods_alternate(model, solver) || model->n_switches > 0;
     methods->may_find_poles = may_turn && solver == LAG_SOLVER_TAYLOR && settings->solver != LAG_SOLVER_STEPWISE
         && lag_may_find_poles(&behind->facts);
-    int32_t asked[5 + COUNT_OF_OTHERS] = {solver, needs_other ? methods->explicit_solver : solver, may_turn || may_creep ? LAG_SOLVER_IMPLICIT : solver,
-                             may_turn && solver == LAG_SOLVER_PIRK ? methods->rows_solver : solver,
-                             methods->may_find_poles ? LAG_SOLVER_PIRK : solver};
-    size_t count = 5;
+    int32_t asked[OWN + COUNT_OF_OTHERS] = {
+        solver, needs_other ? methods->explicit_solver : solver, may_turn || may_creep ? LAG_SOLVER_IMPLICIT : solver,
+        may_turn && solver == LAG_SOLVER_PIRK ? methods->rows_solver : solver, methods->may_find_poles ? LAG_SOLVER_PIRK : solver};
+    size_t count = OWN;
     for (int i = 0; i < COUNT_OF_OTHERS && lag_methods_may_retry(model, settings); ++i)
         if (lag_methods_permit(model, OTHERS[i]))
             asked[count++] = OTHERS[i];

@@ -4,7 +4,7 @@ import re
 
 from lagrangia.base.diagnostics import fail
 
-_QUOTED = re.compile(r"(?<![\w'\])])'[^'\n]+'")  # a name; the sign behind a name, or behind another prime, is a prime
+QUOTED = re.compile(r"(?<![\w'\])])'[^'\n]+'")  # a name; the sign behind a name, or behind another prime, is a prime
 
 
 def split_list(text: str) -> list[str]:
@@ -15,7 +15,7 @@ def split_list(text: str) -> list[str]:
 def cut_list(text: str) -> list[str]:
     """What stands between commas; those in parentheses, brackets and quoted names belong to theirs. Raises LagError L0711."""
     items, depth, begin = [], 0, 0
-    for k, character in enumerate(_QUOTED.sub(lambda name: "_" * len(name[0]), text)):
+    for k, character in enumerate(QUOTED.sub(lambda name: "_" * len(name[0]), text)):
         depth += (character in "([{") - (character in ")]}")
         if depth < 0:
             break

@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import NoReturn
 
 from lagrangia.base.checked_values import names
-from lagrangia.base.cutting import cut_list, split_list
+from lagrangia.base.cutting import QUOTED, cut_list, split_list
 from lagrangia.base.diagnostics import fail, suggest
 from lagrangia.base.records import dataclass
 from lagrangia.language.units import parse_unit, spell
@@ -35,7 +35,6 @@ _BARE = {"count", "overshoot", "damage"}  # numbers without a unit
 _ENERGIES = {"energy.kinetic": 0, "energy.potential": 1, "energy.dissipated": 3}  # places behind the outputs of a row
 _CALL = re.compile(r"(\w+)\((.*)\)", re.DOTALL)
 _CONDITION = re.compile(r"(.*?)\s*([<>]=?)\s*([^<>=]*)", re.DOTALL)
-_QUOTED = re.compile(r"'[^'\n]+'")
 _OPTION = re.compile(r"(\w+)\s*=(?!=)\s*(.*)", re.DOTALL)
 
 
@@ -134,7 +133,7 @@ def _of_quantity(measure: Measure) -> Measure:
     absolute = match is not None and match[1] == "abs"
     name = match[2].strip() if match is not None and absolute else inner.strip()
     call = _CALL.fullmatch(name)
-    if not name or (call is not None and call[1] != "der") or re.search(r"[<>=+*/ ]|,(?![^\[]*\])", _QUOTED.sub("q", name)):
+    if not name or (call is not None and call[1] != "der") or re.search(r"[<>=+*/ ]|,(?![^\[]*\])", QUOTED.sub("q", name)):
         fail("L0711", f"'{text}': '{name}' is not the name of a quantity", None,
              "a quantity is a coordinate, der(coordinate), an output, or a place such as bar.b.y; a formula needs an output")
     if absolute and measure.kind in _NOT_OF_ABSOLUTE:

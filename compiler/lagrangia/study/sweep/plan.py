@@ -172,6 +172,9 @@ def _require_directions(job: Job) -> None:
             if np.all(np.broadcast_arrays(*(found[k] == 0 for k in places)), axis=0).any():
                 fail("L0605", f"the direction '{name}' has no length in a run of the sweep: all its parts are 0", None,
                      f"declared at {scene.parameters[places[0]].place}")
+        known = {name: places for name, places in known.items() if any(np.ndim(found[k]) for k in places)}
+        if not known:  # what is one number follows from nothing that is varied
+            return
 
 
 def _held(scene: Scene, given: Any, runs: int, rows: int) -> "np.ndarray | None":
