@@ -7,6 +7,7 @@ import shlex
 import shutil
 import stat
 import sys
+import tempfile
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
@@ -232,12 +233,12 @@ def test_a_cache_without_room_is_passed_over(monkeypatch: pytest.MonkeyPatch, tm
     """Where none has room the first serves: what is there already can be used."""
     full = {tmp_path / "cache"}
     usage = shutil.disk_usage(tmp_path)
-    monkeypatch.setattr(folders.shutil, "disk_usage", lambda place: usage._replace(free=0) if place in full else usage)
+    monkeypatch.setattr(shutil, "disk_usage", lambda place: usage._replace(free=0) if place in full else usage)
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "xdg"))
     assert cache_folder() == tmp_path / "xdg" / "lagrangia"
-    monkeypatch.setattr(folders.shutil, "disk_usage", lambda place: usage._replace(free=0))
+    monkeypatch.setattr(shutil, "disk_usage", lambda place: usage._replace(free=0))
     assert cache_folder() == tmp_path / "cache"
-    monkeypatch.setattr(folders.shutil, "disk_usage", lambda place: usage._replace(total=0, free=0))  # it does not tell
+    monkeypatch.setattr(shutil, "disk_usage", lambda place: usage._replace(total=0, free=0))  # it does not tell
     assert cache_folder() == tmp_path / "cache"
 
 
@@ -258,7 +259,7 @@ def test_without_a_home_the_cache_is_a_private_temporary_folder(monkeypatch: pyt
     (tmp_path / "file").touch()
     for name in ("LAGRANGIA_CACHE", "XDG_CACHE_HOME", "HOME"):
         monkeypatch.setenv(name, str(tmp_path / "file"))  # no folder can be made below a file
-    monkeypatch.setattr(folders.tempfile, "gettempdir", lambda: str(tmp_path))
+    monkeypatch.setattr(tempfile, "gettempdir", lambda: str(tmp_path))
     folders._private_temporary_folder.cache_clear()
     folder = cache_folder()
     assert folder.parent == tmp_path
@@ -271,7 +272,7 @@ def test_a_temporary_folder_that_others_can_write_to_is_not_used(monkeypatch: py
     trap = tmp_path / f"lagrangia-{os.getuid()}"
     trap.mkdir()
     trap.chmod(0o777)
-    monkeypatch.setattr(folders.tempfile, "gettempdir", lambda: str(tmp_path))
+    monkeypatch.setattr(tempfile, "gettempdir", lambda: str(tmp_path))
     folders._private_temporary_folder.cache_clear()
     assert folders._private_temporary_folder() != trap
     folders._private_temporary_folder.cache_clear()
