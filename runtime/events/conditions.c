@@ -87,6 +87,10 @@ void lag_conditions_disturb(const LagRun *run, const double *y, const double *er
     const int bit = pattern == 0 ? 0 : 1 << (pattern - 1);
     for (int i = 0; i < 2 * run->model->n; ++i)
         state[i] = i & bit ? y[i] - error[i] : y[i] + error[i];
+    for (int k = 0; k < run->model->n_kept; ++k) {
+        const int i = run->model->n + run->model->kept[k];
+        state[i] = y[i];
+    }
 }
 
 void lag_conditions_find_unknown(LagRun *run, double t, const double *y)

@@ -18,7 +18,7 @@ void lag_conditions_of_events(LagRun *run, double *g, double *rate);
 
 /* Errors (2 n) of `share` tolerances in each component of a state (q, v); and that state with them, up or down by one of some patterns
  * of signs: any two near each other have the same sign in one, and not in another (what an impact has stopped is a difference of equal
- * numbers). */
+ * numbers). Discrete variables have no errors. */
 enum { LAG_PATTERNS = 4 };
 void lag_conditions_units(const LagRun *run, const double *y, double share, double *error);
 void lag_conditions_disturb(const LagRun *run, const double *y, const double *error, int pattern, double *state);

@@ -30,7 +30,7 @@ static int is_place(const LagRun *run, int k) { return run->impacts.has_contact[
 double lag_contacts_margin(const LagRun *run, int i)
 {
     const double own = run->impacts.coarse > 0 ? run->impacts.coarse * run->sliding.error[i] : LOW * run->switches.unknown[i];
-    return own + run->impacts.by_time[i - lag_gap(run->model, 0)];
+    return own + run->impacts.by_time[i - (lag_is_event(run->model, i) ? lag_when(run->model, 0) : lag_gap(run->model, 0))];
 }
 
 /* Too slow, back too soon, or not higher than rounding. */
@@ -82,7 +82,8 @@ static void note_errors(LagRun *run, int pattern)
     }
 }
 
-/* By how much gaps cannot be told because times cannot, where supports move by themselves. */
+/* By how much gaps, and conditions of events that are no contacts, cannot be told because times cannot, where supports move by
+ * themselves. */
 static void note_times(LagRun *run)
 {
     LagSwitches *s = &run->switches;
@@ -92,8 +93,10 @@ static void note_times(LagRun *run)
     if (model->is_steady)
         return;
     lag_conditions_by(run, later, m->y, m->y + m->n, s->slope + m->n, s->g_inside, s->rate_inside);
-    for (int k = 0; k < model->n_whens; ++k)
-        run->impacts.by_time[k] = fabs(s->g_inside[lag_gap(model, k)] - s->g_begin[lag_gap(model, k)]) / MANY;
+    for (int k = 0; k < model->n_whens; ++k) {
+        const int i = run->impacts.has_contact[k] ? lag_gap(model, k) : lag_when(model, k);
+        run->impacts.by_time[k] = fabs(s->g_inside[i] - s->g_begin[i]) / MANY;
+    }
 }
 
 /* At the start nothing may have a size yet: the largest acceleration of each kind tells of one by what it does in a moment, but

@@ -154,6 +154,17 @@ static int find_contact(LagRun *run, int k, int comes)
     return approaches;
 }
 
+/* Whether a condition is true after resets: by its sign where these have changed it, as they set what it compares exactly; else
+ * where nothing moves it, it stays what it is. */
+static int has_become_true(const LagRun *run, int k)
+{
+    const LagSwitches *s = &run->switches;
+    const int i = lag_when(run->model, k);
+    if (fabs(s->g[i] - run->impacts.before[k]) > s->unknown[i])
+        return s->g[i] > 0;
+    return fabs(s->g[i]) <= s->unknown[i] && s->rate[i] == 0 ? run->impacts.is_on[k] : is_true(s, i);
+}
+
 /* Events whose conditions have come true (contacts that are passed already, where the rest of the condition comes true, are so from
  * then on: a place where both come true is closed), and contacts that are closed and approach. Returns whether there are some. */
 static int find_events(LagRun *run, int is_first)
@@ -172,12 +183,12 @@ static int find_events(LagRun *run, int is_first)
                 switches->turned[i] = passed > near && (turned == LAG_JUMPS || switches->g[i] < passed) ? LAG_TO_1 : LAG_TO_0;
             found |= find_contact(run, k, comes);
         } else {
-            const int stands = fabs(switches->g[i]) <= switches->unknown[i] && switches->rate[i] == 0; /* it stays what it is */
-            const int is_now = comes || (stands && !is_first ? s->is_on[k] : is_true(switches, i));
+            const int is_now = comes || (is_first ? is_true(switches, i) : has_become_true(run, k));
             s->fires[k] = is_first ? comes : is_now && !s->is_on[k];
             s->is_on[k] = is_first && !comes ? switches->held[i] > 0 : is_now;
             found |= s->fires[k];
         }
+        s->before[k] = switches->g[i];
     }
     return found;
 }

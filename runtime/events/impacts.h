@@ -23,8 +23,8 @@ typedef struct {
     double *state, *slope, *slope_without; /* size */
     LagDenseLu lu;   /* changes of what is reset by impulses of 1 */
     double coarse;   /* by how much more than one tolerance states may be off, where another integrator finds the events; 0: ours */
-    double *before;  /* n_whens: their conditions before a time at which they may jump; positive: true */
-    double *by_time; /* n_whens: how much of a gap cannot be told since the time cannot */
+    double *before;  /* n_whens: their conditions before a time at which they may jump, or resets; positive: true */
+    double *by_time; /* n_whens: how much of a gap, or else of the condition, cannot be told since the time cannot */
     double *slack;   /* n_whens: how far what rests may pass, which others hold, without being an event */
     double seen;     /* the time up to which the next step may go, so that a short bounce is seen in it */
     int at_once;     /* events in a row between which no time passed */

@@ -188,6 +188,35 @@ static void count_energy(LagRun *run, double lost)
     run->energy_before -= lost;
 }
 
+/* What reset k alone changes, if it is one rate itself; -1: there is no such one. */
+static int alone_at(const LagRun *run, int k, int count)
+{
+    const LagImpacts *s = &run->impacts;
+    const int n = run->model->n, j = s->which[k];
+    int place = -1;
+    for (int i = 0; i < n; ++i)
+        if (s->way[i + k * n] != 0) {
+            if (place >= 0 || s->rate[j] != run->motion.y[n + i])
+                return -1;
+            place = i;
+        }
+    for (int other = 0; other < count && place >= 0; ++other)
+        if (other != k && s->way[place + other * n] != 0)
+            return -1;
+    return place;
+}
+
+/* Rates that resets set alone become what is wanted to the last digit: others may be compared with it. */
+static void set_exactly(LagRun *run, int count)
+{
+    LagImpacts *s = &run->impacts;
+    for (int k = 0; k < count; ++k) {
+        const int place = lag_is_contact(run->model, s->which[k]) ? -1 : alone_at(run, k, count);
+        if (place >= 0)
+            s->after[place] = s->wanted[s->which[k]];
+    }
+}
+
 /* Of `count` resets, where nothing rubs. Returns how many act. */
 static int solve_smooth(LagRun *run, int count)
 {
@@ -200,6 +229,7 @@ static int solve_smooth(LagRun *run, int count)
     for (int k = 0; k < count; ++k)
         for (int i = 0; i < n; ++i)
             s->after[i] += s->way[i + k * n] * s->impulse[k];
+    set_exactly(run, count);
     return count;
 }
 

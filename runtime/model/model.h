@@ -92,6 +92,7 @@ struct LagModel {
     int n_held;     /* values that are held between instants: modes */
     int n_delays;   /* delayed values */
     int n_attitudes; /* of three coordinates each, whose rates are angular velocities: attitudes.c */
+    int n_kept;     /* discrete variables: first-order states at rest, which events set to the last digit */
     int n_guards;   /* conditions that have to hold during a run, or end it: guards.h */
     int n_seen;     /* what they compare, for people */
     int guards_need_acceleration;
@@ -109,6 +110,7 @@ struct LagModel {
     const int *held;            /* n_held: the mode of each */
     const int *stated;          /* n_delays: whether it is said what was before the start */
     const int *attitudes;       /* 2 n_attitudes: the first coordinate of each, and the first of four modes: its reference */
+    const int *kept;            /* n_kept: the coordinate of each, whose rate it is */
     const int *guard_kinds;     /* n_guards: LAG_GUARD_... of each */
     const LagTable *tables;
     int outputs_need_acceleration; /* a or lambda */

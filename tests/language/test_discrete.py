@@ -158,3 +158,54 @@ end Held;
     modes.plot(tmp_path / "modes.svg")
     assert "</html>" in animate_mode(model, model.study(), modes, 0)
     assert model.linearize(about="start").states == linear.states
+
+
+LEVELS = """
+model Levels "n = 1, 2, 1, 0, 1, 2, 1, 0, 1, 2 at 0.5, 1, ...; x jumps onto 1, and falls"
+  Block block(m = 3, base = world);
+  Integer k(start = 0), n(start = 0), from(start = 0), above(start = 0), upto(start = 0), below(start = 0), both(start = 0);
+  Integer lists(start = 0), on(start = 0), over(start = 0), fast(start = 0), faster(start = 0), begun(start = 0);
+  Real x(start = 0);
+  discrete Real part(start = 0), third(start = 0);
+  Boolean high = not n < 2;
+equation
+  der(x) = -0.1;
+  when time > 0.5*(k + 1) then
+    k = pre(k) + 1;
+    n = pre(n) + (if mod(k, 4) == 1 or mod(k, 4) == 2 then 1 else -1);
+    part = k/10;
+  end when;
+  when n >= 1 then from = pre(from) + 1; end when;
+  when n > 1 then above = pre(above) + 1; end when;
+  when n <= 1 then upto = pre(upto) + 1; end when;
+  when n < 1 then below = pre(below) + 1; end when;
+  when high and block.s >= 0 or n < -9 then both = pre(both) + 1; end when;
+  when {n >= 1, n >= 2} then lists = pre(lists) + 1; end when;
+  when part >= 0.3 then third = time; end when;
+  when time > 1.2 then
+    reinit(x, 1);
+    reinit(der(block.s), 0.7);
+  end when;
+  when x >= 1 then on = pre(on) + 1; end when;
+  when x > 1 then over = pre(over) + 1; end when;
+  when der(block.s) >= 0.7 then fast = pre(fast) + 1; end when;
+  when der(block.s) > 0.7 then faster = pre(faster) + 1; end when;
+  when n >= 0 or time >= 0 then begun = 1; end when;
+  assert(n < 2, "two", AssertionLevel.warning);
+  assert(k <= 10, "more than ten", AssertionLevel.warning);
+  when k >= 10 then terminate("ten"); end when;
+  annotation(experiment(StopTime = 9));
+end Levels;
+"""
+MET = {"k": 10, "n": 2, "from": 3, "above": 3, "upto": 2, "below": 2, "both": 3, "lists": 6, "on": 1, "over": 0, "fast": 1,
+       "faster": 0, "begun": 0}
+
+
+@pytest.mark.parametrize("solver", ["auto", "erk", "implicit"])
+def test_events_that_jump_onto_a_level(tmp_path: Path, solver: str) -> None:
+    """>= and <= are true there, > and < are not; what is true at the start does not come."""
+    result = run(tmp_path, LEVELS, "Levels", solver=solver)
+    assert {name: float(result[name][-1]) for name in MET} == MET
+    assert result["third"][-1] == pytest.approx(1.5) and result.time[-1] == pytest.approx(5)
+    said = [text for text in result.warnings if "assertion" in text]
+    assert len(said) == 1 and "t = 1:" in said[0]

@@ -104,8 +104,8 @@ def build_functions(
               | _delay_functions(motion, delaying, [*state[:4], full[-2], c], found["delayed"]))
     needs = bool(y.numel()) and ca.depends_on(y, ca.vertcat(a, symbols))
     patterns, refused, pays = _add_linear(table, kinematics, motion)
-    patterns |= {"reset_places": _reset_places(kinematics, motion), **_patterns(kinematics, jacobian, switches, modes),
-                 **delaying.patterns, **guarding.patterns}
+    patterns |= {"reset_places": _reset_places(kinematics, motion), **_kept_places(kinematics, motion),
+                 **_patterns(kinematics, jacobian, switches, modes), **delaying.patterns, **guarding.patterns}
     refused |= _refusals(jacobian, bool(len(patterns.get("cones", ()))), bool(delaying.stated))
     return Functions(table, names, tuple(kind for _, kind in events_of(modes)), power.numel(), needs, patterns, refused,
                      {**jacobian.sizes, **guarding.sizes(ca.vertcat(a, symbols)), "n_lengths": switches.lengths,
@@ -408,6 +408,13 @@ def _reset_places(kinematics: Kinematics, motion: Motion) -> tuple[int, ...]:
         if symbols_in(motion.impacts.rates[k]) & moving <= signals:
             places[2 * k + 1] |= _SIGNAL
     return tuple(places)
+
+
+def _kept_places(kinematics: Kinematics, motion: Motion) -> dict[str, tuple[int, ...]]:
+    """The places of discrete variables among the rates."""
+    rates, states = kinematics.symbols.rates, kinematics.graph.model.states.values()
+    kept = {rates[state.coordinate].__hash__() for state in states if state.is_kept}
+    return {"kept": tuple(k for k, v in enumerate(motion.v.elements()) if v.__hash__() in kept)} if kept else {}
 
 
 def _patterns(kinematics: Kinematics, jacobian: Jacobian, switches: Switches, modes: list[Mode]) -> dict[str, tuple[int, ...]]:

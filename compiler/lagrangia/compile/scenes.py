@@ -199,6 +199,8 @@ def _sizes(n: int, n_parameters: int, n_inputs: int, n_modes: int, functions: Fu
         found |= {"n_delays": len(functions.patterns["stated"]), "is_steady": 0}
     if "attitudes" in functions.patterns:
         found["n_attitudes"] = len(functions.patterns["attitudes"]) // 2
+    if "kept" in functions.patterns:
+        found["n_kept"] = len(functions.patterns["kept"])
     if "pieces" in functions.patterns:
         found["n_pieces"] = len(functions.patterns["pieces"]) // 4
     found["jacobian_cost"] = _jacobian_cost(tapes, found["n_colours"])

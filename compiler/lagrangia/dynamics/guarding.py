@@ -10,8 +10,9 @@ from lagrangia.algebra.with_casadi import operations_in
 from lagrangia.base.diagnostics import fail
 from lagrangia.base.records import dataclass
 from lagrangia.constraints.parameters import scalars
-from lagrangia.dynamics.levels import JUMPS, Levels
+from lagrangia.dynamics.levels import EDGE, JUMPS, Levels, level_of_parts, with_edge
 from lagrangia.frames.kinematics import Kinematics
+from lagrangia.language.events import level_of, without_not
 from lagrangia.language.flat import FlatModel, Guard
 from lagrangia.language.mentions import children
 from lagrangia.language.tree import Call, Flat, FrameRef, Ref
@@ -65,17 +66,28 @@ def find_guarding(kinematics: Kinematics) -> Guarding:
 
 
 def _level(kinematics: Kinematics, guard: Guard) -> ca.SX:
-    """0 or more as long as the run goes on. Raises LagError L0225 where it jumps in a way that is not taken apart."""
+    """0 or more as long as the run goes on, also where both sides of a comparison are equal. Raises LagError L0225 where it
+    jumps in a way that is not taken apart."""
+    sign = -1 if guard.kind == "end" else 1
+    return as_expression(sign * (_level_of_condition(kinematics, guard) - EDGE / 2))
+
+
+def _level_of_condition(kinematics: Kinematics, guard: Guard) -> ca.SX:
+    """Positive where it is true, else 0 or negative."""
     value, tau = kinematics.evaluator.value, kinematics.symbols.tau
+
+    def expression(node: Flat) -> ca.SX:
+        return as_expression(ca.substitute(as_expression(value(node)), tau, ca.SX(1)))
+
     moving = ca.vertcat(kinematics.symbols.time, kinematics.algebra.state, _following(kinematics))
-    g, truth = (ca.substitute(as_expression(value(x)), tau, ca.SX(1)) for x in (guard.level, guard.condition))
+    g = level_of_parts(without_not(guard.condition), lambda part: with_edge(part, expression(level_of(part))))
     if operations_in(g).isdisjoint(JUMPS) or symbols_in(moving).isdisjoint(symbols_in(g)):
         return g
-    level = Levels(moving).of(truth)
+    level = Levels(moving, edge=EDGE).of(expression(guard.condition))
     if level is None:
         fail("L0225", "this changes where something in it jumps, in a way that is not taken apart",
              guard.condition.span.within(guard.span), "compare with <, <=, > or >= in it, not with == or <>")
-    return as_expression(-level) if guard.kind == "end" else level
+    return level
 
 
 def _following(kinematics: Kinematics) -> ca.SX:

@@ -27,7 +27,7 @@ from lagrangia.base.diagnostics import fail
 from lagrangia.base.records import dataclass
 from lagrangia.constraints.parameters import usual_parameters
 from lagrangia.dynamics.energies import Load, paced
-from lagrangia.dynamics.levels import JUMPS, Levels
+from lagrangia.dynamics.levels import EDGE, JUMPS, Levels, level_of_parts, with_edge
 from lagrangia.frames.evaluation import scalars_of
 from lagrangia.frames.kinematics import Kinematics
 from lagrangia.language.consequences import contact_forces_in
@@ -148,20 +148,16 @@ class _Event:
         return ca.substitute(ca.SX(x), self.kinematics.symbols.tau, ca.SX(1))
 
     def _level(self, node: Flat) -> ca.SX:
-        """Positive where a condition is true, negative where it is not."""
-        match node:
-            case Binary("and", left, right):
-                return ca.fmin(self._level(left), self._level(right))
-            case Binary("or", left, right):
-                return ca.fmax(self._level(left), self._level(right))
-            case Unary("not", operand):
-                return -self._level(operand)
+        """Positive where a condition is true, else 0 or negative."""
+        return level_of_parts(node, self._level_of_part)
+
+    def _level_of_part(self, node: Flat) -> ca.SX:
         value, level = self.kinematics.evaluator.value, level_of(node)
         g = self._expression(value(level))
         truth = self._expression(value(node)) if _is_comparison(node) else g
         if not _is_comparison(node) or (ca.depends_on(g, self.moving) and operations_in(g).isdisjoint(JUMPS)):
-            return g
-        found = Levels(self.moving).of(truth)
+            return with_edge(node, g)
+        found = Levels(self.moving, edge=EDGE).of(truth)
         if found is None:
             fail("L0225", "this comes true where something in it jumps, in a way that is not taken apart",
                  node.span.within(self.when.span), "compare with <, <=, > or >= in it, not with == or <>; and join conditions "

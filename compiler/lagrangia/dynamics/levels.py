@@ -10,6 +10,7 @@ in which the last term keeps it from 0 where c changes and A and B are both true
 of the choices among m - 1, m and m + 1 by x >= m and x >= m + 1, from -1 to 1: there neighbours hand over to each other.
 """
 
+from collections.abc import Callable
 from dataclasses import field
 from typing import TypeAlias
 
@@ -20,8 +21,10 @@ from lagrangia.algebra.numbering import Numbering, rebuilt
 from lagrangia.algebra.scalars import Expression, apply, as_expression, operate, symbol, symbols_in
 from lagrangia.algebra.with_casadi import CORNERS, STEPS, operations_in
 from lagrangia.base.records import dataclass
+from lagrangia.language.tree import Binary, Flat, Unary
 
 Level: TypeAlias = "ca.SX | bool"  # bool: whatever moves
+EDGE = 1e-300  # a level where both sides of <= are equal: it is true there, and others are not changed by so little
 JUMPS = STEPS | {ca.OP_ATAN2}  # what is compared may jump with these
 _RELATIONS = (ca.OP_LT, ca.OP_LE)
 _ATOMS = {*_RELATIONS, ca.OP_EQ, ca.OP_NE, ca.OP_FLOOR}
@@ -47,6 +50,7 @@ class Levels:
     numbering: Numbering = field(default_factory=Numbering)
     cases: int = 0
     may_rest: bool = False  # whether both sides of a comparison may be equal for a while
+    edge: float = 0.0  # the level where both sides of <= are equal, which is 0 where both sides of < are
 
     def of(self, truth: ca.SX) -> ca.SX | None:
         """Of a condition, 1 where it is true and 0 where it is not; far from 0 where nothing that moves decides. None where it
@@ -108,7 +112,7 @@ class Levels:
         if self._moves(d):
             x, place, is_above = _line(d)
             low, high = self._range(x, known)
-            return d if low < place < high else (low >= place) == is_above
+            return d + self.edge * is_true_at_0 if low < place < high else (low >= place) == is_above
         return as_expression(_FAR * (2 * (d >= 0 if is_true_at_0 else d > 0) - 1))
 
     def _of_whole(self, d: ca.SX, is_true_at_0: bool, atom: ca.SX, known: _Known) -> Level:
@@ -123,7 +127,7 @@ class Levels:
             first = _first(float(step), place, is_true_at_0)
             if first.is_constant() and not low < float(first) < high:
                 return (low >= float(first)) == (float(step) > 0)
-            return as_expression(x - first if float(step) > 0 else first - x)
+            return as_expression(x - first + self.edge if float(step) > 0 else first - x)
         level = self._of_difference(inner, is_true_at_0, known)
         if isinstance(level, bool) or not ca.depends_on(level, n):
             return level
@@ -201,6 +205,23 @@ class Levels:
         x, k, is_below = self._threshold(atom)
         low, high = known.get(x, (-np.inf, np.inf))
         return known | {x: (low, min(high, k)) if is_below == is_true else (max(low, k), high)}
+
+
+def level_of_parts(condition: Flat, level: Callable[[Flat], ca.SX]) -> ca.SX:
+    """Of a condition, by the levels of what is put together in it with and, or, not."""
+    match condition:
+        case Binary("and", left, right):
+            return ca.fmin(level_of_parts(left, level), level_of_parts(right, level))
+        case Binary("or", left, right):
+            return ca.fmax(level_of_parts(left, level), level_of_parts(right, level))
+        case Unary("not", operand):
+            return -level_of_parts(operand, level)
+    return level(condition)
+
+
+def with_edge(comparison: Flat, difference: ca.SX) -> ca.SX:
+    """The level of a comparison of what does not jump."""
+    return difference + EDGE if isinstance(comparison, Binary) and comparison.operator in ("<=", ">=") else difference
 
 
 def _decided(found: _Threshold, known: _Known) -> bool | None:

@@ -12,7 +12,7 @@ from lagrangia.language.folding import fold
 from lagrangia.language.function_variables import Assertion
 from lagrangia.language.instances import Scope
 from lagrangia.language.names import Names
-from lagrangia.language.requirements import required
+from lagrangia.language.requirements import require_level
 from lagrangia.language.texts import said_by
 from lagrangia.language.tree import Boolean, Call, Expression, Reference
 
@@ -41,7 +41,8 @@ def guard_of(call: Call[Expression], scope: Scope, place: Span, names: Names, re
     one = read_assertion(call, scope, place, names)
     flat, said, is_warning = names.without_known(one.condition), one.text, one.kind == "warning"
     if not isinstance(flat, Boolean):
-        return [Guard(flat, required(flat), said, one.kind, scope.instance.path, place)]
+        require_level(flat)
+        return [Guard(flat, said, one.kind, scope.instance.path, place)]
     if not flat.value and is_warning:
         report.warning("L0238", said, place, "the assertion does not hold")
     elif not flat.value:

@@ -92,8 +92,8 @@ class EventClauses:
         if self._resets:
             self._events.append(Event(condition, tuple(self._resets), component, place, chain, is_start))
         for text, span in self._endings:
-            level = Unary("-", level_of(condition), condition.span)
-            self.names.guards.append(Guard(condition, level, text, "end", component, span))
+            level_of(condition)  # which raises where there is none
+            self.names.guards.append(Guard(condition, text, "end", component, span))
 
     def _add_sampler(self, block: WhenBlock, conditions: Sequence[Flat], scope: Scope, place: Span) -> None:
         call = conditions[0]

@@ -149,11 +149,10 @@ class When:
 
 @dataclass(frozen=True)
 class Guard:
-    """What has to hold in a run, which warns (`kind` "warning") or fails ("error") where it breaks; or ("end") ends well.
-    `level` is 0 or more as long as it goes on."""
+    """What has to hold in a run, which warns (`kind` "warning") or fails ("error") where it breaks; or ("end") what ends it
+    well where it comes true."""
 
     condition: Flat
-    level: Flat
     text: str
     kind: Literal["error", "warning", "end"]
     component: str

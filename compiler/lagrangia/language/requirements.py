@@ -20,10 +20,10 @@ from lagrangia.language.loops import Work
 from lagrangia.language.tree import Binary, Boolean, Call, Expression, Flat, IfExpression, Local, Number, Unary
 
 
-def required(condition: Flat) -> Flat:
-    """0 or more where a condition holds, one that `implied` put together too. Raises LagError L0225."""
+def require_level(condition: Flat) -> None:
+    """That a condition, one that `implied` put together too, has a level. Raises LagError L0225."""
     try:
-        return level_of(condition)
+        level_of(condition)
     except LagError as error:
         span = error.diagnostics[0].span or condition.span
         if not _lies_in(span, condition.span):
@@ -110,8 +110,8 @@ class Requirements(Protocol):
             fail("L0902", f"not supported yet: {self.moment} that calls a function with an assertion", span,
                  f"the assertion is at {one.condition.span}")
         if holds is None:
-            self.guards.append(Guard(whole, required(whole), one.text, "warning" if is_warning else "error", scope.instance.path,
-                                     span))
+            require_level(whole)
+            self.guards.append(Guard(whole, one.text, "warning" if is_warning else "error", scope.instance.path, span))
         elif not holds and is_warning:
             self.report.warning("L0238", one.text, span, f"{one.condition.span.text} does not hold, at {one.condition.span}")
         elif not holds:
@@ -144,5 +144,5 @@ def measured(condition: Flat, result: Callable[[Flat], Flat]) -> Flat:
             return Unary("not", measured(operand, result), span)
         case Binary(operator, left, right, span) if operator in (*COMPARED, "==", "<>"):
             return Binary(operator, result(Binary("-", left, right, span)), Number(0.0, None, span), span)
-    required(condition)  # which raises: this compares nothing
+    require_level(condition)  # which raises: this compares nothing
     return condition
