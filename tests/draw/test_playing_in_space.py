@@ -33,6 +33,9 @@ ZOO = """model Zoo "one of each word"
   Ball ball(m = 1, r = 0.15, center(r(start = {-1, 0, 2}), omega(start = {1, 2, 3})));
   BodyForce f(at = ball.center, force = {0, 3, 1});
   AppliedTorque t(on = c.center, torque = {0, 1, 2});
+  Revolute h(a = shift(world, {2, 0, 0}), axis = {1, 2, 3}, w(start = 1));
+  Ball knob(m = 1, r = 0.1, center = shift(h.b, {0.3, 0, 0}));
+  TorsionSpringDamper twisted(a = h.a, b = h.b, k = 2, c = 0.1);
 drawing
   trace(ball.center);
   polygon(shift(world, {2, 2, 0}), shift(world, {2, 3, 0}), {2, 2.5, 1}, style = "dashed");
@@ -121,6 +124,9 @@ def test_solids_and_lines_are_those_of_pictures(scene: Callable[[str], lag.Model
         for line, found in zip(lines, told["lines"], strict=True):
             assert line.line == found["l"] and np.allclose(line.at(moment), found["points"], atol=1e-9)
         assert np.allclose([c.at[moment] for c in stage.captions], [n["at"] for n in told["names"]], atol=1e-12)
+    coil = next(line for line in stage.lines if line.turns == 4 and line.line == "thin")
+    way = np.ptp(coil.points[30], axis=0)
+    assert np.allclose(way / np.linalg.norm(way), np.array([1, 2, 3]) / np.sqrt(14), atol=1e-12)  # about the hinge's axis
 
 
 HELD = """model Held "a ball as large as what is held says, beside two attitudes"

@@ -16,7 +16,7 @@ from lagrangia.draw.svg import write_svg
 from lagrangia.solids.camera import Camera, page_at, strokes_at, usual
 from lagrangia.solids.gltf import write_gltf
 from lagrangia.solids.orbit import write_orbit
-from lagrangia.solids.shapes import Solid, across, arrow, box, coil, cylinder, sphere, turns_of
+from lagrangia.solids.shapes import Solid, across, arrow, box, brake, coil, cylinder, sphere, turns_of
 from lagrangia.solids.stage import Body, Line, Stage, matrices, quaternions
 
 UP = np.array([0.0, 0.0, 1.0])
@@ -65,6 +65,8 @@ def test_a_coil_reaches_from_end_to_end_and_winds_about_the_way() -> None:
     assert turns_of(a[None], b[None], 0.1) == 16 and turns_of(a[None], a[None], 0.1) == 4
     assert np.isfinite(coil(a, a, 0.2, 5)).all()
     assert arrow(a[None], b[None], 0.1).shape == (1, 5, 3)
+    for shoe in brake(a[None], way[None], 0.1):
+        assert np.allclose((shoe[0] - a) @ way, 0, atol=1e-12) and np.ptp(np.linalg.norm(shoe[0] - a, axis=1)) < 1e-12
 
 
 def test_turns_become_quaternions_and_back() -> None:

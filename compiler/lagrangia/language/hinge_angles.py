@@ -71,7 +71,7 @@ def hinge_angles(flat: Flattening) -> dict[str, Variable]:
     no hinges about parallel axes join the frames, of what the library calls where its component is."""
     found: dict[str, Variable] = {}
     calls = flat.names.turned
-    ways = _Ways(flat.frame_equations, flat.variables) if calls else None
+    ways = Ways(flat.frame_equations, flat.variables) if calls else None
     for name, call in calls.items():
         assert ways is not None
         try:
@@ -89,7 +89,7 @@ def hinge_angles(flat: Flattening) -> dict[str, Variable]:
     return found
 
 
-class _Ways:
+class Ways:
     """What leads from frame to frame."""
 
     def __init__(self, joints: Iterable[FrameEquation], variables: Mapping[str, Variable]) -> None:
@@ -125,6 +125,13 @@ class _Ways:
             total = _plus(total, step.amount, -side if step.is_inverse else side)
         assert total is not None
         return total
+
+    def hinge(self, a: str, b: str) -> tuple[tuple[Step, ...], Step] | None:
+        """The first hinge on the way from a to b, and the turns from a's axes to those in which its axis is told; None without
+        one, and where it is a ball joint."""
+        turns = [step for step in self._way(a, b) or () if step.kind == "turn"]
+        at = next((k for k, step in enumerate(turns) if self._moves(step.amount)), None)
+        return None if at is None or self._is_attitude(turns[at]) else (tuple(turns[:at]), turns[at])
 
     def _way(self, a: str, b: str) -> tuple[Step, ...] | None:
         """The steps from a to b that move the fewest angles; None where nothing leads there."""

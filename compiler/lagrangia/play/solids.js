@@ -20,6 +20,7 @@ const riding = (g, form, stretch, at = [0, 0, 0], shade = g.shade) => {
 };
 const lined = (g, points) => ({ lines: [{ l: g.line, points }] });
 const ring = (radius, begin, end, count) => Array.from({ length: count }, (_, k) => { const a = begin + (end - begin) * k / (count - 1); return [radius * Math.cos(a), radius * Math.sin(a), 0]; });
+const hinge = g => unit(g.o.hinge || g.at[0].R.map(row => row[2]));  // the axis of a spring or damper of torsion
 const in_place = (g, A, points) => lined(g, points.map(v => plus(g.at[0].p, times(g.at[0].R, times(A, v)))));
 const ball = g => { const r = number(g, 0, 0.25 * size_of(g)); return riding(g, "sphere", sized(ONE, r, r, r)); };
 function cylinder(g, r, h) { return riding(g, "cylinder", sized(upright(g), r, r, h)); }
@@ -28,7 +29,17 @@ function box(g) {
   const turn = along[1] || along[2] ? product(across(along), turned(across([1, 0, 0]))) : ONE;
   return riding(g, "box", sized(turn, number(g, 0, 0.6 * size_of(g)), thick, thick));
 }
+function zigzag(g) {
+  if (!g.hinged) return lined(g, coil(g.at[0].p, g.at[1].p, 0.2 * g.S, g.turns));
+  const [half, radius] = g.helix, [a, b] = [-1, 1].map(side => plus(g.at[0].p, scaled(hinge(g), side * half * g.S)));
+  return lined(g, coil(a, b, radius * g.S, g.turns));
+}
+function brake(g) {
+  const A = across(hinge(g)), shoe = ([radius, from, to]) => ring(radius * g.S, from * Math.PI / 180, to * Math.PI / 180, 13);
+  return { lines: g.brake.map(part => ({ l: g.line, points: shoe(part).map(v => plus(g.at[0].p, times(A, v))) })) };
+}
 function dashpot(g) {
+  if (g.hinged) return brake(g);
   const a = g.at[0].p, b = g.at[1].p, { way, x } = aside_of(a, b), at = (s, t) => a.map((p, i) => p + s * way[i] + t * g.S * x[i]);
   const parts = [[[0, 0], [0.35, 0]], [[0.65, 0.25], [0.35, 0.25], [0.35, -0.25], [0.65, -0.25]], [[0.5, 0.18], [0.5, -0.18]], [[0.5, 0], [1, 0]]];
   return { lines: parts.map(part => ({ l: g.line, points: part.map(([s, t]) => at(s, t)) })) };
@@ -49,7 +60,7 @@ function curved_arrow(g) {
 }
 const way = g => lined(g, g.at.map(({ p }) => p));
 const SHAPES = {
-  line: way, polyline: way, rail: way, polygon: g => lined(g, [...g.at, g.at[0]].map(({ p }) => p)), ball, box, dashpot, arrow, curved_arrow,
+  line: way, polyline: way, rail: way, polygon: g => lined(g, [...g.at, g.at[0]].map(({ p }) => p)), ball, box, dashpot, zigzag, arrow, curved_arrow,
   circle(g) {
     if (!g.n.length) return ball(g);
     const r = number(g, 0);
@@ -59,7 +70,6 @@ const SHAPES = {
   cuboid: g => riding(g, "box", sized(ONE, number(g, 0, 0), number(g, 1, 0), number(g, 2, 0))),
   cylinder: g => cylinder(g, number(g, 0, 0.15 * size_of(g)), number(g, 1, 0.5 * size_of(g))),
   cone(g) { const r = number(g, 0, 0), h = number(g, 1, 0); return riding(g, "cone", sized(upright(g), r, r, h), times(upright(g), [0, 0, h / 4])); },
-  zigzag: g => lined(g, coil(g.at[0].p, g.at[1].p, 0.2 * g.S, g.turns)),
   hatch: g => g.ground ? riding(g, "box", sized(ONE, 0.8 * size_of(g), 0.8 * size_of(g), 0.1 * size_of(g)), [0, 0, 0], "grey") : {},
 };
 const all_finite = x => Array.isArray(x) ? x.every(all_finite) : typeof x !== "number" || isFinite(x);
@@ -70,7 +80,7 @@ function moment(data, rows) {
   rows = Array.from(rows);
   const found = { bodies: [], lines: [] };
   for (const figure of data.figures) {
-    const g = { ...figure, S: data.symbol, longest: data.longest, at: figure.at.map(k => place_at(rows, k)), n: figure.n.map(n => between_rows(n, rows)), o: {} };
+    const g = { ...figure, S: data.symbol, longest: data.longest, helix: data.helix, brake: data.brake, at: figure.at.map(k => place_at(rows, k)), n: figure.n.map(n => between_rows(n, rows)), o: {} };
     for (const [name, span] of Object.entries(figure.o)) g.o[name] = between_rows(span, rows);
     if (![...g.at.flatMap(({ p, R }) => [p, R]), ...g.n, ...Object.values(g.o)].every(all_finite)) continue;
     const shape = SHAPES[g.word](g);

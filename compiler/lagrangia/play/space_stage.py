@@ -12,7 +12,7 @@ from lagrangia.play.stage import MOST_HANDLES, Stage, require_short_tables
 from lagrangia.solids.orbit import told_form, told_whole
 from lagrangia.solids.rows import Asked, build_rows
 from lagrangia.solids.seen import LOADS, LONGEST_ARROW, SHOWN, Given, Looked, look, rods_of, stage_of, words_of
-from lagrangia.solids.shapes import box, cylinder, sphere, turns_of
+from lagrangia.solids.shapes import BRAKE, HALF_HELIX, RADIUS_OF_HELIX, TURNS_OF_HELIX, box, cylinder, sphere, turns_of
 
 _FORMS = {"box": box(1, 1, 1), "cylinder": cylinder(1, 1), "cone": cylinder(1, 1, 0), "sphere": sphere(1)}
 
@@ -27,6 +27,7 @@ def build_space_stage(c: Compilation, figures: Sequence[Figure], states: States,
     ways = [asked.places[0].start for asked, g in pairs if g.figure.word == "trace"]
     data = {
         **told_whole(stage_of(c, looked, states.t[0], names, traces)), "longest": LONGEST_ARROW,
+        "helix": [HALF_HELIX, RADIUS_OF_HELIX], "brake": BRAKE,
         "forms": {name: told_form(solid) for name, solid in _FORMS.items()},
         "figures": [_figure(asked, g, looked) for asked, g in pairs if g.figure.word in SHOWN],
         "rods": [[rows.frames[a].start, rows.frames[b].start] for a, b in rods_of(c, looked)],
@@ -40,11 +41,12 @@ def build_space_stage(c: Compilation, figures: Sequence[Figure], states: States,
 
 def _figure(asked: Asked, g: Given, looked: Looked) -> dict[str, Any]:
     """As seen.py's Given has it, rows instead of numbers."""
-    turns = turns_of(g.poses[0][0], g.poses[1][0], g.symbol) if g.figure.word == "zigzag" else 0
+    hinged = g.hinge is not None
+    turns = 0 if g.figure.word != "zigzag" else TURNS_OF_HELIX if hinged else turns_of(g.poses[0][0], g.poses[1][0], g.symbol)
     return {"word": g.figure.word, "at": [place.start for place in asked.places], "n": [_ends(at) for at in asked.numbers],
             "o": {name: _ends(at) for name, at in asked.options.items()}, "fill": g.choice("fill", "none"), "shade": g.shade,
-            "line": g.choice("style", "normal"), "ground": g.is_ground, "measure": g.measure, "is_load": g.measure in LOADS,
-            "greatest": looked.greatest.get(g.measure, 0.0), "turns": turns}
+            "line": g.stroke, "ground": g.is_ground, "measure": g.measure, "is_load": g.measure in LOADS,
+            "greatest": looked.greatest.get(g.measure, 0.0), "turns": turns, "hinged": hinged}
 
 
 def _ends(rows: slice) -> list[int]:

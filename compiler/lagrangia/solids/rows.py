@@ -15,7 +15,10 @@ from lagrangia.frames.kinematics import Kinematics
 from lagrangia.language.figures import CHOICES, WORDS
 from lagrangia.language.flat import Figure, places_of
 from lagrangia.language.frame_steps import Step
+from lagrangia.language.hinge_angles import Ways
 from lagrangia.language.tree import Call, Flat, FrameRef
+
+HINGE = "hinge"  # among the options of a spring or damper that is held by the sides of one: its axis, in the world's axes
 
 
 @dataclass(frozen=True)
@@ -45,7 +48,7 @@ class Rows:
 
 def build_rows(c: Compilation, figures: Sequence[Figure], for_tape: bool = False) -> Rows:
     """Of figures whose places are all there. Raises LagError."""
-    rows, lost = _Gathered(c.kinematics), set(c.graph.unused_frames)
+    rows, lost = _Gathered(c.kinematics, Ways(c.flat.frame_equations, c.flat.variables)), set(c.graph.unused_frames)
     shown = [figure for figure in figures if not any(root_of(place) in lost for place in places_in(figure))]
     asked = tuple(_ask(rows, figure) for figure in shown)
     frames = {name: rows.place(FrameRef(name, "", (), c.flat.frames[name].span)) for name in c.flat.frames if name not in lost}
@@ -59,6 +62,7 @@ class _Gathered:
     """Scalars, in the order in which they are asked for."""
 
     kinematics: Kinematics
+    ways: Ways
     scalars: list[ca.SX] = field(default_factory=list)
 
     def add(self, values: Sequence[ca.SX]) -> slice:
@@ -76,6 +80,20 @@ class _Gathered:
         origin, axes = (self.kinematics.geometry.attribute_of(pose, name) for name in ("r", "R"))
         return self.add([*origin, *(x for row in axes for x in row)])
 
+    def hinge(self, places: Sequence[Flat]) -> slice | None:
+        """The axis, in the world's axes, about which the second of two frames is turned against the first; None without one."""
+        names = [node.name for node in places if isinstance(node, FrameRef) and not node.attribute]
+        found = self.ways.hinge(*names) if len(names) == 2 else None
+        if found is None:
+            return None
+        before, turn = found
+        pose = self.kinematics.pose(names[0], 0)
+        for step in before:
+            pose = self.kinematics.step(step, pose, 0)
+        axis = [0.0, 0.0, 1.0] if turn.axis is None else scalars_of(self.kinematics.evaluator.value(turn.axis))
+        axes = self.kinematics.geometry.attribute_of(pose, "R")
+        return self.add([sum((x * along for x, along in zip(row, axis, strict=True)), ca.SX(0)) for row in axes])
+
     def _pose(self, node: Flat) -> Any:
         if isinstance(node, FrameRef) and not node.attribute:
             return self.kinematics.pose(node.name, 0)
@@ -91,7 +109,10 @@ def _ask(rows: _Gathered, figure: Figure) -> Asked:
     kinds = [takes[min(k, len(takes) - 1)] for k in range(len(figure.arguments))]
     numbers = [rows.value(node) for node, kind in zip(figure.arguments, kinds, strict=True) if kind not in ("place", "text")]
     options = {name: rows.value(node) for name, node in figure.options.items() if name not in ("label", "of", *CHOICES)}
-    return Asked(figure, tuple(rows.place(place) for place in places_in(figure)), tuple(numbers), options)
+    places = places_in(figure)
+    axis = rows.hinge(places) if figure.word in ("zigzag", "dashpot") else None
+    options |= {HINGE: axis} if axis is not None else {}
+    return Asked(figure, tuple(rows.place(place) for place in places), tuple(numbers), options)
 
 
 def places_in(figure: Figure) -> list[Flat]:

@@ -13,8 +13,8 @@ from lagrangia.draw.values import States, measure_of
 from lagrangia.frames.joints import component_of
 from lagrangia.language.flat import Figure
 from lagrangia.language.tree import String
-from lagrangia.solids.rows import Asked, Rows, build_rows
-from lagrangia.solids.shapes import Solid, across, arc, arrow, box, cylinder, dashpot, moved, sphere, turns_of
+from lagrangia.solids.rows import HINGE, Asked, Rows, build_rows
+from lagrangia.solids.shapes import Solid, across, arc, arrow, box, brake, cylinder, dashpot, helix, moved, sphere, turns_of
 from lagrangia.solids.stage import SHADES, Body, Caption, Line, Stage, quaternions
 
 Vector = NDArray[np.float64]
@@ -22,6 +22,7 @@ _SYMBOLS_ACROSS = 14.0
 SHORTEST_ROD = 0.02  # symbols
 LONGEST_ARROW = 3.0  # symbols
 _MOST_LABELS = 40
+_TOUCHING = 0.3  # symbols: what joins two places that are never farther apart resists how one turns against the other
 SEGMENTS = 48  # of a circle that is a line
 _BODIES = ("circle", "box", "cuboid", "cylinder", "cone", "ball")
 LOADS = ("force", "torque", "other")
@@ -64,6 +65,23 @@ class Given:
     def axis(self) -> Vector:
         """Along what it stands, in the axes of its frame."""
         found: Vector = self.options["along"][0] if "along" in self.options else np.array([0.0, 0.0, 1.0])
+        return found
+
+    @property
+    def stroke(self) -> str:
+        """Of a spring or a damper: thin about a hinge, which it would hide."""
+        return self.choice("style", "normal" if self.hinge is None else "thin")
+
+    @property
+    def hinge(self) -> Vector | None:
+        """Of a spring or damper of torsion: unit vectors (T, 3) along the axis of its hinge, in the world's axes."""
+        if self.figure.word not in ("zigzag", "dashpot") or {"of", "along"} & self.figure.options.keys():
+            return None
+        (a, turns), (b, _) = self.poses
+        if np.nanmax(np.linalg.norm(b - a, axis=1), initial=0.0) > _TOUCHING * self.symbol:
+            return None
+        axes = self.options[HINGE] if HINGE in self.options else turns[:, :, 2]
+        found: Vector = axes / np.linalg.norm(axes, axis=1, keepdims=True)
         return found
 
 
@@ -285,13 +303,17 @@ def _arc(g: Given, greatest: Mapping[str, float]) -> _Shown:
 
 def _zigzag(g: Given, greatest: Mapping[str, float]) -> _Shown:
     a, b = (origin for origin, _ in g.poses)
-    ends = np.stack([a, b], axis=1)
-    return _Shown(lines=[Line(ends, g.choice("style", "normal"), turns_of(a, b, g.symbol), 0.2 * g.symbol)])
+    turns, radius, axes = turns_of(a, b, g.symbol), 0.2 * g.symbol, g.hinge
+    if axes is not None:
+        a, b, turns, radius = helix(a, axes, g.symbol)
+    return _Shown(lines=[Line(np.stack([a, b], axis=1), g.stroke, turns, radius)])
 
 
 def _dashpot(g: Given, greatest: Mapping[str, float]) -> _Shown:
     a, b = (origin for origin, _ in g.poses)
-    return _Shown(lines=[Line(points, g.choice("style", "normal")) for points in dashpot(a, b, g.symbol)])
+    axes = g.hinge
+    parts = dashpot(a, b, g.symbol) if axes is None else brake(a, axes, g.symbol)
+    return _Shown(lines=[Line(points, g.stroke) for points in parts])
 
 
 def _arrow(g: Given, greatest: Mapping[str, float]) -> _Shown:

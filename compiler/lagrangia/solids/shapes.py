@@ -11,6 +11,10 @@ _SIDES = 36  # of a cylinder
 _PARALLELS = 8  # of a sphere
 _STEPS, _STRAIGHT = 12, 0.12  # of a coil: a turn's, and what is straight at either end
 
+# Springs and dampers of torsion, in symbols: half length, turns and radius of a coil; radius, from, to (degrees) of brake shoes.
+HALF_HELIX, TURNS_OF_HELIX, RADIUS_OF_HELIX = 0.45, 4, 0.4
+BRAKE = ((0.8, 200.0, 310.0), (0.6, 225.0, 285.0))
+
 
 @dataclass(frozen=True)
 class Solid:
@@ -121,6 +125,23 @@ def coil(a: Vector, b: Vector, radius: float, turns: int) -> Vector:
     steps, angle = _STRAIGHT + (1 - 2 * _STRAIGHT) * parts, 2 * np.pi * turns * parts
     inner = a + np.outer(steps, b - a) + radius * (np.outer(np.cos(angle), x) + np.outer(np.sin(angle), y))
     return np.concatenate([[a], inner, [b]])
+
+
+def helix(at: Vector, axes: Vector, symbol: float) -> tuple[Vector, Vector, int, float]:
+    """A spring of torsion about a hinge at (T, 3), along unit vectors (T, 3): ends, turns and radius of its coil, m."""
+    half = HALF_HELIX * symbol * axes
+    return at - half, at + half, TURNS_OF_HELIX, RADIUS_OF_HELIX * symbol
+
+
+def brake(at: Vector, axes: Vector, symbol: float) -> list[Vector]:
+    """A damper of torsion about a hinge at (T, 3), along unit vectors (T, 3): two shoes, (T, n, 3) each."""
+    frames = np.array([across(axis) if np.isfinite(axis).all() else np.full((3, 3), np.nan) for axis in axes])
+    found = []
+    for radius, begin, end in BRAKE:
+        angles = np.deg2rad(np.linspace(begin, end, 13))
+        ring = radius * symbol * np.stack([np.cos(angles), np.sin(angles), 0 * angles], axis=1)
+        found.append(at[:, None] + ring @ frames.transpose(0, 2, 1))
+    return found
 
 
 def dashpot(a: Vector, b: Vector, symbol: float) -> list[Vector]:
