@@ -41,6 +41,7 @@ _NOTHING = 1e-9  # of a damping, beside the largest
 _LOOKS = 6  # at random rates, whether a force is linear in them
 _CANCELS = 1e-12  # of what several coordinates of a direction do, beside what each does
 _SMALL_MASS = "give the place a small mass, or state its motion by an equation of rates: c*der(x) = k*(s - x)"
+_IN_A_ROW = "a spring in a row with a damper is a MaxwellSpring(k = ..., c = ...), with dry friction a JenkinsSpring(k = ..., F = ...)"
 
 
 def settle_massless(kinematics: Kinematics, constraints: Constraints, energies: Energies
@@ -234,7 +235,7 @@ class _Places:
                 _refuse(direction, "and a contact or an event acts on it (not supported yet)", _SMALL_MASS)
             if not self._is_linear(balance):
                 _refuse(direction, "and what acts on it is not linear in rates, as friction is not (not supported yet)",
-                        "a spring in a row with dry friction is a JenkinsSpring(k = ..., F = ..., stretch = x)", _SMALL_MASS)
+                        _IN_A_ROW, _SMALL_MASS)
 
     def _is_linear(self, balance: ca.SX) -> bool:
         """Whether it is linear in rates, whatever their signs."""
@@ -312,7 +313,8 @@ class _Places:
                     numbers[i] -= number * numbers[pivot]
         for i in left:
             if np.abs(numbers[i] @ all_of_them).max(initial=0.0) > _NOTHING * scale or ca.depends_on(sums[i, :], self.state):
-                _refuse(self.directions[i], "and dampers act on it that do not say how fast it is (not supported yet)")
+                _refuse(self.directions[i], "and dampers act on it that do not say how fast it is across their lines "
+                         "(not supported yet)", _IN_A_ROW, _SMALL_MASS)
         return [*left, *with_pivot], [*(_simple(sums[i, :].T) for i in left), *([None] * len(with_pivot))]
 
 

@@ -14,6 +14,7 @@ from lagrangia.base.records import dataclass
 from lagrangia.frames.attitude_starts import FLOATING, Attitude, element, of_frame, of_variable
 from lagrangia.frames.edges import Closure, Edge, choose_tree, close, close_in_space
 from lagrangia.frames.planes import NoPlane, Plane
+from lagrangia.frames.unbound_hints import hint_in_a_row, hint_of_equation
 from lagrangia.language.attitudes import parts_of
 from lagrangia.language.consequences import keep_consequences_out
 from lagrangia.language.flat import FlatModel, Frame, FrameEquation, rate_of
@@ -367,26 +368,15 @@ class _Building:
         named = next((f for f in frames if f.name in used), frames[0])
         port, _, component = named.name.rpartition(".")[::-1]
         component_text = f" of {named.owner} '{component}'" if component else ""
-        hint = (self._hint_of_equation(component)
+        hint = (hint_of_equation(self.model, component)
                 or f"bind it to a port, to `world` or to a place: {port} = ...; or connect({named.name}, ...)")
         others = dict.fromkeys(f"{f.owner} '{x}'" for f in frames if f.name in used
                                for x in (f.name.rpartition(".")[0],) if x and x != component)
         if component and others:
             self.report.error("L0401", f"the port '{port}'{component_text} is joined to {', '.join(others)} alone, and nothing "
-                              "there has a mass or a place", named.span, hint, "a place without mass between them, which follows "
-                              f"from the balance of their forces: PointMass node(m = 0, center = {named.name})")
+                              "there has a mass or a place", named.span, hint, hint_in_a_row(self.model, named.name, island))
             return
         self.report.error("L0401", f"the port '{port}'{component_text} is joined to nothing", named.span, hint)
-
-    def _hint_of_equation(self, component: str) -> str | None:
-        """Where an equation names a variable of the component, which has a value of its own that reads its ports."""
-        sides = (x for e in self.model.constraints for x in (e.left, e.right) if isinstance(x, Ref))
-        for x in sides:
-            owner, _, name = x.name.rpartition(".")
-            if owner == component and (variable := self.model.variables.get(x.name)) and variable.binding is not None:
-                return (f"'{x.name}' has a value of its own, by the ports, which an equation does not replace: bind {name} "
-                        f"where {component.partition('[')[0]} is declared, ({name} = ...), of an array ({name} = {{..., ...}})")
-        return None
 
     # ------------------------------------------------------------ coordinates
 
