@@ -41,9 +41,11 @@ def test_files_of_their_own_times_and_units(folder: Path) -> None:
     ("-u Q=F.csv", "the scene has no input 'Q'"), ("-u F=no.csv", "cannot be read"),
     ("-u G=F.csv", "no column 'G', and 3 columns"),
     ("-u F=F.csv -o F.csv", "a result does not take its place"), ("-u F=wrong.csv", "is in mm, and N is wanted"),
+    ("-u alone.csv", "has no column beside its time"),
 ])
 def test_what_is_wrong(given: str, what: str, folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (folder / "wrong.csv").write_text("t,F [mm]\n0,1\n1,2\n")
+    (folder / "alone.csv").write_text("time\n0\n1\n")
     assert main(f"simulate in.lag {given}".split()) == 2
     assert what in capsys.readouterr().err
 

@@ -23,7 +23,7 @@ def test_its_force_dies_out_as_it_should() -> None:
 
 def test_it_acts_along_the_line_of_its_ends() -> None:
     """A point that is thrown across: its moment of momentum stays, as it does under central forces alone."""
-    scene = """model Thrown World world(gravity = {0, 0}); PointMass p(m = 2);
+    scene = """model Thrown World world(gravity = {0, 0});  PointMass p(m = 2);
       MaxwellSpring e(a = world, b = p.center, k = 100, c = 5, s_rel0 = 1);
       output Real L = p.center.x*p.center.v[2] - p.center.y*p.center.v[1];
     initial equation p.center.x = 1.5; p.center.y = 0; der(p.center.y) = 1; end Thrown;"""
@@ -32,7 +32,8 @@ def test_it_acts_along_the_line_of_its_ends() -> None:
 
 
 @pytest.mark.parametrize(("first", "second", "told"), [
-    ("Spring", "Damper", r"MaxwellSpring\(k = "), ("Spring", "Spring", r"PointMass node\(m = 0"), ("Damper", "Damper", "with a mass")])
+    ("Spring", "Damper", r"MaxwellSpring\(k = "), ("Spring", "Spring", r"PointMass node\(m = 0"),
+    ("Damper", "Damper", "with a mass")])
 def test_what_is_proposed_between_two_is_no_more_than_what_runs(first: str, second: str, told: str) -> None:
     value = {"Spring": "k = 100", "Damper": "c = 5"}
     scene = f"""model M World world; PointMass p(m = 2);

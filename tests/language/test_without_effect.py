@@ -123,6 +123,18 @@ def test_annotations_of_values_and_imports_that_nobody_knows(scene: Write, head:
     assert "L0224" in told and "the annotation 'foo' has no effect here" in told
 
 
+def test_of_the_experiments_of_two_bases_the_first_counts(scene: Write) -> None:
+    """An experiment of the scene itself, and one that both bases have from one model, are no rivals."""
+    text = f"""model A {BODY} annotation(experiment(StopTime = 2)); end A;  model N end N;
+      model B extends N; annotation(experiment(StopTime = 5, Tolerance = 1e-6)); end B;  model D extends B; end D;
+      model M extends A; extends D; %s end M;"""
+    (told,) = scene(text % "").warnings
+    assert "this StopTime has no effect: another model that M extends has one" in told and "scene.lag:2:" in told
+    assert scene(text % "annotation(experiment(StopTime = 3));").warnings == []
+    assert scene("model A annotation(experiment(StopTime = 2)); end A; model B extends A; end B; model D extends A; end D; "
+                 f"model M extends B; extends D; {BODY} end M;").warnings == []
+
+
 def test_inputs_of_functions_that_nothing_reads(scene: Write) -> None:
     text = "function f input Real x; input Real y; output Real z; protected Real w, v; algorithm w := x; z := w; end f;"
     told = scene(f"{text} function g input Real x; output Real z = x; end g; "

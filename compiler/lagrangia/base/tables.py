@@ -30,3 +30,11 @@ def read_table(path: Path) -> tuple[list[float], dict[str, list[float]]]:
             except ValueError:
                 fail("L0703", f"{path}:{number}: '{cell}' is no number")
     return columns.pop("time"), columns
+
+
+def read_input_table(path: Path) -> tuple[list[float], dict[str, list[float]]]:
+    """The same, of inputs: one at least. Raises LagError L0703."""
+    times, columns = read_table(path)
+    if not columns:
+        fail("L0703", f"the table '{path}' has no column beside its time", None, "each input has one, by its name: time,F")
+    return times, columns

@@ -14,7 +14,7 @@ from lagrangia.base.cutting import split_list
 from lagrangia.base.diagnostics import WARNINGS, fail, suggest
 from lagrangia.base.memory import keep_freed_memory
 from lagrangia.base.result_files import keep_apart, require_kind
-from lagrangia.base.tables import read_table
+from lagrangia.base.tables import read_input_table
 from lagrangia.command.input_tables import named_tables, path_of, read_input, together
 from lagrangia.compile.sources import refuse_others
 from lagrangia.language.values import read_value
@@ -287,7 +287,7 @@ def read_inputs(given: list[str], scene: Any) -> Any:
         fail("L0703", "one table of inputs can be given", None, "put its columns into one file, or name each: -u NAME=FILE")
     if unknown := next((name for name in named if name not in units), None):
         fail("L0701", f"the scene has no input '{unknown}'", None, *filter(None, [suggest(unknown, units)]))
-    tables = [read_table(Path(file)) for file in files] + [read_input(name, units[name], named[name], name in moving)
+    tables = [read_input_table(Path(file)) for file in files] + [read_input(name, units[name], named[name], name in moving)
                                                             for name in named]
     known = Counter([*constants, *(name for _, columns in tables for name in columns)])
     if twice := sorted(name for name, count in known.items() if count > 1):

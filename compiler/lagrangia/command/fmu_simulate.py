@@ -15,7 +15,7 @@ from typing import Any
 from lagrangia.base.diagnostics import RunError, fail
 from lagrangia.base.interruptions import INTERRUPTED
 from lagrangia.base.result_files import Target, cells, quoted
-from lagrangia.base.tables import read_table
+from lagrangia.base.tables import read_input_table
 from lagrangia.command.arguments import (
     asked,
     assignments,
@@ -174,7 +174,8 @@ def _inputs(description: Description, given: list[str]) -> Inputs:
         constants += [(element, float(value)) for element, value in _numbers(description, name, text).items()]
     if len(whole) > 1:
         fail("L0703", "one table of inputs can be given", None, "put its columns into one file, or name each: -u NAME=FILE")
-    tables = [read_table(Path(file)) for file in whole] + [_column(name, unit_of(name), file) for name, file in named.items()]
+    tables = [read_input_table(Path(file)) for file in whole]
+    tables += [_column(name, unit_of(name), file) for name, file in named.items()]
     times, columns = together(tables) if tables else ([0.0], {})
     for name in columns:
         if name not in description.by_name and description.element(name) is None:

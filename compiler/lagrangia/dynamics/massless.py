@@ -41,7 +41,8 @@ _NOTHING = 1e-9  # of a damping, beside the largest
 _LOOKS = 6  # at random rates, whether a force is linear in them
 _CANCELS = 1e-12  # of what several coordinates of a direction do, beside what each does
 _SMALL_MASS = "give the place a small mass, or state its motion by an equation of rates: c*der(x) = k*(s - x)"
-_IN_A_ROW = "a spring in a row with a damper is a MaxwellSpring(k = ..., c = ...), with dry friction a JenkinsSpring(k = ..., F = ...)"
+_IN_A_ROW = ("a spring in a row with a damper is a MaxwellSpring(k = ..., c = ...), one in a row with dry friction a "
+             "JenkinsSpring(k = ..., F = ...)")
 
 
 def settle_massless(kinematics: Kinematics, constraints: Constraints, energies: Energies

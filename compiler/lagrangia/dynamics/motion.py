@@ -299,6 +299,11 @@ def _missing_port(kinematics: Kinematics, coordinate: str) -> str:
     if frame in kinematics.graph.model.frames and component_named(name).is_angle:
         return (f"what is placed beside '{frame}' (shift, turn) turns with it, and a mass point has no moment of inertia: make "
                 "it a Disc or a Bar, shift the other port, or measure from the point: gap = p.center.y - 0.1[m]")
+    turned = [edge.child for edge in kinematics.graph.edges
+              if any(step.kind == "turn" and str(step.amount) == coordinate for step in edge.steps)]
+    if turned:
+        return ("give what it turns a moment of inertia about the axis, where a PointMass has none: a Disc, a Bar, or a "
+                f"PointMass beside the axis, its center = shift({turned[0]}, ...)")
     return "give a body behind it a mass"
 
 

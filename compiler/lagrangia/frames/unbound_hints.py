@@ -21,12 +21,13 @@ def hint_in_a_row(model: FlatModel, port: str, island: Collection[str]) -> str:
     """For components that are joined to each other alone: springs balance each other at a place without mass; along a line what
     resists rates says nothing of where such a place is across it, so that a spring and a damper in a row are one element."""
     owners = {name.rpartition(".")[0] for name in island} - {""}
-    does = {owner: {e.kind for e in model.energies if e.component == owner} | {"work" for w in model.works if w.component == owner}
-            for owner in owners}
+    does: dict[str, set[str]] = {owner: {e.kind for e in model.energies if e.component == owner} for owner in owners}
+    for owner in {work.component for work in model.works} & owners:
+        does[owner].add("work")
     if all(kinds == {"potential"} for kinds in does.values()):
         return ("a place without mass between them, which follows from the balance of their forces: "
                 f"PointMass node(m = 0, center = {port})")
     if sorted(map(sorted, does.values())) == [["dissipation"], ["potential"]]:
-        return ("a spring in a row with a damper is one element, MaxwellSpring(k = ..., c = ...); one in a row with dry friction is "
-                "JenkinsSpring(k = ..., F = ...)")
+        return ("a spring in a row with a damper is one element, MaxwellSpring(k = ..., c = ...); one in a row with dry friction "
+                "is JenkinsSpring(k = ..., F = ...)")
     return f"a place with a mass between them: PointMass node(m = ..., center = {port})"

@@ -1,19 +1,20 @@
 """Annotations of a model: the experiment that it declares, and the warnings that it allows."""
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 
 from lagrangia.base.diagnostics import WARNINGS, Span, fail, nearest, suggest
-from lagrangia.language.classes import ClassTable
+from lagrangia.language.classes import BUILTIN_TYPES, ClassTable
 from lagrangia.language.flat import Experiment
 from lagrangia.language.folding import fold
 from lagrangia.language.instances import Scope
 from lagrangia.language.names import Names
-from lagrangia.language.tree import Argument, ClassDefinition, Number, String
+from lagrangia.language.tree import Argument, ClassDefinition, Extends, Number, String
 from lagrangia.language.units import ONE, dimension
 from lagrangia.language.units_written import read_unit
 
 _CODE = re.compile(r"L\d{4}")
+_FIELDS = {"StartTime": "start", "StopTime": "stop", "Tolerance": "tolerance", "Interval": "interval"}
 
 
 def allowed_of(table: ClassTable, definition: ClassDefinition) -> tuple[str, ...]:
@@ -32,7 +33,6 @@ def allowed_of(table: ClassTable, definition: ClassDefinition) -> tuple[str, ...
 
 def experiment_of(table: ClassTable, definition: ClassDefinition, names: Names, scope: Scope) -> Experiment:
     """As the model's annotation says, and where it says nothing, those of the models it extends. Raises LagError L0208, L0301."""
-    fields = {"StartTime": "start", "StopTime": "stop", "Tolerance": "tolerance", "Interval": "interval"}
     values: dict[str, float] = {}
     places: dict[str, Span] = {}
     annotation = [top for base in reversed(table.lineage(definition)) for top in base.annotation]
@@ -42,13 +42,13 @@ def experiment_of(table: ClassTable, definition: ClassDefinition, names: Names, 
     if wrong := [top for top in annotation if top.name == "experiment" and top.value is not None]:
         fail("L0208", "an experiment has no value", wrong[0].span, "write: annotation(experiment(StopTime = 10))")
     for argument in (a for top in annotation if top.name == "experiment" for a in top.arguments):
-        if argument.name not in fields:
-            fail("L0208", f"experiment has no '{argument.name}'", argument.name_span, suggest(argument.name, fields))
+        if argument.name not in _FIELDS:
+            fail("L0208", f"experiment has no '{argument.name}'", argument.name_span, suggest(argument.name, _FIELDS))
         _require_unit(argument)
         value = fold(names.flatten(argument.value, scope)) if argument.value is not None else None
         if value is None or isinstance(value, bool):
             fail("L0208", f"{argument.name} must be a number known beforehand", argument.span)
-        values[fields[argument.name]], places[argument.name] = float(value), argument.span
+        values[_FIELDS[argument.name]], places[argument.name] = float(value), argument.span
     return _checked(Experiment(**values, ends="stop" in values), places)
 
 
@@ -71,3 +71,19 @@ def _checked(experiment: Experiment, places: Mapping[str, Span]) -> Experiment:
     if interval is not None and not interval > 0:
         fail("L0208", f"the Interval must be positive, not {interval:g}", places["Interval"])
     return experiment
+
+
+def find_rivals(table: ClassTable, definition: ClassDefinition) -> Iterator[tuple[Argument, Argument]]:
+    """What two of the models that one extends say of its experiment, the first of which counts, where it says nothing itself."""
+    for name in _FIELDS:
+        found = list({a.value.span.text: a for a in reversed(_stated(table, definition, name)) if a.value is not None}.values())
+        if len(found) > 1:
+            yield found[-1], found[0]
+
+
+def _stated(table: ClassTable, definition: ClassDefinition, name: str) -> list[Argument]:
+    """By the class itself, or else by each of those that it extends."""
+    own = [a for top in definition.annotation if top.name == "experiment" for a in top.arguments if a.name == name]
+    bases = (table.lookup(e.type_name, e.span) for e in definition.elements
+             if isinstance(e, Extends) and e.type_name not in BUILTIN_TYPES)
+    return own or [a for base in bases for a in _stated(table, base, name)]

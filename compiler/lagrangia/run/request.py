@@ -252,6 +252,8 @@ def _input_table(scene: Scene, inputs: Any, report: Report) -> tuple[Sequence[fl
             fail("L0703", f"a table of inputs is a pair (times, values by name), not {len(inputs)} things")
         times = numbers("times of the inputs", inputs[0])
         columns = {name: numbers(f"values of the input '{name}'", given) for name, given in by_name("inputs", inputs[1]).items()}
+        if not columns:
+            fail("L0703", "the table of inputs has no column beside its times")
     else:
         columns = {name: [a_number(f"input '{name}'", value)] for name, value in by_name("inputs", inputs).items()}
     if not times:
