@@ -143,7 +143,7 @@ int lag_contacts_is_inside(const LagRun *run, int i, double g)
     return g > run->sliding.error[lag_gap(run->model, k)] && (!run->started || run->switches.held[i] > 0);
 }
 
-/* Whether event k is no contact, and would leave all that it resets as it is. */
+/* Whether event k is no contact, and would leave all that it resets as it is; or comes where a condition changes, to both sides. */
 static int changes_nothing(LagRun *run, int k)
 {
     const LagModel *model = run->model;
@@ -153,6 +153,8 @@ static int changes_nothing(LagRun *run, int k)
     for (int j = 0; j < model->n_resets; ++j) {
         if (lag_event_of(model, j) != k)
             continue;
+        if (model->reset_places[2 * j + 1] & LAG_CHANGE)
+            return 1;
         if (lag_is_contact(model, j) == LAG_CONTACT || s->rate[j] != s->wanted[j])
             return 0;
         ++count;

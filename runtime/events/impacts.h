@@ -60,7 +60,7 @@ static inline int lag_is_event(const LagModel *model, int i) { return i >= lag_w
 
 /* The event of a reset, and LAG_CONTACT, LAG_ONE_WAY, or 0. */
 static inline int lag_event_of(const LagModel *model, int reset) { return model->reset_places[2 * reset]; }
-static inline int lag_is_contact(const LagModel *model, int reset) { return model->reset_places[2 * reset + 1] & ~LAG_SIGNAL; }
+static inline int lag_is_contact(const LagModel *model, int reset) { return model->reset_places[2 * reset + 1] & LAG_KINDS; }
 static inline int lag_is_signal(const LagModel *model, int reset) { return model->reset_places[2 * reset + 1] & LAG_SIGNAL; }
 
 /* How far the condition i of an event may be beyond its place at least, before it comes. */

@@ -59,7 +59,9 @@ enum { LAG_EVENT_ZERO, LAG_EVENT_INTEGER, LAG_EVENT_TABLE };
 enum { LAG_KIND_ANGLE };
 
 /* What a reset leaves may rest there: positions that do not approach any more, or a rate at the end of a one-way range. */
-enum { LAG_KICK, LAG_CONTACT, LAG_ONE_WAY, LAG_SIGNAL = 4 }; /* LAG_SIGNAL beside these: of a first-order state, without energy */
+enum { LAG_KICK, LAG_CONTACT, LAG_ONE_WAY, LAG_KINDS = 3 };
+/* Beside these: of a first-order state, without energy; at an event that comes where a condition changes, to whichever side. */
+enum { LAG_SIGNAL = 4, LAG_CHANGE = 8 };
 
 /* A guard that breaks (g < 0) ends the run with a failure, warns, or ends it as it was meant to; with this bit, parameters decide it. */
 enum { LAG_GUARD_ERROR, LAG_GUARD_WARNING, LAG_GUARD_END, LAG_GUARD_OF_PARAMETERS = 4 };

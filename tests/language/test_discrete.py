@@ -209,3 +209,47 @@ def test_events_that_jump_onto_a_level(tmp_path: Path, solver: str) -> None:
     assert result["third"][-1] == pytest.approx(1.5) and result.time[-1] == pytest.approx(5)
     said = [text for text in result.warnings if "assertion" in text]
     assert len(said) == 1 and "t = 1:" in said[0]
+
+@pytest.mark.parametrize("first", ["when initial() then n = 5; end when;", "when {initial(), time > 3} then n = 5; end when;"])
+def test_two_whens_and_the_start(tmp_path: Path, first: str) -> None:
+    """One at the start and another one later is right; two later ones are told, whatever begins."""
+    text = f"""
+model Begins "Turns at 1"
+  Block block(m = 1, base = world, s(start = 1));
+  Spring spring(k = 1, stretch = block.s);
+  Integer n(start = 0), turns(start = 0);
+equation
+  {first}
+  when block.s < 0 then n = pre(n) + 1; end when;
+  when change(n) then turns = pre(turns) + 1; end when;
+end Begins;
+""".replace("change(n)", "change(block.s < 0)")
+    if "time" in first:
+        with pytest.raises(lagrangia.LagError, match="given a value in two places"):
+            run(tmp_path, text, "Begins")
+        return
+    result = run(tmp_path, text, "Begins", stop=3.0)
+    assert (result["n"][0], result["n"][-1], result["turns"][-1], list(result.warnings)) == (5, 6, 1, [])
+
+
+def test_a_start_alone_is_no_idle_one(tmp_path: Path) -> None:
+    file = tmp_path / "alone.lag"
+    file.write_text("""
+model Alone "x'' = n"
+  Block block(m = 1, base = world);
+  Integer n(start = 0);
+energy
+  work 1[N]*n on block.s;
+equation
+  when initial() then n = 2; end when;
+end Alone;
+""", encoding="utf-8")
+    model = lagrangia.load(file)
+    assert not model.warnings and model.simulate(stop=1.0)["block.s"][-1] == pytest.approx(1)
+
+
+def test_an_array_of_them_is_told_once(tmp_path: Path) -> None:
+    text = BALL.replace("Integer n(start", "Integer n[2](start").replace("n = pre(n) + 1;", "n[1] = pre(n[1]) + 1;")
+    with pytest.raises(lagrangia.LagError) as found:
+        run(tmp_path, text, "Ball")
+    assert [d.code for d in found.value.diagnostics].count("L0219") == 1 and "L0232" not in str(found.value)

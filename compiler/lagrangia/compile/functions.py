@@ -42,13 +42,14 @@ from lagrangia.dynamics.sampling import Sampling, find_sampling
 from lagrangia.dynamics.switches import Switches, find_roots, find_switches, find_thresholds
 from lagrangia.frames.kinematics import Kinematics
 from lagrangia.language.consequences import speaks_of_contact_forces
+from lagrangia.language.events import find_changes
 from lagrangia.language.observables import observe
 from lagrangia.needs.linear_cost import weigh_linear
 from lagrangia.needs.linear_form import LinearForm, find_linear_form
 from lagrangia.run.rules import Moment, Taken, decide
 
 # Functions of the state that only constraints ask for, and their results.
-_SIGNAL = 4  # LAG_SIGNAL
+_SIGNAL, _CHANGE = 4, 8  # LAG_SIGNAL, LAG_CHANGE
 _OF_CONSTRAINTS = {"steer": ["dv"], "residual": ["phi", "rate"], "nearest": ["dq", "dv", "phi", "rate", "energies", "doubt"]}
 
 
@@ -399,7 +400,8 @@ def _kick_function(state: list[ca.SX], found: list[ca.SX], before: ca.SX) -> dic
 
 
 def _reset_places(kinematics: Kinematics, motion: Motion) -> tuple[int, ...]:
-    """Of each reset its event and its kind, with SIGNAL where it is of first-order states alone."""
+    """Of each reset its event and its kind, with SIGNAL where it is of first-order states alone, CHANGE where its event comes
+    where a condition changes to either side."""
     rates = kinematics.symbols.rates
     signals = {rates[state.coordinate].__hash__() for state in kinematics.graph.model.states.values()}
     moving = {rate.__hash__() for rate in rates.values()}
@@ -407,6 +409,9 @@ def _reset_places(kinematics: Kinematics, motion: Motion) -> tuple[int, ...]:
     for k in range(motion.impacts.rates.numel() if signals else 0):
         if symbols_in(motion.impacts.rates[k]) & moving <= signals:
             places[2 * k + 1] |= _SIGNAL
+    changes = find_changes(kinematics.graph.model.whens)
+    for k in range(len(places) // 2):
+        places[2 * k + 1] |= _CHANGE * (places[2 * k] in changes)
     return tuple(places)
 
 

@@ -163,8 +163,9 @@ def _idle(statement: Statement, model: FlatModel, bindings: Mapping[str, Flat | 
 
 
 def _is_reset(coordinate: Flat, model: FlatModel) -> bool:
-    """Whether events set the state whose coordinate this is: it rests in between."""
+    """Whether events, or the start, set the state whose coordinate this is: it rests in between."""
     set_there = {reset.rate.name for when in model.whens for reset in when.resets if isinstance(reset.rate, Ref)}
+    set_there |= {equation.left.name for equation in model.initial_equations if isinstance(equation.left, Ref)}
     return str(coordinate) in {state.coordinate for name, state in model.states.items() if name in set_there}
 
 

@@ -94,11 +94,13 @@ def find_discrete(events: Sequence[Event], variables: Mapping[str, Variable], eq
     bound = {side.name for x in equations for side in (x.left, x.right) if isinstance(side, Ref)}
     rates = {str(node.arguments[0]): x.span for x in equations for node in nodes(x.left, x.right)
              if isinstance(node, Call) and node.function == "der"}
-    given: dict[str, Event] = {}
+    begun, kept = dict[str, Event](), dict[str, Event]()  # the first event that gives a name its value at the start, and later
     for event in events:
+        others = begun if event.is_start else kept
         for name, span in ((x.rate.name, x.span) for x in event.resets if x.is_kept and isinstance(x.rate, Ref)):
-            _refuse(name, span, variables[name], event, bound, rates, given, report)
-            given.setdefault(name, event)
+            _refuse(name, span, variables[name], event, bound, rates, others, report)
+            others.setdefault(name, event)
+    given = begun | kept
     if report.errors:
         return Discrete({}, [], [], [])
     for x in equations:
@@ -131,7 +133,7 @@ def _refuse(name: str, span: Span, variable: Variable, event: Event, bound: Set[
                      f"declare it without, as Real {name}(start = 0)")
     elif variable.shape:
         report.error("L0232", f"'{name}' cannot be given a value at an event: it is an array", span, "declare each by itself")
-    elif name in given and given[name].chain is not event.chain and not (given[name].is_start or event.is_start):
+    elif name in given and given[name].chain is not event.chain:
         report.error("L0232", f"'{name}' is given a value in two places", span,
                      "write one `when`: when a then ... elsewhen b then ... end when; or when {a, b} then ...")
 

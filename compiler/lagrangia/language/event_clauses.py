@@ -26,6 +26,7 @@ class EventClauses:
         self.names, self.report, self.read = names, report, read
         self.samplers: list[Sampler] = []
         self.types: dict[str, str] = {}  # of Integer and Boolean variables
+        self.arrays: set[str] = set()  # of them, which are refused where they are declared
         self._whole: list[Flat] = []  # values of Integer variables
         self._events: list[Event] = []
         self._chains: dict[int, tuple[WhenBlock, Scope]] = {}  # the `when` that an elsewhen belongs to, by its id
@@ -121,6 +122,8 @@ class EventClauses:
         if not isinstance(left, Ref) or left.index:
             if kind == "sample":
                 fail("L0232", "a variable is given the value that it holds, this is none", left.span, _SAMPLED)
+            if isinstance(left, Ref) and left.name in self.arrays and self.report.errors:
+                return
             if isinstance(left, Ref):
                 fail("L0232", f"the element '{left}' of an array cannot be given a value at an event", left.span,
                      "declare each by itself, or in an array of components")

@@ -53,6 +53,15 @@ def level_of(node: Flat) -> Flat:
          "compare with <, <=, > or >=, as x < 0; conditions go together with and, or, not")
 
 
+def find_changes(whens: Sequence[When]) -> set[int]:
+    """The events of a `when` that comes where a condition becomes true, and where it becomes false."""
+    groups = dict[tuple[str, int], list[int]]()
+    for k, when in enumerate(whens):
+        groups.setdefault((when.component, when.span.start), []).append(k)
+    return {k for group in groups.values() for k in group for other in group
+            if are_alike(without_not(whens[k].condition), without_not(whens[other].condition, False))}
+
+
 def position_of(reset: Reset, model: FlatModel) -> Flat:
     """That of which a rate is reset. Raises LagError L0225."""
     position = _moved_at(reset.rate, model)

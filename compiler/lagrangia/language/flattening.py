@@ -253,6 +253,8 @@ class _Flattening:
             if isinstance(value, Number | Boolean | String):
                 self.structural[slot.path] = value.value
             return
+        if slot.base in DISCRETE_TYPES and slot.dimensions:
+            self.events.arrays.add(slot.path)
         kind = kind_of(slot)
         if kind == "input" and owner.parent is not None:
             kind = "variable"  # of a component: what it is connected or bound to, or else one of the scene
