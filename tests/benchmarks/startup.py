@@ -3,11 +3,13 @@
     python tests/benchmarks/startup.py [--repeat N] [--links N,N,...] [--fmu] [--peers PYTHON,...]
 
 Wall and processor time (its children's with it), medians; the ratio is that of processor times to `python -c "import casadi"` in
-the same run, which takes turns with all others. Chains have an empty cache each time. Peers are run by the interpreters named,
-those of them that have MuJoCo or rumoca: the double pendulum over its experiment, and MuJoCo chains over 0.1 s.
+the same run, which takes turns with all others. Chains have an empty cache each time. Modules are compiled before anything is
+measured, as installing does, also those of a source tree and where PYTHONDONTWRITEBYTECODE is set. Peers are run by the
+interpreters named, those of them that have MuJoCo or rumoca: the double pendulum over its experiment, MuJoCo chains over 0.1 s.
 """
 
 import argparse
+import compileall
 import os
 import statistics
 import subprocess
@@ -15,6 +17,7 @@ import sys
 import tempfile
 import time
 from collections.abc import Mapping, Sequence
+from importlib.util import find_spec
 from pathlib import Path
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "models" / "examples"
@@ -101,6 +104,14 @@ def one_round(links: Sequence[int], with_fmus: bool, peers: Mapping[str, Sequenc
         return found | {name: run(command) for name, command in peers.items()}
 
 
+def compile_modules() -> None:
+    """Those of the package that is measured."""
+    spec = find_spec("lagrangia")
+    assert spec is not None and spec.submodule_search_locations is not None
+    for folder in spec.submodule_search_locations:
+        compileall.compile_dir(folder, quiet=2)
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("--repeat", type=int, default=5)
@@ -108,6 +119,7 @@ def main() -> None:
     parser.add_argument("--fmu", action="store_true", help="FMUs too, the first of which compiles what all share")
     parser.add_argument("--peers", default="", metavar="PYTHON,...", help="interpreters that have MuJoCo or rumoca")
     options = parser.parse_args()
+    compile_modules()
     links = [int(n) for n in options.links.split(",") if n]
     with tempfile.TemporaryDirectory() as folder:
         peers = peers_of([python for python in options.peers.split(",") if python], links, Path(folder))

@@ -2,6 +2,7 @@
 
 import ctypes
 import sys
+from importlib.util import cache_from_source, module_from_spec, spec_from_file_location
 from pathlib import Path
 
 import pytest
@@ -129,3 +130,17 @@ def test_sweeps_run_without_a_compiler_and_what_cannot_says_so(alone: None, tmp_
     assert "error[L0704]" in capsys.readouterr().err
     assert main(["bench", pendulum]) == 2
     assert "error[L0901]" in capsys.readouterr().err
+
+
+def test_sources_that_run_in_their_place_are_compiled(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """As pip compiles what it installs: it takes a scene three times as long to start by sources."""
+    spec = spec_from_file_location("build_package", Path(__file__).parents[2] / "compiler" / "build_package.py")
+    assert spec is not None and spec.loader is not None
+    hook = module_from_spec(spec)
+    spec.loader.exec_module(hook)
+    (tmp_path / "module.py").write_text("answer = 42\n")
+    for name, there in {"PACKAGE": tmp_path, "build": lambda: True, "ship_syntax": lambda: None}.items():
+        monkeypatch.setattr(hook, name, there)
+    compiled = Path(cache_from_source(str(tmp_path / "module.py")))
+    assert hook.ship_and_build(in_place=False) and not compiled.exists()
+    assert hook.ship_and_build(in_place=True) and compiled.exists()
