@@ -118,6 +118,7 @@ class _Writer:
         self.mark, self.begin = self.elements.mark, f"{self.elements.stem}{self.elements.mark}"
         self.known: dict[str, Any] = {cls.__name__: cls for cls in _MADE}
         self.numbers: dict[int, str] = {}
+        self.names: dict[str, str] = {}  # how full names end, and what they are called
         self.slots, self.frames = dict[str, Slot](), dict[str, tuple[FrameSlot, tuple[str | int, ...]]]()
         self.within: set[int] = set()
         self.own: dict[str, list[bool]] = {name: [] for name in _CHECKED}  # of each item, whether it was made of what is dealt
@@ -146,7 +147,8 @@ class _Writer:
         """Of the path, the index, frames on the ways `ports`, and the flattening: what another element brings. Raises
         _TooDeepError."""
         text = ", ".join(f"({''.join(f'{self.noted(x, name)}, ' for x in items)})" for name, items in brought.items())
-        found: Callable[..., Any] = eval(f"lambda p, i, slots, flat: ({text})", self.known)
+        names = "".join(f"{name} := p + {end!r}, " for end, name in self.names.items())  # one string each: found by what it is
+        found: Callable[..., Any] = eval(f"lambda p, i, slots, flat: ({names}({text}))[-1]", self.known)
         return found
 
     def all_have_units(self, variables: Iterable[Variable]) -> bool:
@@ -236,7 +238,7 @@ class _Writer:
         """None for what is not in the element."""
         begin = self.begin
         is_inside = name.startswith(begin) and name[len(begin) : len(begin) + 1] in ("]", ",")
-        return f"p + {name[len(begin) :]!r}" if is_inside else None
+        return self.names.setdefault(name[len(begin) :], f"n{len(self.names)}") if is_inside else None
 
     def constant(self, x: Any) -> str:
         if id(x) not in self.numbers:
