@@ -17,12 +17,71 @@ def test_a_hint_names_what_was_meant(scene: Callable[[str], lag.Model], unit: st
     assert f"did you mean '{MEANT[unit]}'?" in str(error.value)
 
 
+@pytest.mark.parametrize("kind", ["constant", "parameter"])
 @pytest.mark.parametrize(("declared", "message"), [
     ('Real d(unit = "mm") = 3', 'unit = "m", displayUnit = "mm"'), ('Angle d(unit = "deg") = 90', 'unit = "rad"'),
     ('Real d(unit = "degC") = 20', 'unit = "K"'), ('Real d(unit = "foo") = 3', "'foo' is not a unit"),
+    ('Real d(unit = u) = 3', 'unit = "m", displayUnit = "mm"'), ('Mm d = 3', 'unit = "m", displayUnit = "mm"'),
+    ('Real d[2](each unit = "mm") = {3, 4}', 'unit = "m", displayUnit = "mm"'),
+    ('Real d[2](unit = {"m", "s"}) = {3, 4}', "'unit' is one for all elements of an array, not 'm' and 's'"),
+    ('Real d(unit = 3) = 3', "'unit' must be a text"), ('Real d(displayUnit = 3) = 3', "'displayUnit' must be a text"),
+    ('Length d(displayUnit = "kg") = 3', "what is in m cannot be shown in kg"),
+    ('Grams d = 3', "what is in kg cannot be shown in m"),
+    ('Length d = 3[kg]', "'d' is in m, this is in kg"), ('Length d[2] = {3, 4[kg]}', "'d' is in m, this is in kg"),
+    ('Length d = w*w/w', "'d' is in m, this is in kg"), ('Length d = P.w', "'d' is in m, this is in kg"),
+    ('Length d = weight(3)', "'d' is in m, this is in kg"), ('Real d = 3[m] + w', "m and kg cannot be added"),
+    ('Integer d = 3[kg]', "'d' is in 1, this is in kg"), ('Integer d(unit = "kg") = 3', "Integer has no attribute 'unit'"),
+    ('Length d(min = 0[kg]) = 3', "'min' of 'd' is in m, this is in kg"), ('Strict d(unit = "kg") = 3', "'unit' is final"),
+    ('Stricter d = 3', "'unit' is final"),
 ])
-def test_numbers_of_constants_are_in_si_units_as_those_of_parameters(
-        scene: Callable[[str], lag.Model], declared: str, message: str) -> None:
-    with pytest.raises(lag.LagError, match="L0301") as error:
-        scene(f"model M constant {declared}; output Real y = 0*d; Block b(m = 1, base = world); end M;")
+def test_constants_and_parameters_are_declared_in_units_by_one_rule(
+        scene: Callable[[str], lag.Model], kind: str, declared: str, message: str) -> None:
+    with pytest.raises(lag.LagError) as error:
+        scene(f"""model M
+          type Mm = Real(unit = "mm");
+          type Grams = Mass(displayUnit = "m");
+          type Strict = Real(final unit = "m");
+          type Stricter = Strict(unit = "kg");
+          package P constant Mass w = 2; end P;
+          function weight input Real x; output Mass y; algorithm y := x; end weight;
+          constant String u = "mm";
+          constant Mass w = 2;
+          {kind} {declared};
+          output Real y = 0*w + 0*sum({{d}});
+          Block b(m = 1, base = world);
+        end M;""")
+    assert message in str(error.value)
+
+
+@pytest.mark.parametrize("declared", [
+    'Real d(unit = "") = 3', 'Real d(unit = u) = 3', 'Length d = 300[cm]', 'Far d = 3[m]', 'Real d[1](unit = {"m"}) = {3}',
+])
+@pytest.mark.parametrize("kind", ["constant", "parameter"])
+def test_units_of_declarations_that_are_right(scene: Callable[[str], lag.Model], kind: str, declared: str) -> None:
+    model = scene(f"""model M
+      type Heavy = Real(unit = "kg", min = 5);
+      type Far = Heavy(unit = "m", min = 1) "says other things than what it derives from";
+      constant String u = "m";
+      {kind} {declared};
+      output Real y = sum({{d}}) + (if u == "m" then 0 else 1);
+      Block b(m = 1, base = world);
+    end M;""")
+    assert model.simulate(stop=0.1)["y"][-1] == 3
+
+
+@pytest.mark.parametrize(("parts", "message"), [
+    ("input Real x; output Length y; algorithm y := 3[kg];", "'y' of M.f is in m, this is in kg"),
+    ("input Mass x = 3[m]; output Real y; algorithm y := x;", "'x' of M.f is in kg, this is in m"),
+    ("input Real x; output Real y; protected Length d = 3[kg]; algorithm y := d*x;", "'d' of M.f is in m, this is in kg"),
+    ("input Real x(unit = 3) = 1; output Real y; algorithm y := x;", "'unit' must be a text"),
+    ('input Real x(displayUnit = "foo") = 1; output Real y; algorithm y := x;', "'foo' is not a unit"),
+    ("input Real x(foo = 3) = 1; output Real y; algorithm y := x;", "Real has no attribute 'foo'"),
+    ("input Mass x = 1; output Length y; algorithm if x > 2 then y := x; else y := 1; end if;",
+     "'y' of M.f is in m, this is in kg"),
+])
+def test_variables_of_functions_are_declared_in_units_by_the_same_rule(
+        scene: Callable[[str], lag.Model], parts: str, message: str) -> None:
+    given = "" if "x = " in parts or "= 1;" in parts else "1"
+    with pytest.raises(lag.LagError) as error:
+        scene(f"model M function f {parts} end f; output Real y = f({given}); Block b(m = 1, base = world); end M;")
     assert message in str(error.value)

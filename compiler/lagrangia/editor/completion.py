@@ -8,11 +8,11 @@ from lagrangia.base.records import dataclass
 from lagrangia.editor.meanings import Index, class_named, lineage
 from lagrangia.editor.surroundings import brackets_at, followed, modified, section_at
 from lagrangia.editor.telling import heading, unit_of
+from lagrangia.language.attributes import ATTRIBUTES as VARIABLE_ATTRIBUTES
 from lagrangia.language.classes import BUILTIN_TYPES
 from lagrangia.language.figures import WORDS
 from lagrangia.language.frame_attributes import ABOUT_Z, ATTRIBUTES, PLANE, REACTIONS, SPACE
 from lagrangia.language.functions import FRAME_FUNCTIONS, FUNCTIONS
-from lagrangia.language.instantiation import ATTRIBUTES as VARIABLE_ATTRIBUTES
 from lagrangia.language.tree import ClassDefinition, Declaration
 from lagrangia.language.units import known_units
 

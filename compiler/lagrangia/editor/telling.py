@@ -20,9 +20,9 @@ def unit_of(table: ClassTable, declaration: Declaration) -> str:
         base = table.base_type(declaration.type_name, declaration.type_span)
     except LagError:
         base = None
-    arguments: tuple[Argument, ...] = (*(base.attributes if base is not None else ()), *declaration.arguments)
+    arguments: tuple[Argument, ...] = (*declaration.arguments, *(base.attributes if base is not None else ()))
     units = [argument.value.value for argument in arguments if argument.name == "unit" and isinstance(argument.value, String)]
-    return units[-1] if units else ""
+    return units[0] if units else ""
 
 
 def heading(declaration: Declaration) -> str:

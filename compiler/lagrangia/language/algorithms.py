@@ -5,7 +5,8 @@ from dataclasses import replace
 
 from lagrangia.base.diagnostics import Span, fail
 from lagrangia.language.assertions import read_assertion
-from lagrangia.language.classes import ENUMERATION
+from lagrangia.language.attributes import display_unit_of, unit_of, unknown_attributes
+from lagrangia.language.classes import ENUMERATION, BaseType
 from lagrangia.language.folding import fold
 from lagrangia.language.foreign_words import FOREIGN_WORDS
 from lagrangia.language.function_variables import (
@@ -21,14 +22,14 @@ from lagrangia.language.function_variables import (
     renamed,
 )
 from lagrangia.language.functions import FUNCTIONS
-from lagrangia.language.instances import Instance, Iterators, Scope
+from lagrangia.language.instances import Bound, Instance, Iterators, Scope
 from lagrangia.language.local_names import LocalNames
 from lagrangia.language.mentions import nodes
+from lagrangia.language.modifications import modification_of
 from lagrangia.language.names import Names
 from lagrangia.language.number_checks import CONDITIONS, refuse_no_number
 from lagrangia.language.requirements import implied, measured
 from lagrangia.language.tree import (
-    Argument,
     Assignment,
     Binary,
     Boolean,
@@ -49,13 +50,11 @@ from lagrangia.language.tree import (
     Result,
     Results,
     Section,
-    String,
     Unary,
     WhileBlock,
     Whole,
 )
 from lagrangia.language.truths import number_of, truth_of
-from lagrangia.language.units_written import read_own_unit
 
 _MOST_PASSES = 10_000  # of one while loop
 _STATEMENT = 2  # what an assignment costs beside its expression, in operations of Work
@@ -191,7 +190,7 @@ class _Builder:
         is_text = base is not None and (declaration.name in self.constants_given or self._text(declaration) is not None)
         if base is None or (base.builtin not in _KINDS and not is_text):
             fail("L0902", "not supported yet: a function variable that is no number, array or record", declaration.name_span)
-        unit = self._unit(declaration, base.attributes)
+        unit = self._unit(declaration, base)
         tree = array_of(path, sizes, str)
         for leaf in leaves_of(tree):
             self.units[leaf] = unit
@@ -201,11 +200,16 @@ class _Builder:
                 self.truths.add(leaf)
         return tree
 
-    def _unit(self, declaration: Declaration, attributes: tuple[Argument, ...]) -> str:
-        units = [a.value.value for a in (*attributes, *declaration.arguments) if a.name == "unit" and isinstance(a.value, String)]
-        if units:
-            read_own_unit(units[-1], declaration.span)
-        return units[-1] if units else ""
+    def _unit(self, declaration: Declaration, base: BaseType) -> str:
+        said = modification_of((*declaration.arguments, *base.attributes), self._scope(declaration.span), None, declaration.span)
+        self.names.report.add(unknown_attributes(declaration, base.builtin, said))
+        attributes = {name: inner.value for name, inner in said.children.items() if inner.value is not None}
+
+        def flatten(bound: Bound) -> Flat:
+            return self._local().flatten(bound.expression, bound.scope)
+
+        display_unit_of(attributes, flatten)
+        return unit_of(attributes, flatten)
 
     # ------------------------------------------------------------ the whole
 

@@ -23,7 +23,7 @@ ENUMERATION = "enumeration"
 
 @dataclass(frozen=True)
 class BaseType:
-    """The builtin type that a type derives from (ENUMERATION: one of people's own, `definition`), its attributes, the innermost
+    """The builtin type that a type derives from (ENUMERATION: one of people's own, `definition`), its attributes, the outermost
     first, sizes, and prefixes as of a connector that is an input."""
 
     builtin: str
@@ -182,7 +182,11 @@ class ClassTable:
         base = _BUILTIN[name] if name in BUILTIN_TYPES else self._base_of(self.lookup(name, extends.span), (*seen, definition))
         if base is None or (base.builtin == "Frame" and definition.kind == "connector"):
             return base
-        return BaseType(base.builtin, base.attributes + extends.arguments, (*extends.dimensions, *base.dimensions),
+        final = {a.name: a for a in base.attributes if "final" in a.prefixes}
+        for a in (a for a in extends.arguments if a.name in final):
+            fail("L0227", f"'{a.name}' is final: it keeps the value that it was declared with", a.name_span,
+                 f"it was made final at {final[a.name].span}; leave this out, or take `final` away there")
+        return BaseType(base.builtin, extends.arguments + base.attributes, (*extends.dimensions, *base.dimensions),
                         base.prefixes | extends.prefixes, base.definition)
 
     def declared(self, definition: ClassDefinition) -> dict[str, Declaration]:

@@ -63,6 +63,8 @@ def check_dimensions(model: FlatModel) -> FlatModel:
     checker = _Checker(model)
     for variable in model.news(model.variables.values()):
         checker.guard(checker.check_variable, variable, place=variable.span)
+    for constant in model.constants:
+        checker.guard(checker.check_constant, constant, place=constant.span)
     for frame in model.frames.values():
         for name, start in frame.starts.items():
             checker.guard(checker.expect, start, dimension_of(name), f"the start of {name}")
@@ -153,6 +155,12 @@ class _Checker:
             else:
                 require_number(value, self.report)
                 self.quantity(value)
+
+    def check_constant(self, constant: Variable) -> None:
+        """Of what is known when the scene is compiled; only numbers have a dimension."""
+        require_shape(self.model, constant)
+        if constant.type_name in ("Real", "Integer"):
+            self.check_variable(constant)
 
     def check_turns(self, value: Flat, what: str, unit: str) -> None:
         """Hz counts turns and rad/s radians, rpm and deg/s made of them: units that SI takes for the same, 6.28 apart."""
@@ -445,9 +453,13 @@ class _Checker:
     def _result(self, function: FlatFunction, known: dict[str, Quantity]) -> Quantity:
         """What a user function makes of inputs, once for all calls with the same dimensions."""
         for name, expression in function.steps:
-            known[name] = self.quantity(expression, known)
-        unit = function.units[function.output]
-        return _in_unit(unit) if unit else known[function.output]
+            found, unit = self.quantity(expression, known), function.units[name]
+            if unit and not _fits(found, parse_unit(unit).dimension):
+                said = name.partition("#")[0]
+                self.report.error("L0304", f"'{said}' of {function.name.partition('(')[0]} is in {unit}, this is in "
+                                  f"{found.spell()}", expression.span)
+            known[name] = _in_unit(unit) if unit else found
+        return known[function.output]
 
 
 @cache

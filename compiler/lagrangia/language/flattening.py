@@ -11,6 +11,7 @@ from lagrangia.language.alike_elements import Alike
 from lagrangia.language.array_connections import joined_elements
 from lagrangia.language.assertions import guard_of
 from lagrangia.language.attitudes import ROTATION
+from lagrangia.language.attributes import display_unit_of, unit_of
 from lagrangia.language.call_equations import refuse_call
 from lagrangia.language.chosen_equations import chosen_of
 from lagrangia.language.classes import ClassTable
@@ -49,14 +50,12 @@ from lagrangia.language.instances import (
 from lagrangia.language.instantiation import Instantiation
 from lagrangia.language.kept_components import KeptComponents
 from lagrangia.language.limits import (
-    display_unit_of,
     flag_of,
     has_annotation,
     kind_of,
     read_limit,
     refuse_missing,
     require_within,
-    unit_of,
 )
 from lagrangia.language.mentions import leaves
 from lagrangia.language.moving_inputs import with_moving_inputs
@@ -163,7 +162,8 @@ class _Flattening:
             tuple(self.energies), tuple(self.works), tuple(self.initial), tuple(self.whens), self.functions.flat,
             self.structural,
             experiment_of(self.table, definition, self.names, Scope(root)), definition.name_span, (), tuple(self.figures),
-            self.states, self.names.lookups, samplers=tuple(self.events.samplers), guards=tuple(dict.fromkeys(self.guards)),
+            self.states, self.names.lookups, samplers=tuple(self.events.samplers), constants=tuple(self.names.written.values()),
+            guards=tuple(dict.fromkeys(self.guards)),
             at_rest=self.at_rest, allowed=allowed_of(self.table, definition), components=self.components, found=self.found,
             repeats=self.repeats, flanges=self.flanges, connections=tuple((c.a, c.b) for c in self.connections),
         )
@@ -271,7 +271,8 @@ class _Flattening:
         if slot.base in DISCRETE_TYPES:
             binding, start = self.events.declare(slot, binding, start)
         self.variables[slot.path] = Variable(
-            slot.path, kind, slot.dimensions, unit_of(self.names, slot), display_unit_of(self.names, slot), binding, start,
+            slot.path, kind, slot.dimensions, unit_of(slot.attributes, self.names.flatten_bound),
+            display_unit_of(slot.attributes, self.names.flatten_bound), binding, start,
             flag_of(self.names, slot, "fixed"), least_of(slot, read_limit(self.names, slot, "min")),
             read_limit(self.names, slot, "max"),
             "output" in declaration.prefixes and owner.parent is None, declaration.description,

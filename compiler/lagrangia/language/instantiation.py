@@ -7,6 +7,7 @@ from math import prod
 from lagrangia.base.diagnostics import LagError, Report, Span, fail, suggest
 from lagrangia.base.records import dataclass
 from lagrangia.language.alike_elements import FEWEST, Alike, First, can_be_copied, copies_of
+from lagrangia.language.attributes import unknown_attributes
 from lagrangia.language.classes import ClassTable
 from lagrangia.language.frame_attributes import OF_ANY_FRAME, SPATIAL_ONLY
 from lagrangia.language.instances import (
@@ -52,7 +53,6 @@ from lagrangia.language.tree import (
     Whole,
 )
 
-ATTRIBUTES = frozenset({"unit", "displayUnit", "min", "max", "start", "fixed", "nominal", "quantity", "stateSelect"})
 _ROLES = frozenset({"parameter", "constant", "input", "output", "coordinate"})
 _MOST_ELEMENTS = 1_000_000
 _MOST_COMPONENTS = 100_000
@@ -211,11 +211,12 @@ class Instantiation:
         for declaration, written in members:
             base = self.table.base_type(declaration.type_name, declaration.type_span)
             assert base is not None
-            change = merge(written, self._said_by_type(declaration, base.attributes, scope))
-            for name, inner in change.children.items():
-                if name not in ATTRIBUTES:
-                    self.report.error("L0208", f"{declaration.type_name} has no attribute '{name}'", inner.span,
-                                      *filter(None, [suggest(name, ATTRIBUTES)]))
+            said = self._said_by_type(declaration, base.attributes, scope)
+            for name in written.children.keys() & said.children.keys():
+                self._refuse_final(name, written.children[name], said.children[name])
+            change = merge(written, said)
+            if change.children:
+                self.report.add(unknown_attributes(declaration, base.builtin, change))
             attributes = {name: inner.value for name, inner in change.children.items() if inner.value is not None}
             form = form_of(declaration) if declaration.annotation else ""
             more = base.prefixes | roles | (prefixes_of(form, self.values.space) if form else frozenset())

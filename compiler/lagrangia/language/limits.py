@@ -1,29 +1,35 @@
-"""Attributes of variables: the least and the largest value that a declaration allows, units, whether a start is fixed."""
+"""Attributes of variables: the least and the largest value that a declaration allows, whether a start is fixed."""
 
 import operator
 from typing import NoReturn
 
 from lagrangia.base.diagnostics import fail
+from lagrangia.language.attributes import unit_of
 from lagrangia.language.classes import ClassTable
 from lagrangia.language.flat import Kind
 from lagrangia.language.folding import fold
 from lagrangia.language.instances import DISCRETE_TYPES, STRUCTURAL_TYPES, Instance, Slot, outside
 from lagrangia.language.names import Names
-from lagrangia.language.tree import Array, Boolean, Declaration, Flat, Number, String
-from lagrangia.language.units_written import read_own_unit, read_unit
+from lagrangia.language.tree import Array, Boolean, Declaration, Flat, Number
+from lagrangia.language.units import parse_unit, spell
+from lagrangia.language.units_written import dimension_of_known
 
 _KINDS: tuple[Kind, ...] = ("parameter", "coordinate", "input")
 _BEYOND = (("min", "less than its minimum", operator.lt), ("max", "more than its maximum", operator.gt))
 
 
 def read_limit(names: Names, slot: Slot, attribute: str) -> float | None:
-    """A number, or None where there is no limit. Raises LagError L0208."""
+    """A number, or None where there is no limit. Raises LagError L0208, and L0304 for one in another unit."""
     bound = slot.attributes.get(attribute)
     if bound is None:
         return None
-    value = fold(names.flatten_bound(bound))
+    flat = names.flatten_bound(bound)
+    value = fold(flat)
     if value is None or isinstance(value, bool):
         fail("L0208", f"'{attribute}' must be a number", bound.expression.span)
+    found, unit = dimension_of_known(flat), unit_of(slot.attributes, names.flatten_bound)
+    if found is not None and unit and found != parse_unit(unit).dimension:
+        fail("L0304", f"'{attribute}' of '{slot.path}' is in {unit}, this is in {spell(found)}", bound.expression.span)
     return float(value)
 
 
@@ -52,35 +58,6 @@ def require_within(names: Names, slot: Slot, value: Flat) -> None:
             if limit is not None and isinstance(item, Number) and is_beyond(item.value, limit):
                 fail("L0605", f"the {kind} '{slot.path}' is {item.value:g}, {words} {limit:g}", item.span,
                      f"declared at {slot.declaration.name_span}")
-
-
-def _text(names: Names, slot: Slot, attribute: str) -> str:
-    bound = slot.attributes.get(attribute)
-    if bound is not None and bound.expression.__class__ is String and not bound.selection:
-        return bound.expression.value  # as most are
-    value = names.flatten_bound(bound) if bound is not None else None
-    if value is not None and not isinstance(value, String):
-        fail("L0208", f"'{attribute}' must be a text", value.span)
-    return value.value if isinstance(value, String) else ""
-
-
-def unit_of(names: Names, slot: Slot) -> str:
-    """As it is declared, "" where none is. Raises LagError L0208, L0301."""
-    unit = _text(names, slot, "unit")
-    if unit:
-        read_own_unit(unit, slot.attributes["unit"].expression.span)
-    return unit
-
-
-def display_unit_of(names: Names, slot: Slot) -> str:
-    """Raises LagError L0208; L0301 for one that is none, or that the variable cannot be shown in."""
-    shown = _text(names, slot, "displayUnit")
-    if shown:
-        unit = _text(names, slot, "unit")
-        place = slot.attributes["displayUnit"].expression.span
-        if read_unit(shown, place).dimension != read_unit(unit or "1", place).dimension:
-            fail("L0301", f"what is in {unit or '1'} cannot be shown in {shown}", place)
-    return shown
 
 
 def flag_of(names: Names, slot: Slot, attribute: str) -> bool:

@@ -21,7 +21,7 @@ class LocalNames(Names):
                  truths: Set[str], asserts: Callable[[Assertion], None], declared: Mapping[str, Declaration]) -> None:
         super().__init__(names.table, names.report, names.define, work=names.work, made=names.made,
                          lookups=names.lookups, make_package=names.make_package,
-                         packages=names.packages, space=names.space)
+                         packages=names.packages, written=names.written, space=names.space)
         self.trees, self.current, self.constants, self.truths, self.asserts = trees, current, constants, truths, asserts
         self.declared = declared
 

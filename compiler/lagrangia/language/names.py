@@ -6,12 +6,13 @@ from typing import Any, cast
 
 from lagrangia.base.diagnostics import Report, Span, fail, suggest
 from lagrangia.base.records import dataclass
+from lagrangia.language.attributes import constant_of, in_declared_unit, is_bare
 from lagrangia.language.calls import Calls
 from lagrangia.language.classes import ClassTable
 from lagrangia.language.element_references import ElementReference, element_reference
 from lagrangia.language.elements import element, length
 from lagrangia.language.enumerations import literal_named, ordinal_of, subscripts_of
-from lagrangia.language.flat import Guard
+from lagrangia.language.flat import Guard, Variable
 from lagrangia.language.folding import fold, folded
 from lagrangia.language.frame_attributes import PLANE, REACTIONS, SPATIAL_ONLY, Space, frame_shape
 from lagrangia.language.frame_words import attribute_of
@@ -53,7 +54,7 @@ from lagrangia.language.tree import (
     Whole,
 )
 from lagrangia.language.truths import NO, truth_of
-from lagrangia.language.units_written import in_own_unit, in_si, read_own_unit
+from lagrangia.language.units_written import in_si
 
 _EACH_WHOLE = "write `each` before it if every element is to have the whole of it"
 _UNIT_BEHIND = "a unit stands behind a literal alone, as in 30[deg]; square brackets behind a name pick an element"
@@ -76,6 +77,7 @@ class Names(Calls):
     turned: dict[str, Call[Flat]] = field(default_factory=dict)  # angles of hinges, by the names of what stands for them
     packages: dict[str, Instance] = field(default_factory=dict)  # of the constants of each
     guards: list[Guard] = field(default_factory=list)  # what has to hold in a run
+    written: dict[str, Variable] = field(default_factory=dict)  # constants that are no bare literals
     under: list[Flat] = field(default_factory=list)
     moment: str = ""
     _structural: dict[Slot, Flat] = field(default_factory=dict)
@@ -136,17 +138,18 @@ class Names(Calls):
             fail("L0212", f"'{slot.path}' depends on itself", slot.declaration.name_span, " > ".join([*self._pending, slot.path]))
         self._pending.append(slot.path)
         try:
-            value = folded(self.made.with_known_calls(self.flatten_bound(slot.binding, slot.dimensions), self.work))
+            flat = self.flatten_bound(slot.binding, slot.dimensions)
+            value = folded(self.made.with_known_calls(flat, self.work))
         finally:
             self._pending.pop()
         if value is None:
             fail("L0210", f"'{slot.path}' must be known when the scene is compiled", slot.binding.expression.span,
                  "it is structural (Integer, Boolean or constant): use numbers and structural values")
         require_kind(slot, value)
-        if slot.base == "Real" and isinstance(unit := getattr(slot.attributes.get("unit"), "expression", None), String):
-            read_own_unit(unit.value, unit.span)
-            value = in_own_unit(value, unit.value)
-        self._structural[slot] = value
+        constant = constant_of(slot, flat, self.flatten_bound)
+        if slot.dimensions or not is_bare(flat):
+            self.written[slot.path] = constant
+        self._structural[slot] = value = in_declared_unit(value, constant.unit if slot.base == "Real" else "")
         return value
 
     # ------------------------------------------------------------ expressions

@@ -46,13 +46,6 @@ def in_si(node: Number) -> Number:
     return Number(node.value * unit.factor + unit.offset, node.unit, node.span, False)
 
 
-def in_own_unit(value: Flat, unit: str) -> Flat:
-    """What a constant stands for: its bare numbers are in the unit that it is declared in."""
-    if isinstance(value, Array):
-        return Array(tuple(in_own_unit(item, unit) for item in value.items), value.span)
-    return Number(value.value, unit, value.span) if isinstance(value, Number) and value.unit is None else value
-
-
 def dimension_of_known(node: Flat) -> Dimension | None:
     """Of an expression of numbers; None where none of them has a unit."""
     match node:

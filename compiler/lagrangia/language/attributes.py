@@ -1,0 +1,89 @@
+"""Attributes of declarations: what each type has, and units by one rule for variables, constants, what records have, and
+variables of functions."""
+
+from collections.abc import Callable, Iterator, Mapping
+
+from lagrangia.base.diagnostics import Diagnostic, fail, suggest
+from lagrangia.language.classes import ENUMERATION
+from lagrangia.language.flat import Variable
+from lagrangia.language.instances import Bound, Modification, Slot
+from lagrangia.language.tree import Array, Boolean, Declaration, EnumerationLiteral, Flat, Number, String
+from lagrangia.language.units_written import read_own_unit, read_unit
+
+Flatten = Callable[[Bound], Flat]
+_OF_ALL = frozenset({"quantity", "start", "fixed"})
+_OF_INTEGERS = _OF_ALL | {"min", "max"}
+ATTRIBUTES = _OF_INTEGERS | {"unit", "displayUnit", "nominal", "stateSelect"}
+_OF_TYPES = {"Real": ATTRIBUTES, "Integer": _OF_INTEGERS, "Boolean": _OF_ALL, "String": _OF_ALL, ENUMERATION: _OF_INTEGERS}
+
+
+def unknown_attributes(declaration: Declaration, base: str, change: Modification) -> Iterator[Diagnostic]:
+    """L0208 for what is said of a variable that its builtin type has not."""
+    known = _OF_TYPES.get(base, ATTRIBUTES)
+    for name, inner in change.children.items():
+        if name not in known:
+            hints = [f"of Real variables alone: {base} has {', '.join(sorted(known))}"] if name in ATTRIBUTES else filter(
+                None, [suggest(name, known)])
+            yield Diagnostic("error", "L0208", f"{declaration.type_name} has no attribute '{name}'", inner.span,
+                             hints=tuple(hints))
+
+
+def unit_of(attributes: Mapping[str, Bound], flatten: Flatten) -> str:
+    """As it is declared, "" where none is. Raises LagError L0208 for what is no text; L0301 for no unit, or none of the SI."""
+    unit = _text(attributes, "unit", flatten)
+    if unit:
+        read_own_unit(unit, attributes["unit"].expression.span)
+    return unit
+
+
+def display_unit_of(attributes: Mapping[str, Bound], flatten: Flatten) -> str:
+    """Raises LagError L0208; L0301 for one that is none, or that the variable cannot be shown in."""
+    shown = _text(attributes, "displayUnit", flatten)
+    if shown:
+        unit = _text(attributes, "unit", flatten)
+        place = attributes["displayUnit"].expression.span
+        if read_unit(shown, place).dimension != read_unit(unit or "1", place).dimension:
+            fail("L0301", f"what is in {unit or '1'} cannot be shown in {shown}", place)
+    return shown
+
+
+def constant_of(slot: Slot, value: Flat, flatten: Flatten) -> Variable:
+    """What is known when the scene is compiled, as it is written, for its dimension to be looked at: integers have none."""
+    unit, shown = unit_of(slot.attributes, flatten), display_unit_of(slot.attributes, flatten)
+    return Variable(slot.path, "parameter", slot.dimensions, "1" if slot.base == "Integer" else unit, shown, value, None, False,
+                    None, None, False, slot.declaration.description, slot.declaration.name_span, type_name=slot.base)
+
+
+def is_bare(value: Flat) -> bool:
+    """Whether it is a literal without a unit, of which there is nothing to look at."""
+    return not value.unit if isinstance(value, Number) else isinstance(value, Boolean | String | EnumerationLiteral)
+
+
+def in_declared_unit(value: Flat, unit: str) -> Flat:
+    """What a constant stands for: its bare numbers are in the unit that it is declared in, if it is in one."""
+    if isinstance(value, Array):
+        return Array(tuple(in_declared_unit(item, unit) for item in value.items), value.span)
+    return Number(value.value, unit, value.span) if unit and isinstance(value, Number) and value.unit is None else value
+
+
+def _text(attributes: Mapping[str, Bound], name: str, flatten: Flatten) -> str:
+    bound = attributes.get(name)
+    if bound is None:
+        return ""
+    if bound.expression.__class__ is String and not bound.selection:
+        return bound.expression.value  # as most are
+    value = flatten(bound)
+    found = {item.value if isinstance(item, String) else fail("L0208", f"'{name}' must be a text", item.span)
+             for item in _items(value)}
+    if len(found) > 1:
+        fail("L0208", f"'{name}' is one for all elements of an array, not {' and '.join(sorted(map(repr, found)))}", value.span,
+             "declare what has another unit as a variable of its own")
+    return found.pop() if found else ""
+
+
+def _items(value: Flat) -> Iterator[Flat]:
+    if isinstance(value, Array):
+        for item in value.items:
+            yield from _items(item)
+    else:
+        yield value
