@@ -50,17 +50,20 @@ static LagStatus row_of(LagRun *run, double t, double *row)
     return status == LAG_OK ? lag_row_at(run, t, row, 1) : status;
 }
 
-LagStatus lag_advance_to(LagRun *run, double t, double *row)
+/* What `find` makes of the run until t; by another choice where it leaves constraints or the energy account open. */
+static LagStatus find_surely(LagRun *run, double t, double *row, LagStatus (*find)(LagRun *run, double t, double *row))
 {
-    const double time = not_after_stop(run, t);
     const int was_open = run->statistics.energy_is_open;
-    LagStatus status = row_of(run, time, row);
-    for (int goes_on = 1; goes_on && lag_retry_is_due(run, status, was_open);) {
-        goes_on = lag_retry(run, time);
-        status = row_of(run, time, row);
+    LagStatus status = find(run, t, row);
+    while (lag_retry_is_due(run, status, was_open)) {
+        status = lag_retry(run, t);
+        if (status == LAG_OK)
+            status = find(run, t, row);
     }
     return status;
 }
+
+LagStatus lag_advance_to(LagRun *run, double t, double *row) { return find_surely(run, not_after_stop(run, t), row, row_of); }
 
 LagStatus lag_advance_motion_row(LagRun *run, double t, double *row)
 {
@@ -96,20 +99,14 @@ LagStatus lag_run_advance(LagRun *run, const double *times, int rows, double *re
     return rows > 0 && run->guards.broken && times[rows - 1] >= run->guards.end ? lag_guards_tell(run) : LAG_OK;
 }
 
-/* A step, and the row at its end. */
-static LagStatus stride(LagRun *run, double *row)
+/* A step, unless it was made already, and the row at its end. */
+static LagStatus row_of_step(LagRun *run, double behind, double *row)
 {
-    const double behind = nextafter(run->motion.t, INFINITY);
-    const int was_open = run->statistics.energy_is_open;
-    LagStatus status = lag_advance_step(run);
-    if (status == LAG_OK)
-        status = lag_row_at(run, lag_guards_limit(run), row, 1);
-    for (int goes_on = 1; goes_on && lag_retry_is_due(run, status, was_open);) {
-        goes_on = lag_retry(run, behind);
-        status = lag_row_at(run, lag_guards_limit(run), row, 1);
-    }
-    return status;
+    const LagStatus status = run->motion.t < behind ? lag_advance_step(run) : LAG_OK;
+    return status == LAG_OK ? lag_row_at(run, lag_guards_limit(run), row, 1) : status;
 }
+
+static LagStatus stride(LagRun *run, double *row) { return find_surely(run, nextafter(run->motion.t, INFINITY), row, row_of_step); }
 
 LagStatus lag_run_advance_steps(LagRun *run, int rows, double *results, int *done, double seconds)
 {

@@ -171,6 +171,8 @@ LagStatus lag_batch_begin(LagBatch *batch, LagFollower *f, int64_t i)
     f->held = batch->held ? batch->held + (size_t)i * between : NULL;
     f->stop = batch->stop;
     f->deadline = batch->sweep.seconds > 0 ? lag_clock() + batch->sweep.seconds : INFINITY;
+    f->run->retry.stop = f->stop;
+    f->run->retry.limit = f->deadline < INFINITY ? f->deadline : 0;
     lag_follow_start(f);
     return start(batch, f, i);
 }

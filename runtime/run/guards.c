@@ -1,6 +1,6 @@
 /* A step is looked at in parts, each at five places. A part is halved where positions do not follow there from the rates at these places
- * (exact solvers go over many periods in one step), and where a parabola through three values of a guard does not tell of the others, or
- * may dip below 0 between them.
+ * (exact solvers go over many periods in one step; in a step of another that went wrong they may do so nowhere), and where a parabola
+ * through three values of a guard does not tell of the others, or may dip below 0 between them.
  */
 #include "run/guards.h"
 
@@ -19,7 +19,7 @@
 #include "state/state.h"
 
 enum { PLACES = 5, MOST_ITERATIONS = 100, PATIENCE = 5, ROUNDINGS = 256 };
-static const double LEAST = 1.0 / (1 << 24), NARROWEST = 1.0 / 1024; /* of a step; of what the motion asks for */
+static const double LEAST = 1.0 / (1 << 24), NARROWEST = 1.0 / 1024; /* of a step that is exact; of others, and of what motions ask for */
 static const double ROUGH = 0.05, SMOOTH = 0.01;
 static const double SHARE = 1; /* of a tolerance, by which states may be off: what is no farther beyond is not so for sure */
 
@@ -325,6 +325,7 @@ int lag_guards_watch_motion(const LagModel *model)
 void lag_guards_watch(LagRun *run)
 {
     LagGuards *s = &run->guards;
+    const double least = run->methods.table->attempt ? NARROWEST : LEAST;
     double width = 1, fine = 1;
     if (s->is_idle || !lag_guards_watch_motion(run->model))
         return;
@@ -334,7 +335,7 @@ void lag_guards_watch(LagRun *run)
         const Part part = {low, low + width < 1 ? low + width : 1};
         for (int k = 1; k < PLACES; ++k)
             sample(run, part, k);
-        const int is_motion = width <= LEAST || is_motion_told(run, part);
+        const int is_motion = width <= least || is_motion_told(run, part);
         if (!is_motion || (width > NARROWEST * fine && !are_told(run, part))) {
             width /= 2;
             fine = is_motion ? fine : width;

@@ -137,6 +137,8 @@ static LagStatus ask(LagIslands *s, LagRun *run, int k, int first, double t)
     const int n = run->model->n, size = island->model->n, *place = run->model->island + first;
     lag_run_set_stop(island, run->settings.t_stop);
     island->deadline = run->deadline;
+    island->retry.stop = run->retry.stop;
+    island->retry.limit = run->retry.limit;
     if (run->event_log)
         lag_run_log_events(island, run->event_log + run->logged, run->most_logged - run->logged);
     const LagStatus status = lag_advance_to(island, t, s->row);

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/clock.h"
 #include "choice/methods.h"
 #include "run/run.h"
 #include "state/account.h"
@@ -14,13 +15,15 @@
 /* From nothing as yet, from the start, from what is kept; no more. */
 enum { NOWHERE, START, KEPT, NEVER };
 enum { STEPS = 256, MANY = 8 }; /* from one state that is kept to the next; times as many are too many for another choice */
-enum { ROUNDS = 4 };
+enum { ROUNDS = 4, AT_ALL = 8 * MANY * STEPS }; /* and steps by other choices beyond as many as the run's own */
 static const double SHORTER = 0.77, SHORT = 0.5; /* of the step before; of those since, on average: too near to trouble */
 static const double SINGULAR = 1e-4; /* of singular values: where ways of moving meet */
 
 void lag_retry_layout(LagRetry *retry, const LagModel *model, LagArena *arena)
 {
     retry->given = lag_take(arena, 2 * (size_t)model->n);
+    retry->told = lag_take(arena, (size_t)model->n_guards);
+    retry->is_news = lag_take_ints(arena, (size_t)model->n_guards);
 }
 
 void lag_retry_free(LagRetry *retry) { free(retry->kept); }
@@ -76,13 +79,14 @@ static LagStatus put_back(LagRun *run)
     keep_told(run);
     memcpy(&past, s->kept, sizeof past);
     if (!lag_history_load(&run->history, &past.history, s->kept + sizeof past + bytes))
-        return LAG_OUT_OF_MEMORY;
+        return lag_fail(run, LAG_OUT_OF_MEMORY, -1, 0, 0);
     past.retry = *s;
     past.settings = run->settings;
     past.deadline = run->deadline;
     past.ticks = run->ticks;
     past.wanted = run->wanted;
     past.row_spacing = run->row_spacing;
+    past.logged = past.event_log == run->event_log ? past.logged : 0;
     past.event_log = run->event_log;
     past.most_logged = run->most_logged;
     past.history.pieces = run->history.pieces;
@@ -95,12 +99,18 @@ static LagStatus put_back(LagRun *run)
     return LAG_OK;
 }
 
+/* What has been told since stays told here, too, whether the choice that follows comes to it or not. */
 static LagStatus start_again(LagRun *run)
 {
     const LagRetry before = run->retry;
     const double wanted = run->wanted, spacing = run->row_spacing;
+    const size_t guards = (size_t)run->model->n_guards;
+    memcpy(before.told, run->guards.told, guards * sizeof *before.told);
+    memcpy(before.is_news, run->guards.is_news, guards * sizeof *before.is_news);
     const LagStatus status = lag_run_start(run, before.has_q ? before.given : NULL, before.has_v ? before.given + run->model->n : NULL);
     run->retry = before;
+    memcpy(run->guards.told, before.told, guards * sizeof *before.told);
+    memcpy(run->guards.is_news, before.is_news, guards * sizeof *before.is_news);
     run->wanted = wanted;
     run->row_spacing = spacing;
     return status;
@@ -131,6 +141,7 @@ void lag_retry_begin(LagRun *run, const double *q_given, const double *v_given)
     s->tried = bit(run->methods.solver);
     s->chosen = LAG_SOLVER_AUTO;
     s->round = 0;
+    s->spent = 0;
     s->has_q = q_given != NULL;
     s->has_v = v_given != NULL;
     if (s->from == START && s->has_q)
@@ -200,16 +211,19 @@ static int turn_to(LagRun *run, int32_t solver)
     return turns;
 }
 
-static LagStatus go(LagRun *run, int32_t solver, double goal)
+static int is_over(const LagRetry *s) { return (s->stop && *s->stop) || (s->limit > 0 && lag_clock() > s->limit); }
+
+static LagStatus go(LagRun *run, int32_t solver, double goal, int64_t steps)
 {
     LagStatus status = go_back(run);
     const int is_watching = run->stiffness.is_watching;
-    const int64_t most = run->statistics.steps + MANY * STEPS;
+    const int64_t first = run->statistics.steps, most = first + steps;
     if (status == LAG_OK && !turn_to(run, solver))
         status = lag_fail(run, LAG_NOT_FINITE, -1, 0, 0);
     while (status == LAG_OK && run->motion.t < goal && !run->guards.broken)
-        status = run->statistics.steps < most ? step(run) : LAG_STEP_TOO_SMALL;
+        status = is_over(&run->retry) ? LAG_PAUSED : run->statistics.steps < most ? step(run) : LAG_STEP_TOO_SMALL;
     run->stiffness.is_watching = is_watching;
+    run->retry.spent += run->statistics.steps - first;
     return status;
 }
 
@@ -226,47 +240,55 @@ static int next(LagRun *run, LagDecision *decision)
     return 1;
 }
 
-int lag_retry(LagRun *run, double goal)
+LagStatus lag_retry(LagRun *run, double goal)
 {
+    LagRetry *s = &run->retry;
     const LagFailure failure = run->failure;
-    const int32_t before = run->retry.chosen;
-    if (run->retry.from != START && run->retry.from != KEPT)
-        return 0;
-    for (LagDecision decision; next(run, &decision);) {
-        const int passes = go(run, decision.to, goal) == LAG_OK && !lag_account_misses(run);
+    const int32_t before = s->chosen;
+    const int64_t own = run->statistics.steps;
+    for (LagDecision decision; s->spent < own + AT_ALL && !is_over(s) && next(run, &decision);) {
+        const int passes = go(run, decision.to, goal, MANY * STEPS) == LAG_OK && !lag_account_misses(run);
         run->decided = decision;
-        run->retry.chosen = decision.to;
+        s->chosen = decision.to;
         if (passes)
-            return 1;
+            return LAG_OK;
     }
-    go(run, before, goal);
-    run->failure = failure;
-    run->retry.from = NEVER;
-    return 0;
+    const LagStatus status = is_over(s) ? LAG_PAUSED : go(run, before, goal, own + MANY * STEPS);
+    if (status != LAG_OUT_OF_MEMORY)
+        run->failure = failure;
+    s->from = NEVER;
+    return status;
 }
 
+static int may_retry(const LagRun *run) { return run->retry.from == START || run->retry.from == KEPT; }
+
 /* Before a step: renews what is kept, or goes back to it if the account has come to miss since. */
-static void look(LagRun *run)
+static LagStatus look(LagRun *run)
 {
     if (!is_time_to_keep(run))
-        return;
-    if (!lag_account_misses(run))
+        return LAG_OK;
+    const int misses = lag_account_misses(run);
+    if (!misses)
         keep(run);
-    else if (run->retry.from == NOWHERE || !lag_retry(run, run->motion.t))
+    else if (may_retry(run))
+        return lag_retry(run, run->motion.t);
+    else
         run->retry.from = NEVER;
+    return LAG_OK;
 }
 
 LagStatus lag_retry_step(LagRun *run)
 {
-    look(run);
+    LagStatus status = look(run);
     const double begin = run->motion.t;
-    const LagStatus status = step(run);
+    if (status == LAG_OK)
+        status = step(run);
     const int gives_up = status == LAG_STEP_TOO_SMALL || status == LAG_TURNED_OFF;
-    return gives_up && lag_retry(run, nextafter(begin, INFINITY)) ? LAG_OK : status;
+    return gives_up && may_retry(run) ? lag_retry(run, nextafter(begin, INFINITY)) : status;
 }
 
 int lag_retry_is_due(const LagRun *run, LagStatus status, int was_open)
 {
     const int is_open = status == LAG_OK && run->statistics.energy_is_open && !was_open;
-    return (status == LAG_CONSTRAINTS_OPEN || is_open) && (run->retry.from == START || run->retry.from == KEPT);
+    return (status == LAG_CONSTRAINTS_OPEN || is_open) && may_retry(run);
 }

@@ -25,6 +25,11 @@ typedef struct {
     int has_q, has_v;   /* whether it was */
     unsigned char *kept; /* struct, vectors and what is on its way to be read late, one after the other; NULL: none yet */
     size_t room;        /* its bytes */
+    double *told;       /* of each guard, as in LagGuards, while the run is started anew */
+    int *is_news;       /* likewise */
+    int64_t spent;      /* steps by other choices since the run started */
+    const volatile int32_t *stop; /* whether its driver wants no more of it; NULL: it never says so */
+    double limit;       /* by lag_clock, when its driver wants no more of it; 0: never */
 } LagRetry;
 
 void lag_retry_layout(LagRetry *retry, const LagModel *model, LagArena *arena);
@@ -43,8 +48,8 @@ LagStatus lag_retry_step(LagRun *run);
 /* Whether a row may be another one by another choice: with this status, if the account was open before it. */
 int lag_retry_is_due(const LagRun *run, LagStatus status, int was_open);
 
-/* The run again, to the first step that ends at `goal` or behind it, by another choice. Returns 0 where there is none: the run has come
- * there as it did before. */
-int lag_retry(LagRun *run, double goal);
+/* The run again, to the first step that ends at `goal` or behind it, by another choice; where none passes, as it came there before, and with
+ * that status. LAG_PAUSED where its driver wants no more of it: it lies somewhere before. */
+LagStatus lag_retry(LagRun *run, double goal);
 
 #endif

@@ -307,11 +307,14 @@ static int begin_run(LagRunLanes *s, int lane, int64_t i)
 
 /* -------- in between */
 
-/* Whether what choice.c would pass on to implicit steps, or nobody waits for, is better made alone. */
+/* Whether what choice.c would pass on to implicit steps, nobody waits for, or asks for stricter steps, as all lanes have one tolerance, is
+ * better made alone. */
 static int is_unfit(LagRunLanes *s, int lane)
 {
     LagRun *run = run_in(s, lane);
     const int64_t steps = run->statistics.steps;
+    if (run->scale.tolerance < run->scale.asked)
+        return 1;
     if (steps < s->look[lane])
         return 0;
     const double t = run->motion.t, done = t - s->batch->sweep.t_start;

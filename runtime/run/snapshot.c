@@ -101,6 +101,8 @@ static void keep_own(LagRun *result, const LagRun *run)
     result->scale.kind = run->scale.kind;
     result->retry.kept = run->retry.kept;
     result->retry.room = run->retry.room;
+    result->retry.stop = run->retry.stop;
+    result->retry.limit = run->retry.limit;
     result->history.pieces = run->history.pieces;
     result->history.marks = run->history.marks;
     result->history.first = run->history.first;

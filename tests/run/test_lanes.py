@@ -415,3 +415,15 @@ def test_a_run_that_passes_by_what_is_under_a_root_is_made_alone() -> None:
     assert (lanes.runs, lanes.alone) == (11, 1)
     alone = advanced(suited, replace(job, sweep=replace(job.sweep, in_lanes=False)), values)[0]
     assert [one.tobytes() == other.tobytes() for one, other in zip(found, alone, strict=True)] == [True, *[False] * 11]
+
+
+def test_runs_that_miss_energies_are_as_strict_in_lanes_as_alone() -> None:
+    """Narrow wells over a chain: all errors of steps have one sign, which makes steps stricter. Lanes have one tolerance."""
+    blocks = "".join(f" Block b{i}(m = 1, base = world, s(start = {1 + i / 10}));" for i in range(6))
+    springs = "".join(f" Spring k{i}(k = 4, stretch = b{i}.s{f' - b{i - 1}.s' if i else ''});" for i in range(6))
+    wells = "".join(f" energy potential -0.001[J]/(1.01 + cos((b{i}.s - 0.3[m])/0.003[m]));" for i in range(6))
+    model = lag.loads(f"model Wells World world(gravity = {{0, 0}});{blocks}{springs}{wells} end Wells;")
+    model.native = False
+    few, many = (model.simulate_many(outputs="final(b0.s)", parameters={"b0.m": [1.0] * runs}, tolerance=1e-3, stop=3)
+                 for runs in (2, 8))
+    assert many["final(b0.s)"][0] == few["final(b0.s)"][0] == pytest.approx(0.229695966, abs=0.01)
