@@ -23,7 +23,7 @@ enum { LEAST_ORDER = 4, PATIENCE = 3, MOST_PLANS = 40 }; /* PATIENCE: rejections
 static const double DOMINANT = 0.03; /* share of the end of a step */
 /* What the rest of the series may be worth in units of error, so that errors are those of Dormand-Prince at the same tolerance; by
  * how much a step may be wrong at its end; shrinking after a step that was. */
-static const double REST = 0.004, WRONG = LAG_TAYLOR_WRONG, SHRINK = LAG_TAYLOR_SHRINK, GROW = LAG_TAYLOR_GROW;
+static const double REST = LAG_TAYLOR_REST, WRONG = LAG_TAYLOR_WRONG, SHRINK = LAG_TAYLOR_SHRINK, GROW = LAG_TAYLOR_GROW;
 /* An error falls with the power of the order as steps shrink, rounding does not: what remains of it as large as this share, and is
  * less than NOISE of the state, is let pass. */
 static const double REMAINS = LAG_TAYLOR_REMAINS, NOISE = LAG_TAYLOR_NOISE;

@@ -22,6 +22,7 @@ typedef struct {
 } LagTaylor;
 
 /* See taylor.c. */
+#define LAG_TAYLOR_REST 0.004
 #define LAG_TAYLOR_WRONG 0.5
 #define LAG_TAYLOR_SHRINK 0.5
 #define LAG_TAYLOR_GROW 100

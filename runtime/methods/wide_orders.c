@@ -91,7 +91,8 @@ static void look_at_order(LagWideTaylor *s, int lane, int p)
     for (int k = 2; k < p; ++k)
         power *= h;
     const LagWide most = lag_wide_max(last * h, before) * power;
-    const LagWide order = LAG_WIDE_OF((double)p), found = LAG_WIDE_SELECT(most <= LAG_WIDE_OF(s->faint), order, own);
+    const LagWide few = lag_wide_max(LAG_WIDE_OF(s->rate) * h, LAG_WIDE_OF(s->faint));
+    const LagWide order = LAG_WIDE_OF((double)p), found = LAG_WIDE_SELECT(most <= few, order, own);
     const LagWide asked = LAG_WIDE_SELECT(lag_wide_read(s->first + lane) <= order, found, own);
     lag_wide_write(s->own + lane, LAG_WIDE_SELECT(own == LAG_WIDE_OF(0), asked, own));
 }

@@ -15,7 +15,7 @@
 #include "state/state.h"
 
 enum { MOST_SLOTS = 1200 }; /* that stay near the processor */
-static const double FAINT = 1e-16; /* what the last two terms of short steps are at most, relative to the state */
+static const double FAINT = 1e-16; /* what the last two terms of short steps may be in any case, relative to the state */
 
 int lag_wide_taylor_serves(const LagModel *model)
 {
@@ -32,6 +32,7 @@ static void layout(void *self, const LagRun *like, LagArena *arena)
     lag_wide_series_layout(&s->series, model, arena);
     s->weight = lag_take(arena, 2 * (size_t)model->n * LAG_ABREAST);
     s->slope = lag_take(arena, (size_t)model->n_inputs * LAG_ABREAST);
+    s->rate = LAG_TAYLOR_REST / (like->settings.t_stop - like->settings.t_start);
 }
 
 /* The quaternions at states y, among what the line knows. */

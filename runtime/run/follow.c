@@ -89,16 +89,16 @@ static int has_account(const LagFollower *f, double when)
     return f->window.has_energies || f->next_row % ROWS_PER_ACCOUNT == 0 || when >= f->sweep->t_stop;
 }
 
-/* f->row at `when`. LAG_PAUSED where the run's time is over. */
-static LagStatus find_row(LagFollower *f, double when)
+/* The row at `when`. LAG_PAUSED where the run's time is over. */
+static LagStatus find_row(LagFollower *f, double when, double *row)
 {
     LagStatus status = LAG_PAUSED;
     if (f->is_led && when == lag_run_time(f->run))
-        return has_account(f, when) ? lag_run_row(f->run, f->row) : lag_advance_motion_row(f->run, when, f->row);
+        return has_account(f, when) ? lag_run_row(f->run, row) : lag_advance_motion_row(f->run, when, row);
     for (int done = 0; status == LAG_PAUSED;) {
         if (lag_follow_is_over(f))
             return LAG_PAUSED;
-        status = lag_run_advance(f->run, &when, 1, f->row, &done, PAUSE);
+        status = lag_run_advance(f->run, &when, 1, row, &done, PAUSE);
     }
     return status;
 }
@@ -109,13 +109,15 @@ LagStatus lag_follow_visit(LagFollower *f, double t)
     const size_t width = (size_t)lag_run_row_width(f->model);
     while (f->next <= t && f->next < INFINITY) {
         const double when = f->next;
-        LagStatus status = find_row(f, when);
+        const int is_in_place = next_row(f) == when && when < f->sweep->t_stop; /* f->row is told of the end */
+        double *row = is_in_place ? f->rows + (size_t)f->next_row * width : f->row;
+        LagStatus status = find_row(f, when, row);
         if (status != LAG_OK)
             return status;
         while (next_at(f) == when)
-            keep_at(f, f->row);
-        for (; next_row(f) == when; ++f->next_row)
-            memcpy(f->rows + (size_t)f->next_row * width, f->row, width * sizeof *f->row);
+            keep_at(f, row);
+        for (f->next_row += is_in_place; next_row(f) == when; ++f->next_row)
+            memcpy(f->rows + (size_t)f->next_row * width, row, width * sizeof *row);
         find_next(f);
         if ((status = lag_follow_hold(f)) != LAG_OK)
             return status;

@@ -1,8 +1,9 @@
 """Tapes, native code, and the change from one to the other in a run."""
 
+import itertools
 import time
 from pathlib import Path
-from types import SimpleNamespace
+from types import ModuleType, SimpleNamespace
 
 import numpy as np
 import pytest
@@ -10,7 +11,7 @@ import pytest
 import lagrangia as lag
 from lagrangia.model import Model
 from lagrangia.native.build import find_compiler
-from lagrangia.run import engines
+from lagrangia.run import engines, prepared, stepped
 from lagrangia.run.library import start_runtime
 from lagrangia.run.simulate import Experiment, _Looks
 
@@ -127,3 +128,18 @@ def test_what_others_have_the_processor_for_is_not_counted_as_a_run() -> None:
     time.sleep(0.3)
     looks.look()
     assert told[0] < 0.1
+
+
+@pytest.mark.parametrize("module", [prepared, stepped])
+def test_nor_is_it_of_prepared_runs_and_steps(module: ModuleType, monkeypatch: pytest.MonkeyPatch) -> None:
+    """On a machine where each look at the clock is a second later than the last one."""
+    waits, told = itertools.count(), []
+    monkeypatch.setattr(module, "time", SimpleNamespace(perf_counter=lambda: float(next(waits)), thread_time=time.thread_time))
+    model = chain()
+    rolled = model.start(tolerance=1e-4) if module is stepped else None
+    run = model.prepare(stop=0.01, tolerance=1e-4) if rolled is None else None
+    assert model.engine is not None
+    model.engine.upgrade = SimpleNamespace(look=lambda spent, left: told.append(spent))  # type: ignore[assignment]
+    for _ in range(2):
+        run() if run is not None else rolled.steps(3, 0.001)
+    assert len(told) == 2 and all(0 <= spent < 0.5 for spent in told)

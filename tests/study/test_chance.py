@@ -130,6 +130,9 @@ def test_pictures_have_a_panel_for_each_pair(given: dict[str, object], panels: i
     figure = scene(ISHIGAMI).simulate_many(**given, outputs="f").plot(tmp_path / "x.svg")
     assert len(figure.axes) == panels
     assert (tmp_path / "x.svg").read_text().count("<svg") == 1
+    counts = [axes for axes in figure.axes if axes.get_xlabel() in ("runs", "run")]  # ticks stood at 2.5 of them
+    assert bool(counts) == ("x" not in given.get("parameters", {}) or "samples" in given)
+    assert all(tick == round(tick) for axes in counts for tick in axes.get_xticks())
 
 
 def test_the_command_tells_and_draws(tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:

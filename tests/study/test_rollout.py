@@ -45,6 +45,14 @@ def test_each_run_is_the_one_in_steps(scene: Scene) -> None:
         np.testing.assert_allclose(found["tip"][k], exact["tip"], rtol=0, atol=1e-7)
 
 
+def test_loose_tolerances_take_fewer_orders(scene: Scene) -> None:
+    """Short steps had all digits that there are, whatever was asked for. All of a run err by less than one long one may."""
+    model, u = scene(PUSHED), np.random.default_rng(3).normal(size=(9, 25, 1))
+    exact = model.rollout(u=u, times=TIMES, tolerance=1e-12, solver="erk9").q
+    errors = [np.abs(model.rollout(u=u, times=TIMES, tolerance=tolerance).q - exact).max() for tolerance in (1e-3, 1e-8)]
+    assert errors[1] < 1e-15 and 2e-15 < errors[0] < 0.004e-3
+
+
 def test_rows_at_ends_of_steps_have_energies_now_and_then(scene: Scene) -> None:
     """Nobody asks for them, and they take as long as all else of such a row: one in eight has them, and the last one, for the
     account. All do where a measure asks for them."""

@@ -125,7 +125,7 @@ class SteppedRun:
             self._pace(dt)
         u, row = self._pointers
         looks = self._engine.upgrade is not None and self._steps % _LOOK == 0
-        begin = time.perf_counter() if looks else 0.0
+        begin = time.thread_time() if looks else 0.0
         status = self._library.lag_run_steps(self._handle, self._begin, dt, self._count, 1, u, row, self._done, 0.0)
         if status != 0:
             self._end(Status(status))
@@ -134,7 +134,7 @@ class SteppedRun:
         self._count += 1
         self._steps += 1
         if looks:  # one step stands for those until the next look
-            self._engine.look(_LOOK * (time.perf_counter() - begin), 0.0)
+            self._engine.look(_LOOK * (time.thread_time() - begin), 0.0)
         return self._state
 
     def steps(self, inputs: Any, dt: float) -> "np.ndarray":
@@ -146,7 +146,8 @@ class SteppedRun:
         count, u = self._rows_of(inputs)
         if dt != self._dt:
             self._pace(dt)
-        rows, done, begin = np.empty((count, len(self.columns))), 0, time.perf_counter()
+        looks = self._engine.upgrade is not None
+        rows, done, begin = np.empty((count, len(self.columns))), 0, time.thread_time() if looks else 0.0
         while done < count:
             place = None if u is None else u.ctypes.data + 8 * done * len(self._u)
             target = rows[done:].ctypes.data
@@ -163,7 +164,8 @@ class SteppedRun:
                 self._end(status)
                 rows[done], done = self._row, done + 1
                 break
-        self._engine.look(time.perf_counter() - begin, 0.0)
+        if looks:
+            self._engine.look(time.thread_time() - begin, 0.0)
         return rows[:done]
 
     def _pace(self, dt: float) -> None:

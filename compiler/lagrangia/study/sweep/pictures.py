@@ -93,7 +93,14 @@ def _scatter(panel: Any, sweep: Table, name: str, measure: str) -> None:
         panel.plot(x[order], y[order], linewidth=1.0, color="C0")
     panel.scatter(x, y, s=size, color="C0", alpha=1.0 if is_line or sweep.runs < _SIZES[0][0] else 0.5, linewidths=0)
     panel.tick_params(labelsize=8)
+    if name == "run":
+        _count_along(panel)
     panel.grid(alpha=0.3)
+
+
+def _count_along(panel: Any) -> None:
+    """Numbers stand at whole ones, however few there are."""
+    panel.locator_params(axis="x", integer=True, min_n_ticks=1)
 
 
 def _histogram(panel: Any, values: "np.ndarray") -> None:
@@ -106,6 +113,7 @@ def _histogram(panel: Any, values: "np.ndarray") -> None:
         panel.axhline(found.mean(), color="black", linewidth=1.0)
     panel.set_xlabel("runs", fontsize=9)
     panel.tick_params(labelsize=8)
+    _count_along(panel)
     panel.grid(alpha=0.3)
 
 
