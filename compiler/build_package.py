@@ -7,10 +7,12 @@ The hook of hatchling that pyproject.toml names.
 Where the sources are run from their place, their modules are compiled there, as pip does for what it installs: compiling those
 that a scene needs takes twice as long as the scene, each time where PYTHONDONTWRITEBYTECODE is set.
 
-Where no C compiler is found the wheel has none: what is installed looks for a compiler when a scene is run, and says so.
+Where no C compiler is found pip brings zig. Where it cannot, it says so, and LAGRANGIA_CC=none asks for neither: the wheel has no
+run time then, and what is installed looks for a compiler when a scene is run, and says so.
 """
 
 import compileall
+import os
 import shutil
 import sys
 from concurrent.futures import ThreadPoolExecutor
@@ -45,7 +47,8 @@ class RuntimeHook(BuildHookInterface):
 
     def dependencies(self) -> list[str]:
         """Zig, where this machine has no C compiler. What the parser needs, pyproject.toml requires: pip installs once then."""
-        return ["ziglang>=0.13"] if self.target_name == "wheel" and not prebuilt().find_command() else []
+        is_asked = self.target_name == "wheel" and not has_renounced()
+        return ["ziglang>=0.13"] if is_asked and not prebuilt().find_command() else []
 
     def initialize(self, version: str, build_data: dict[str, Any]) -> None:
         if self.target_name != "wheel":
@@ -59,6 +62,11 @@ class RuntimeHook(BuildHookInterface):
 
     def clean(self, versions: list[str]) -> None:
         shutil.rmtree(place(), ignore_errors=True)
+
+
+def has_renounced() -> bool:
+    """Whether nothing is to be compiled."""
+    return os.environ.get("LAGRANGIA_CC", "").strip() == "none"
 
 
 def place() -> Path:
@@ -94,7 +102,7 @@ def build() -> bool:
     module, runtime, folder = prebuilt(), ROOT / "runtime", place()
     if module.find(runtime, folder):
         return True
-    if (command := module.find_command()) is None:
+    if has_renounced() or (command := module.find_command()) is None:
         print("lagrangia: no C compiler was found, so that the run time is not built: scenes without contacts and loops run by "
               "CasADi, all others need one; pip install ziglang brings it", file=sys.stderr)
         return False

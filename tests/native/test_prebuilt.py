@@ -4,6 +4,7 @@ import ctypes
 import sys
 from importlib.util import cache_from_source, module_from_spec, spec_from_file_location
 from pathlib import Path
+from types import ModuleType, SimpleNamespace
 
 import pytest
 
@@ -132,15 +133,34 @@ def test_sweeps_run_without_a_compiler_and_what_cannot_says_so(alone: None, tmp_
     assert "error[L0901]" in capsys.readouterr().err
 
 
-def test_sources_that_run_in_their_place_are_compiled(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """As pip compiles what it installs: it takes a scene three times as long to start by sources."""
+@pytest.fixture
+def hook() -> ModuleType:
+    """What pip calls."""
     spec = spec_from_file_location("build_package", Path(__file__).parents[2] / "compiler" / "build_package.py")
     assert spec is not None and spec.loader is not None
-    hook = module_from_spec(spec)
-    spec.loader.exec_module(hook)
+    made = module_from_spec(spec)
+    spec.loader.exec_module(made)
+    return made
+
+
+def test_sources_that_run_in_their_place_are_compiled(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, hook: ModuleType) -> None:
+    """As pip compiles what it installs: it takes a scene three times as long to start by sources."""
     (tmp_path / "module.py").write_text("answer = 42\n")
     for name, there in {"PACKAGE": tmp_path, "build": lambda: True, "ship_syntax": lambda: None}.items():
         monkeypatch.setattr(hook, name, there)
     compiled = Path(cache_from_source(str(tmp_path / "module.py")))
     assert hook.ship_and_build(in_place=False) and not compiled.exists()
     assert hook.ship_and_build(in_place=True) and compiled.exists()
+
+
+def test_a_machine_may_be_without_a_compiler_and_without_zig(monkeypatch: pytest.MonkeyPatch, hook: ModuleType,
+                                                            capsys: pytest.CaptureFixture[str]) -> None:
+    """Where pip finds no ziglang, an installation that asks for it is none."""
+    monkeypatch.setattr(hook, "prebuilt", lambda: SimpleNamespace(find=lambda *_: None, find_command=lambda: None))
+    wheel = SimpleNamespace(target_name="wheel")
+    monkeypatch.delenv("LAGRANGIA_CC", raising=False)
+    assert hook.RuntimeHook.dependencies(wheel) == ["ziglang>=0.13"]
+    monkeypatch.setenv("LAGRANGIA_CC", "none")
+    assert hook.RuntimeHook.dependencies(wheel) == [] and not hook.build()
+    said = capsys.readouterr().err.splitlines()
+    assert len(said) == 1 and "no C compiler" in said[0] and "ziglang" in said[0]
