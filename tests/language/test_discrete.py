@@ -253,3 +253,34 @@ def test_an_array_of_them_is_told_once(tmp_path: Path) -> None:
     with pytest.raises(lagrangia.LagError) as found:
         run(tmp_path, text, "Ball")
     assert [d.code for d in found.value.diagnostics].count("L0219") == 1 and "L0232" not in str(found.value)
+
+
+EQUAL = """
+model Equal "n = 1, 2, ..., 5 at 0.5, 1, ...; x = t; b is true where n is odd"
+  Block block(m = 1, base = world);
+  Integer n(start = 0), c[0];
+  Boolean b(start = false), late = n > 2;
+  Counter count[12](u = {n == 3, n <> 1, not n == 3, floor(block.s) == 1, b == true, b == late, b <> late, mod(n, 2) == 0,
+    mod(n, 2) > 0, abs(n - 2) == 1, n == 1 or n == 4, n == 5 and block.s > 1});
+equation
+  when time > 0.5*(n + 1) then
+    n = pre(n) + 1;
+    b = not pre(b);
+  end when;
+initial equation
+  der(block.s) = 1;
+  annotation(experiment(StopTime = 2.7));
+end Equal;
+model Counter
+  Boolean u;
+  Integer k(start = 0);
+equation
+  when u then k = pre(k) + 1; end when;
+end Counter;
+""".replace(", c[0]", "")
+
+
+def test_equal_numbers(tmp_path: Path) -> None:
+    """Of whole numbers, and of what is true or false; what is so at the start comes when it has been false."""
+    result = run(tmp_path, EQUAL, "Equal")
+    assert [result[f"count[{k}].k"][-1] for k in range(1, 13)] == [1, 1, 1, 1, 3, 2, 2, 2, 3, 2, 2, 1]

@@ -68,9 +68,9 @@ _EVENTS = """\
     end when;
 
 The event comes at the moment at which the condition becomes true, found in the dense output of the steps. Conditions compare
-with <, <=, > or >= (positions, velocities, time), and go together with and, or, not. Where events set what is compared to the
-very level, n >= 1 comes at n = 1, and n > 1 does not. One that is true at the start, as time >= 0, does not come before it has
-been false (`lag simulate` says so); time > 0 comes at once.
+with <, <=, > or >= (positions, velocities, time), whole numbers also with == and <> (n == 3, floor(x) == 1, b == true), and go
+together with and, or, not. Where events set what is compared to the very level, n >= 1 comes at n = 1, and n > 1 does not. One
+that is true at the start, as time >= 0, does not come before it has been false (`lag simulate` says so); time > 0 comes at once.
 
 reinit(rate, value)   the rate is that of anything that the motion decides: der(x) of a position, a distance or an angle,
                       frame.v[1], frame.w, of sums and multiples of these (b.w - a.w), or a variable bound to one; value may

@@ -50,7 +50,7 @@ class Levels:
     numbering: Numbering = field(default_factory=Numbering)
     cases: int = 0
     may_rest: bool = False  # whether both sides of a comparison may be equal for a while
-    edge: float = 0.0  # the level where both sides of <= are equal, which is 0 where both sides of < are
+    edge: float = 0.0  # the level where both sides of <= are equal; where both sides of < are, its opposite
 
     def of(self, truth: ca.SX) -> ca.SX | None:
         """Of a condition, 1 where it is true and 0 where it is not; far from 0 where nothing that moves decides. None where it
@@ -112,7 +112,7 @@ class Levels:
         if self._moves(d):
             x, place, is_above = _line(d)
             low, high = self._range(x, known)
-            return d + self.edge * is_true_at_0 if low < place < high else (low >= place) == is_above
+            return d + self.edge * (1 if is_true_at_0 else -1) if low < place < high else (low >= place) == is_above
         return as_expression(_FAR * (2 * (d >= 0 if is_true_at_0 else d > 0) - 1))
 
     def _of_whole(self, d: ca.SX, is_true_at_0: bool, atom: ca.SX, known: _Known) -> Level:
@@ -127,7 +127,7 @@ class Levels:
             first = _first(float(step), place, is_true_at_0)
             if first.is_constant() and not low < float(first) < high:
                 return (low >= float(first)) == (float(step) > 0)
-            return as_expression(x - first + self.edge if float(step) > 0 else first - x)
+            return as_expression(x - first + self.edge if float(step) > 0 else first - x - self.edge)
         level = self._of_difference(inner, is_true_at_0, known)
         if isinstance(level, bool) or not ca.depends_on(level, n):
             return level
@@ -141,7 +141,7 @@ class Levels:
             below = ca.if_else(whole <= low, here, below)
         if high < np.inf:
             above = ca.if_else(whole + 1 >= high, here, above)
-        return _among(as_expression(x - whole), below, here, above)
+        return _among(as_expression(x - whole + self.edge), below, here, above)
 
     def _range(self, x: ca.SX, known: _Known) -> tuple[float, float]:
         """Between what numbers x is known to be."""

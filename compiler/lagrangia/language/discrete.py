@@ -40,6 +40,25 @@ def is_condition(node: Flat) -> bool:
         isinstance(node, Binary) and node.operator in CONDITIONS)
 
 
+def compared(condition: Flat, types: Mapping[str, str]) -> Flat:
+    """A condition with comparisons in place of == and <> of what is whole, as n == 3, and of what is true or false; `types` are
+    those of discrete variables."""
+    match condition:
+        case Unary("not", operand, span):
+            return Unary("not", compared(operand, types), span)
+        case Binary("and" | "or" as operator, left, right, span):
+            return Binary(operator, compared(left, types), compared(right, types), span)
+        case Binary("==" | "<>" as operator, left, right, span) if is_condition(left) and is_condition(right):
+            one, other = compared(left, types), compared(right, types)
+            neither = Binary("and", Unary("not", one, one.span), Unary("not", other, other.span), span)
+            same = Binary("or", Binary("and", one, other, span), neither, span)
+        case Binary("==" | "<>" as operator, left, right, span) if not any(_broken(x, types) for x in (left, right)):
+            same = Binary("and", Binary(">=", left, right, span), Binary("<=", left, right, span), span)
+        case _:
+            return condition
+    return same if operator == "==" else Unary("not", same, span)
+
+
 def as_numbers(left: Expression, *sides: Flat) -> tuple[Flat, Flat]:
     """Both sides of an equation; where the left one is a Boolean variable, as numbers. Raises LagError L0302."""
     first, second = sides
@@ -87,9 +106,10 @@ class Discrete:
     initial: list[Equation]
 
 
-def find_discrete(events: Sequence[Event], variables: Mapping[str, Variable], equations: Sequence[Equation], report: Report
-                  ) -> Discrete:
-    """Reports L0231, L0232 for what cannot be given a value at an event, or is so in two places, L0212, L0237."""
+def find_discrete(events: Sequence[Event], variables: Mapping[str, Variable], equations: Sequence[Equation],
+                  types: Mapping[str, str], report: Report) -> Discrete:
+    """`types` are those of discrete variables. Reports L0231, L0232 for what cannot be given a value at an event, or is so in two
+    places, L0212, L0237."""
     bindings: dict[str, Flat | None] = {name: variable.binding for name, variable in variables.items()}
     bound = {side.name for x in equations for side in (x.left, x.right) if isinstance(side, Ref)}
     rates = {str(node.arguments[0]): x.span for x in equations for node in nodes(x.left, x.right)
@@ -115,7 +135,8 @@ def find_discrete(events: Sequence[Event], variables: Mapping[str, Variable], eq
             found.initial.extend(Equation(x.rate, _at_start(x.value, variables), x.span, event.component) for x in resets)
             continue
         _warn_of_others(replace(event, resets=resets), given, bindings, report)
-        found.whens.append(When(_opened(event.condition, bindings), resets, event.component, event.span))
+        condition = compared(_opened(event.condition, bindings), types)
+        found.whens.append(When(condition, resets, event.component, event.span))
     for name, event in given.items():
         rate = Call("der", (Ref(name, (), event.span),), (), event.span)
         found.equations.append(Equation(rate, Number(0.0, None, event.span), event.span, event.component))

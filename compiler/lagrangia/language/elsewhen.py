@@ -1,7 +1,7 @@
 """elsewhen: an event of its own, that has to exclude the one before to mean what it does in Modelica."""
 
 from lagrangia.base.diagnostics import Report
-from lagrangia.language.events import COMPARED, are_alike, without_not
+from lagrangia.language.events import COMPARED, are_alike, parts_of, without_not
 from lagrangia.language.folding import fold
 from lagrangia.language.tree import Binary, Flat, WhenBlock
 
@@ -20,7 +20,10 @@ def warn_of_both(first: Flat, other: Flat, block: WhenBlock, report: Report) -> 
 def exclude(a: Flat, b: Flat, stays: bool = False) -> bool:
     """Whether two conditions cannot be true at once: one number is above what another condition keeps it below. x >= 2 and x <= 2
     are true at an instant alone, unless x `stays` there."""
-    a, b = without_not(a), without_not(b)
+    return any(_fight(x, y, stays) for x in parts_of(without_not(a)) for y in parts_of(without_not(b)))
+
+
+def _fight(a: Flat, b: Flat, stays: bool) -> bool:
     if not (isinstance(a, Binary) and isinstance(b, Binary) and a.operator in COMPARED and b.operator in COMPARED):
         return False
     is_met = stays and "=" in a.operator and "=" in b.operator

@@ -5,7 +5,7 @@ from typing import Any, TypeGuard
 
 from lagrangia.base.diagnostics import Report, Span, fail
 from lagrangia.language.assertions import ending_of
-from lagrangia.language.discrete import Discrete, Event, find_broken, find_discrete, is_condition
+from lagrangia.language.discrete import Discrete, Event, compared, find_broken, find_discrete, is_condition
 from lagrangia.language.elsewhen import warn_of_both
 from lagrangia.language.events import level_of
 from lagrangia.language.flat import Equation, Guard, Held, Reset, Sampler, Variable
@@ -84,7 +84,8 @@ class EventClauses:
                      "write what happens in the `when` that gives the number its value")
             return [inner, Unary("not", inner, node.span)]
         condition = self.names.without_known(self.names.flatten(node, scope))
-        return list(condition.items) if isinstance(condition, Array) else [condition]
+        parts = condition.items if isinstance(condition, Array) else (condition,)
+        return [compared(part, self.types) for part in parts]
 
     def _add_event(self, condition: Flat, chain: object, component: str, place: Span) -> None:
         is_start = _is_call(condition, "initial")
@@ -154,7 +155,7 @@ class EventClauses:
     def finish(self, variables: Mapping[str, Variable], equations: Sequence[Equation]) -> Discrete:
         """The events, and what keeps discrete variables. Reports L0212, L0231, L0232, L0237, L0302."""
         find_broken(self._whole, self.types, self.report)
-        return find_discrete(self._events, variables, equations, self.report)
+        return find_discrete(self._events, variables, equations, self.types, self.report)
 
 
 def _is_call(node: Expression | Flat, function: str) -> TypeGuard[Call[Any]]:

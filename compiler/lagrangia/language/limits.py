@@ -85,5 +85,6 @@ def kind_of(slot: Slot) -> Kind:
         if slot.dimensions and not slot.enumeration:
             what = f"the array of {slot.base} {kind}s"
         fail("L0219", f"not supported yet: {what} '{slot.declaration.name}'", slot.declaration.name_span,
-             "Integer, Boolean, String and enumeration parameters are supported, and single Integer and Boolean variables")
+             "Integer, Boolean, String and enumeration parameters are supported, and single Integer and Boolean variables, also "
+             "in arrays of components")
     return kind

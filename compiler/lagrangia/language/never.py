@@ -112,8 +112,9 @@ class _Bounding:
     def _jumps(self, condition: Flat) -> bool:
         """Whether it compares what stays on a value for a while."""
         bindings = {name: variable.binding for name, variable in self.model.variables.items()}
+        kept = {name for name, state in self.model.states.items() if state.is_kept}
         return any(isinstance(node, IfExpression) or (isinstance(node, Call) and node.function in _JUMPING)
-                   for node in reached([condition], bindings))
+                   or (isinstance(node, Ref) and node.name in kept) for node in reached([condition], bindings))
 
     def of(self, node: Flat, depth: int = 0) -> Bounds:
         """The least and the largest value that a number may have."""
