@@ -13,6 +13,7 @@ from helpers.symbolic_scenes import EXAMPLES
 from lagrangia.base.diagnostics import LagError
 from lagrangia.command.cli import WRONG, main
 from lagrangia.command.multibody_export import multibody_text
+from lagrangia.command.scene_export import exported_text
 
 MIXED = """model Mixed
   parameter Stiffness k = 40;
@@ -143,7 +144,7 @@ def test_a_hinge_against_its_slider_is_a_joint_of_its_own() -> None:
 
 
 def test_energies_of_one_frame_are_one_body() -> None:
-    """Whose weight acts once; gravity follows its parameter, and outputs that are left out are told."""
+    """Whose weight acts once; gravity follows its parameter; nothing is left out."""
     text = written("model S\n  parameter Acceleration g = 5;\n  World world(gravity = {g, -2*g});\n"
                    "  coordinate Angle phi(start = 0.3);\n  Frame f = shift(turn(world, phi), {1, 0});\n"
                    "  output Length height = f.y;\nenergy\n  kinetic 0.5[kg.m2]*f.w^2/2;\n  kinetic 2[kg]*dot(f.v, f.v)/2;\n"
@@ -151,7 +152,7 @@ def test_energies_of_one_frame_are_one_body() -> None:
     known = parts(text)
     assert text.count("Parts.Body ") == 1 and known["Parts.Body f"] == "m = 2, r_CM = {0, 0, 0}, I_11 = 0, I_22 = 0, I_33 = 1/2"
     assert "WorldForce" not in text and known["World world"] == "n = {g, -2*g, 0}, g = sqrt(5)*abs(g)"
-    assert "// outputs are not written: height" in text and "// starts are numbers" in text
+    assert '  output Real height(unit = "m") = f_place.frame_b.r_0[2];' in text and "// " not in text
 
 
 def test_names_are_of_modelica_and_frames_may_stand_in_packages(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -163,4 +164,44 @@ def test_names_are_of_modelica_and_frames_may_stand_in_packages(tmp_path: Path, 
     assert main(command) == 0
     text = capsys.readouterr().out
     assert text.startswith("model Q_One\n") and text.endswith("end Q_One;\n")
-    assert "Joints.Revolute b_r(" in text and "Parts.Body a_body(" in text
+    assert "Joints.Revolute bar(" in text and "Parts.Body a_body(" in text
+
+
+ANGLES = """import "parts.lag";
+model Größe
+  parameter Angle begin = 0.4;
+  parameter AngularVelocity ω = 2[1/s];
+  World world(gravity = {0, 0, -9.81});
+  Revolute hinge(a = world, axis = {0, 1, 0}, phi(start = 2*begin), w(start = ω));
+  Knob knob(a = hinge.b);
+  output Velocity v[3] = knob.ball.center.v;
+  output AngularVelocity omega[3] = knob.ball.center.omega;
+  output Real turned = knob.ball.center.Q[1];
+end Größe;
+"""
+
+
+def test_starts_and_outputs_are_formulas_and_files_are_imported(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """What no component tells is named; of drive trains the imported classes are written, too."""
+    (tmp_path / "parts.lag").write_text(
+        "model Knob Frame a; Ball ball(m = 1, r = 0.1, center = shift(a, {0, 0, -0.3})); end Knob;\n"
+        "model Wheel Rotational.Inertia J(J = 1[kg.cm2]); end Wheel;\n", encoding="utf-8")
+    for name, text in (("a", ANGLES), ("d", 'import "parts.lag";\nmodel D Wheel w; end D;\n')):
+        (tmp_path / f"{name}.lag").write_text(text, encoding="utf-8")
+        assert main(["export", str(tmp_path / f"{name}.lag"), "--to", "modelica", "--components", "-o", "-"]) == 0
+        told = capsys.readouterr().out
+        if name == "a":
+            at = "knob_ball_center.frame_b"
+            assert told.startswith("model Grosse\n  // outputs are not written: turned\n  parameter") and told.count("//") == 1
+            assert "phi(start = 2*begin, fixed = true), w(start = omega, fixed = true)" in told
+            assert f'v[3](each unit = "m/s") = {{der({at}.r_0[1]), ' in told and f"= {{{at}.R.w[1], {at}.R.w[2], " in told
+        else:
+            assert told.lstrip().startswith("model Wheel Modelica.Mechanics.Rotational.Components.Inertia J(J = 0.0001)")
+            assert "Knob" not in told and "import" not in told and told.endswith("model D Wheel w; end D;\n")
+
+
+def test_flat_names_are_of_ascii() -> None:
+    text = exported_text(lag.loads("model U coordinate Length höhe; coordinate Length hohe; parameter Mass λ = 1; "
+                                   "energy kinetic λ*(der(höhe)^2 + 2*der(hohe)^2)/2; end U;"), "modelica")
+    code = re.sub('"[^"]*"', "", text)
+    assert code.isascii() and "hohe_(start" in code and "hohe(start" in code and "lambda" in code

@@ -36,15 +36,16 @@ def _refuse_idle(options: Namespace) -> None:
 
 def _export_components(options: Namespace) -> int:
     """A scene in the words of the Modelica Standard Library: a drive train as its file says, frames by joints and bodies."""
-    from lagrangia.compile.sources import read_source
-    from lagrangia.editor.modelica_export import drive_train, has_frames
+    from lagrangia.compile.pipeline import read_files
+    from lagrangia.editor.modelica_export import drive_train, has_frames, used_of
 
-    source = read_source(options.file)
-    in_frames = has_frames(source)
+    main, imported = read_files(options.file)
+    used = used_of(main, imported)
+    in_frames = has_frames(main, used)
     for name in ("names", "force") if in_frames else ("model", "names", "force", "parameter"):
         if getattr(options, name):
             fail("L0704", f"--{name} has no effect beside --components", None, "the file is written as it stands")
-    text = _multibody(options) if in_frames else drive_train(source)
+    text = _multibody(options) if in_frames else drive_train(main, used)
     if not in_frames:
         _require_right(options.file)
     if options.output == "-":

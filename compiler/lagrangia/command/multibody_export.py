@@ -9,7 +9,6 @@ from lagrangia.command.scene_export import inputs, remarks, require_smooth, star
 from lagrangia.compile.pipeline import Compilation
 from lagrangia.dynamics.freedom import Freedom, find_freedom
 from lagrangia.frames.edges import Closure
-from lagrangia.language.flat import FlatModel
 from lagrangia.language.mentions import nodes
 from lagrangia.language.tree import FrameRef
 from lagrangia.model import Model
@@ -31,14 +30,9 @@ def multibody_text(model: Model) -> str:
     free = _free(model)
     guesses = _bodies_at_start(model) if any(part not in free for part in model.scene.turned) else {}
     begun = Starts(starts(model) | inputs(model) | numbers | guesses, free, _planar_loops(c, freedom))
-    return write_multibody(c.kinematics, begun, numbers, [*remarks(model, "modelica"), *_left_out(c.flat)]) + "\n"
-
-
-def _left_out(flat: FlatModel) -> list[str]:
-    """What the file does not say."""
-    outputs = [v.name for v in flat.variables.values() if v.is_output]
-    told = [f"outputs are not written: {', '.join(outputs)}"] if outputs else []
-    return [*told, "starts are numbers, as the parameters' values here give them: they do not follow other values"]
+    solved = ["starts are numbers, as the parameters' values here give them: they do not follow other values"]
+    is_solved = bool(c.graph.closures or c.flat.initial_equations or model.scene.turned)
+    return write_multibody(c.kinematics, begun, numbers, [*remarks(model, "modelica"), *(solved if is_solved else [])]) + "\n"
 
 
 def _bodies_at_start(model: Model) -> dict[str, float]:

@@ -1,15 +1,14 @@
 """A drive train -> Modelica text with the components of the Modelica Standard Library, the way back of modelica_import.py."""
 
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import fields, is_dataclass
 from typing import Any
 
-from lagrangia.base.diagnostics import Source, Span, fail
+from lagrangia.base.diagnostics import Span, fail
 from lagrangia.editor.modelica_import import FILTERED, UNITS
 from lagrangia.language.classes import BUILTIN_TYPES
 from lagrangia.language.component_library import library_classes
-from lagrangia.language.syntax import parse
 from lagrangia.language.tree import (
     Argument,
     Call,
@@ -46,36 +45,58 @@ _WORDS = frozenset("""assert block break class connector constrainedby discrete 
 _INSTEAD = "lag export --to modelica without --components writes the equations of motion"
 
 
-def has_frames(source: Source) -> bool:
-    """Whether a file speaks of frames, or of components of the library that are not in its packages: joints, bodies."""
+def used_of(main: Syntax, imported: Iterable[Syntax]) -> list[ClassDefinition]:
+    """The classes of imported files that those of a file use."""
+    known = {definition.name: definition for syntax in imported for definition in syntax.classes}
+    found, pending = dict[str, ClassDefinition](), [*main.classes]
+    for definition in pending:
+        used = [known[element.type_name] for element in definition.elements if element.type_name in known]
+        new = [one for one in used if one.name not in found]
+        found |= {one.name: one for one in new}
+        pending += [*definition.classes, *new]
+    return [*found.values()]
+
+
+def has_frames(main: Syntax, used: Iterable[ClassDefinition]) -> bool:
+    """Whether a file, or what it uses of others, speaks of frames, or of components of the library that are not in its packages:
+    joints, bodies."""
     library = library_classes()
-    classes = [*parse(source).classes]
+    classes = [*main.classes, *used]
     for definition in classes:
         classes += definition.classes  # in packages
     types = {element.type_name for definition in classes for element in definition.elements}
     return "Frame" in types or any(library[name].kind in ("model", "partial model") for name in types & {*library})
 
 
-def drive_train(source: Source) -> str:
-    """The text of a file whose models have drives, blocks and signals alone. Raises LagError L0901 for anything else."""
-    syntax = parse(source)
-    if syntax.imports:
-        _refuse("an imported file", syntax.imports[0].span)
-    own = {definition.name for definition in syntax.classes}
-    edits = dict(edit for definition in syntax.classes for edit in _edits(definition, own, _names(definition, syntax)))
-    text, at = list[str](), 0
-    for (start, end), new in sorted(edits.items()):
-        text += [source.text[at:start], new]
+def drive_train(main: Syntax, used: Sequence[ClassDefinition]) -> str:
+    """The text of a file whose models have drives, blocks and signals alone, behind that of classes that it uses of other files.
+    Raises LagError L0901 for anything else."""
+    classes = {definition.name: definition for definition in (*used, *main.classes)}
+
+    def edits(some: Iterable[ClassDefinition]) -> Iterator[tuple[tuple[int, int], str]]:
+        for definition in some:
+            yield from _edits(definition, {*classes}, _names(definition, classes))
+
+    text = [_written(one.span.source.text[: one.span.end], one.span.start, edits([one])) + "\n\n" for one in used]
+    gone = [((item.span.start, item.span.end), "") for item in main.imports]
+    return "".join([*text, _written(main.source.text, 0, (*gone, *edits(main.classes)))])
+
+
+def _written(source: str, begin: int, edits: Iterable[tuple[tuple[int, int], str]]) -> str:
+    """From a place on, with what stands at places of it."""
+    text, at = list[str](), begin
+    for (start, end), new in sorted(dict(edits).items()):
+        text += [source[at:start], new]
         at = end
-    return "".join([*text, source.text[at:]])
+    return "".join([*text, source[at:]])
 
 
 def _refuse(what: str, span: Span) -> None:
     fail("L0901", f"not supported yet: {what} among components of the Modelica Standard Library", span, _INSTEAD)
 
 
-def _names(definition: ClassDefinition, syntax: Syntax) -> set[str]:
-    """What a class declares, or inherits of the classes of its file. Raises LagError L0901 for words of Modelica."""
+def _names(definition: ClassDefinition, classes: Mapping[str, ClassDefinition]) -> set[str]:
+    """What a class declares, or inherits of these classes. Raises LagError L0901 for words of Modelica."""
     found: set[str] = set()
     pending, seen = [definition], {definition.name}
     for one in pending:
@@ -86,7 +107,7 @@ def _names(definition: ClassDefinition, syntax: Syntax) -> set[str]:
                     _refuse(f"the name '{element.name}', which is a word of Modelica,", element.name_span)
             elif element.type_name not in seen:
                 seen.add(element.type_name)
-                pending += (base for base in syntax.classes if base.name == element.type_name)
+                pending += [classes[element.type_name]] if element.type_name in classes else []
     if definition.name in _WORDS:
         _refuse(f"the name '{definition.name}', which is a word of Modelica,", definition.name_span)
     return found

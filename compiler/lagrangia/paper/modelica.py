@@ -12,6 +12,7 @@ Attitudes are unit quaternions Q, their rates angular velocities w along the tur
 """
 
 import re
+import unicodedata
 from collections.abc import Callable, Iterable, Mapping
 
 import sympy as sp
@@ -19,6 +20,7 @@ from sympy.printing.precedence import PRECEDENCE, precedence
 from sympy.printing.str import StrPrinter
 
 from lagrangia.algebra.with_sympy import Expr, exact_throughout, slope
+from lagrangia.base.spelling import in_ascii
 from lagrangia.language.frame_attributes import component_named
 from lagrangia.paper.book import Book
 from lagrangia.paper.symbolic import SymbolicScene
@@ -35,9 +37,15 @@ _LOGARITHMS = (sp.asinh, sp.acosh, sp.atanh)  # which Modelica has not
 
 
 def identifier(wanted: str) -> str:
-    """Of Modelica, whose letters are those of ASCII."""
-    found = re.sub(r"[^A-Za-z0-9_]+|_{2,}", "_", wanted).strip("_") or "part"
+    """Of Modelica, whose letters are those of ASCII: bär is bar, ω is omega."""
+    found = re.sub(r"[^A-Za-z0-9_]+|_{2,}", "_", letters(wanted)).strip("_") or "part"
     return f"_{found}" if found[0].isdigit() else found
+
+
+def letters(wanted: str) -> str:
+    """Those of ASCII for others: without their accents, Greek ones by their names."""
+    bare = (c for c in unicodedata.normalize("NFD", wanted) if not unicodedata.combining(c))
+    return "".join(c if c.isascii() else c.casefold() if c.casefold().isascii() else in_ascii(c) for c in bare)
 
 
 def write_modelica(book: Book, starts: Mapping[str, float], remarks: Iterable[str] = ()) -> str:
@@ -45,7 +53,7 @@ def write_modelica(book: Book, starts: Mapping[str, float], remarks: Iterable[st
     e, scene = book.equations, book.equations.scene
     model = scene.kinematics.graph.model
     # names as on paper, phi_d and phi_dd for rates and accelerations
-    names = {s: f"{name}_" if name in RESERVED else name for s, name in identifiers(book).items()} | {scene.t: "time"}
+    names = identifiers(book, RESERVED, letters) | {scene.t: "time"}
     printer = Printer()
 
     def code(x: Expr) -> str:

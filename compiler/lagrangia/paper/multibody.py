@@ -11,8 +11,12 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import sympy as sp
 
+from lagrangia.algebra.with_sympy import Expr, exact_throughout
+from lagrangia.base.diagnostics import LagError
 from lagrangia.frames.attitude_starts import FLOATING
+from lagrangia.frames.evaluation import scalars_of
 from lagrangia.frames.kinematics import Kinematics
+from lagrangia.language.flat import Variable
 from lagrangia.language.frame_attributes import ANGLE
 from lagrangia.language.frame_steps import between
 from lagrangia.paper.modelica import identifier, quoted, unit_of
@@ -28,11 +32,14 @@ def write_multibody(kinematics: Kinematics, starts: Starts, numbers: Mapping[str
     reading = Reading(kinematics)
     stated = read_statements(reading)
     model = kinematics.graph.model
+    outputs = {v.name: told for v in model.variables.values() if v.is_output and (told := _told(reading, v)) is not None}
     for equation in model.constraints:
         refuse(f"the equation '{equation.span.text}'", equation.span)
     writing = Writing(reading, kinematics.graph, starts, stated)
-    body = _lines(writing)
+    body = _lines(writing, outputs)
     name = identifier(model.name)
+    lost = [v.name for v in model.variables.values() if v.is_output and v.name not in writing.told]
+    remarks = [*([f"outputs are not written: {', '.join(lost)}"] if lost else []), *remarks]
     lines = [f"model {name}{quoted(model.description)}", *(f"  // {remark}" for remark in remarks)]
     for p in reading.table.parameters.values():
         if p.name in writing.names:
@@ -44,7 +51,36 @@ def write_multibody(kinematics: Kinematics, starts: Starts, numbers: Mapping[str
                       f"Tolerance = {run.tolerance!r}{interval}));", f"end {name};"])
 
 
-def _lines(writing: Writing) -> list[str]:
+def _told(reading: Reading, output: Variable) -> list[Expr] | None:
+    """A number or a vector by what components tell; None of what they do not."""
+    try:
+        value = reading.evaluator.variable(output.name, 0, output.span)
+        return [exact_throughout(x) for x in scalars_of(value)] if len(output.shape) <= 1 else None
+    except LagError:
+        return None
+
+
+def _outputs(writing: Writing, outputs: Mapping[str, Sequence[Expr]]) -> list[str]:
+    """Declarations of those whose formulas components tell."""
+    lines = []
+    for name, values in outputs.items():
+        v = writing.reading.model.variables[name]
+        try:
+            told = [writing.code(x) for x in values]
+        except LagError:
+            continue
+        value, size = (f"{{{', '.join(told)}}}", f"[{len(told)}]") if v.shape else (told[0], "")
+        lines.append(f"  output Real {writing.name(name)}{size}{_each(unit_of(v.unit), size)} = {value}{quoted(v.description)};")
+        writing.told.add(name)
+    return lines
+
+
+def _each(modification: str, size: str) -> str:
+    """Of all entries, where there are several."""
+    return modification.replace("(", "(each ", 1) if size else modification
+
+
+def _lines(writing: Writing, outputs: Mapping[str, Sequence[Expr]]) -> list[str]:
     """Declarations and equations."""
     model = writing.reading.model
     inputs = [v for v in model.variables.values() if v.kind == "input" and not v.shape]
@@ -58,7 +94,8 @@ def _lines(writing: Writing) -> list[str]:
     write_loads(writing)
     connects = [f"  connect({first}, {other});" for first, *others in writing.connectors.values() for other in others]
     initial = ["initial equation", *writing.initial] if writing.initial else []
-    return [*declared, _world(writing), *writing.parts, *initial, "equation", *connects, *writing.equations]
+    told = _outputs(writing, outputs)
+    return [*declared, _world(writing), *writing.parts, *told, *initial, "equation", *connects, *writing.equations]
 
 
 def _world(writing: Writing) -> str:

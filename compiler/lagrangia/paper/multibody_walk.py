@@ -69,9 +69,9 @@ def _declare(writing: Writing, group: Sequence[Piece], name: str, is_planar_cut:
 def _started(writing: Writing, piece: Piece, name: str, pair: tuple[str, str]) -> list[str]:
     """Modifications of a place and its rate by their starts."""
     writing.motion[piece.coordinate] = f"{name}.{pair[0]}", f"{name}.{pair[1]}"
-    values, fixed = writing.starts.values, ", fixed = true" if piece.coordinate in writing.starts.free else ""
-    known = [(own, values.get(label)) for own, label in zip(pair, (piece.coordinate, f"der({piece.coordinate})"), strict=True)]
-    return [f"{own}(start = {value!r}{fixed})" for own, value in known if value is not None]
+    fixed = ", fixed = true" if piece.coordinate in writing.starts.free else ""
+    known = zip(pair, (piece.coordinate, f"der({piece.coordinate})"), strict=True)
+    return [f"{own}(start = {writing.start(label)}{fixed})" for own, label in known if label in writing.starts.values]
 
 
 def _declare_ball(writing: Writing, group: Sequence[Piece], name: str) -> None:

@@ -54,6 +54,10 @@ class Writing:
         self.lengths: dict[tuple[str, ...], str] = {}  # of pairs of frames: the part that knows their distance
         self.names: dict[str, str] = {}  # of parameters
         self.inputs: dict[str, str] = {}
+        self.told: set[str] = set()  # outputs that are written
+        self.stated_starts = {} if graph.closures or graph.model.initial_equations else {
+            name: start for c in graph.coordinates for name, start in ((c.name, c.start), (c.rate_name, c.rate_start))
+            if start is not None}
         self.printer = Printer()
         self.bodies = {(body.component, body.frame): self.name(body.component or body.frame) for body in stated.bodies}
         self.driven = {what.of[0] for _, what in stated.forces if what.kind == "coordinate"}
@@ -83,6 +87,14 @@ class Writing:
         renamed = x.xreplace({s: type(s)(text, real=True) for s, text in known.items()})
         return str(self.printer.doprint(renamed))
 
+    def start(self, label: str) -> str:
+        """Of a coordinate or a rate: as the scene states it by parameters, where nothing else decides; else its number."""
+        if label in self.stated_starts:
+            stated = exact_throughout(self.reading.evaluator.value(self.stated_starts[label]))
+            if stated.free_symbols:
+                return self.code(stated)
+        return repr(self.starts.values[label])
+
     def _parameter(self, name: str) -> str:
         self.names[name] = self.name(name)
         formula = self.reading.table.parameters[name].formula
@@ -100,6 +112,10 @@ class Writing:
                 return _rate(f"{self.lengths[what.of]}.length", what.order)
             if what.kind == "place":
                 return _rate(f"{self.connector(what.of[0])}.r_0[{what.place[0] + 1}]", what.order)
+            if what.kind == "spin":
+                frame, k = self.connector(what.of[0]), what.place[0] + 1
+                world = " + ".join(f"{frame}.R.T[{i}, {k}]*{frame}.R.w[{i}]" for i in (1, 2, 3))
+                return f"{frame}.R.w[{k}]" if what.of[1] == "omega" else f"({world})"
             if what.kind == "axes":
                 i, j = what.place
                 return f"{self.connector(what.of[0])}.R.T[{j + 1}, {i + 1}]"

@@ -147,9 +147,9 @@ def _definitions(g: Given, t: Expr) -> list[tuple[Expr, Expr]]:
     return found
 
 
-def identifiers(book: Book, others: Iterable[str] = ()) -> dict[Expr, str]:
-    """A Python name for each symbol: as on paper, with _d and _dd for rates and accelerations; `others` are taken. Angular
-    velocities are the rates of nothing that has one."""
+def identifiers(book: Book, others: Iterable[str] = (), spelt: Callable[[str], str] = str) -> dict[Expr, str]:
+    """A Python name for each symbol: as on paper, with _d and _dd for rates and accelerations; `others` are taken, `spelt` is how
+    letters are written. Angular velocities are the rates of nothing that has one."""
     e = book.equations
     without = {e.scene.q[k] for k in e.scene.turned}
     found: dict[Expr, str] = {}
@@ -161,7 +161,7 @@ def identifiers(book: Book, others: Iterable[str] = ()) -> dict[Expr, str]:
         if s == e.scene.t:
             found[s] = "t"
             continue
-        base = re.sub(r"\W", "_", "_".join(filter(None, (name.base, name.sub)))) + {0: "", 1: "_d", 2: "_dd"}[name.marks]
+        base = re.sub(r"\W", "_", spelt("_".join(filter(None, (name.base, name.sub))))) + {0: "", 1: "_d", 2: "_dd"}[name.marks]
         while base in taken:
             base += "_"
         taken.add(base)
