@@ -33,7 +33,7 @@ _SOURCES = frozenset("""Torque Torque2 ConstantTorque TorqueStep LinearSpeedDepe
     EddyCurrentTorque EddyCurrentForce""".split())
 _OWN = frozenset(("FreeWheel", "HingeFlange", "SliderFlange"))  # which Modelica's library has not
 _BLOCKS = {name: part for part, names in {
-    "Sources": "Constant RealExpression Step Ramp Sine Cosine Pulse", "Nonlinear": "Limiter",
+    "Sources": "Constant RealExpression Step Ramp Sine Cosine Pulse Trapezoid", "Nonlinear": "Limiter",
     "Math": "Gain Add Add3 Feedback Product Division Abs Sin Cos", "Continuous": "Integrator FirstOrder SecondOrder PI PID",
     }.items() for name in names.split()}
 _TYPES = {own: f"Modelica.Units.SI.{name}" for name, own in reversed(UNITS.items())}

@@ -9,6 +9,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from functools import cache
 
 from lagrangia.base.records import dataclass
+from lagrangia.editor.modelica_arguments import without_unknown
 from lagrangia.language.component_library import library_package
 
 _WORDS = re.compile(
@@ -30,13 +31,20 @@ _WITHOUT_PACKAGES = (*_UNIT_PACKAGES, "Modelica.Constants", "Modelica.Math")  # 
 _WARMING = {"Copper": "3.92e-3", "Aluminium": "4e-3", "Brass": "1.1e-3", "Bronze": "0.8e-3", "Zero": "0"}  # of resistances, 1/K
 _FUNCTIONS = {"sin", "cos", "tan", "asin", "acos", "atan", "atan2", "sinh", "cosh", "tanh", "exp", "log", "log10"}
 _CONSTANTS = {"pi": "pi", "g_n": "9.80665", "e": "exp(1)"}
-_FLANGES = {"Flange_a": "Flange", "Flange_b": "Flange", "Support": "Flange"}
+_CONVERSIONS = {  # what stands before the number that is converted
+    "from_deg": "pi/180*", "to_deg": "180/pi*", "from_rpm": "pi/30*", "to_rpm": "30/pi*", "from_kmh": "1/3.6*", "to_kmh": "3.6*",
+    "from_Hz": "2*pi*", "to_Hz": "0.5/pi*", "from_bar": "1e5*", "to_bar": "1e-5*", "from_degC": "273.15 + ",
+    "to_degC": "-273.15 + ", "from_minute": "60*", "to_minute": "1/60*", "from_hour": "3600*", "to_hour": "1/3600*",
+}
+_CONVERTED = "#"  # stands before that, until its brackets are written
+_INTERFACES = {"Flange_a": "Flange", "Flange_b": "Flange", "Support": "Flange", "PartialTwoFlanges": "TwoFlanges",
+               "PartialCompliant": "Compliant", "PartialCompliantWithRelativeStates": "Compliant"}
 _PACKAGES = frozenset("Rotational Translational Components Sources Sensors Interfaces Blocks Thermal Math Icons".split())
 _OF_MECHANICS = ("Components", "Sources", "Sensors", "Interfaces")
 _OF_BLOCKS = ("Sources", "Math", "Continuous", "Nonlinear")
 # Arguments of the library's components without a meaning here:
 _IDLE = frozenset("useHeatPort stateSelect animation smoothness phi_nominal s_nominal nominal startForward startBackward mode "
-                  "stuck locked vReg exact f_crit".split())
+                  "stuck locked vReg exact f_crit w_small v_small".split())
 _RENAMED = {"freqHz": "f", "mue_pos": "mu_pos"}  # arguments, as they were called before version 4
 _SECTIONS = ("equation", "algorithm", "public", "protected")
 _CLASSES = ("model", "class", "package", "block", "connector", "record")
@@ -72,7 +80,10 @@ def imported(text: str) -> Imported:
         else:
             kept = [name for name in meant if name is not None]
             left += [*_held_temperatures(kept), *_filtered(kept)]
-            out.append("".join(_without_idle(kept) if is_of_library else kept))
+            if is_of_library:
+                kept, unknown = without_unknown(_without_idle(_converted(kept)))
+                left += unknown
+            out.append("".join(kept))
     return Imported("".join(out).strip() + "\n", tuple(left))
 
 
@@ -264,6 +275,10 @@ def _of_library(name: str) -> str | None:
     """A full name in this language; None where it has no counterpart."""
     parts = name.split(".")
     last = parts[-1]
+    if parts[-2] == "Conversions" and parts[1] in ("Units", "SIunits"):
+        return _CONVERTED + _CONVERSIONS[last] if last in _CONVERSIONS else None
+    if parts[1:4] == ["Blocks", "Types", "Init"]:
+        return f"Init.{last}"
     if parts[1:3] == ["Units", "SI"] or parts[1] == "SIunits":
         return UNITS.get(last, "Real")
     if parts[1] == "Math":
@@ -277,7 +292,7 @@ def _of_library(name: str) -> str | None:
     package, kinds = ("Blocks", _OF_BLOCKS) if parts[1] == "Blocks" else (parts[2], _OF_MECHANICS)
     if parts[-2] not in kinds:
         return None
-    last = _FLANGES.get(last, last) if package != "Blocks" else last
+    last = _INTERFACES.get(last, last) if package != "Blocks" else last
     return f"{package}.{last}" if last in _classes_of(package) else None
 
 
@@ -285,6 +300,16 @@ def _of_library(name: str) -> str | None:
 def _classes_of(package: str) -> frozenset[str]:
     found = library_package(package)
     return frozenset(inner.name for outer in found.classes for inner in outer.classes) if found is not None else frozenset()
+
+
+def _converted(words: Sequence[str]) -> list[str]:
+    """With conversions of units written out, in brackets: (pi/180*(30)) for from_deg(30)."""
+    found = list(words)
+    for k, word in enumerate(words):
+        if word.startswith(_CONVERTED):
+            found[k] = f"({word.removeprefix(_CONVERTED)}"
+            found[_closing(words, k)] += ")"
+    return found
 
 
 def _heads(statement: Sequence[str]) -> Iterator[str]:
