@@ -67,7 +67,15 @@ def test_names_of_files_and_columns_command_no_terminal(tmp_path: Path, monkeypa
     main(["check", "\033[31mx.lag"])
     main(["check", "\033[2Jy.lag"])
     main(["simulate", "\033[31mx.lag", "-u", "t.csv"])
+    main(["simulate", "\033[31mx.lag"])
+    main(["explain", "\033[31mx.lag"])
+    main(["format", "\033[2Jy.lag"])
+    main(["draw", "\033[31mx.lag"])
+    Path("\033[2Jr.urdf").write_text('<robot name="r"><link name="a"/><link name="\x9b2Jb"/><joint name="\x9b2Jj" type="odd">'
+                                    '<parent link="a"/><child link="\x9b2Jb"/></joint></robot>', encoding="utf-8")
+    main(["import", "\033[2Jr.urdf"])
     said = "".join(capsys.readouterr())
+    assert "joint '\\x9b2Jj'" in said and "\x9b" not in said
     assert "\\x1b[31mx.lag" in said and "\\x1b[2Jy.lag" in said and "\\x1b[2Jx" in said and "\033" not in said
 
 

@@ -131,6 +131,21 @@ def test_files_are_included(folder: Path, capsys: pytest.CaptureFixture[str]) ->
     assert "these files include each other" in capsys.readouterr().err
 
 
+def test_of_what_is_included_and_is_no_scene_no_line_is_shown(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A scene of others names a file of one's own; and files that include others twice are no work without end."""
+    Path("scene.xml").write_text('<mujoco><include file="secret"/><worldbody/></mujoco>', encoding="utf-8")
+    for secret in ("account: anna, pass phrase: mountain", "<keys>mountain</keys>"):
+        Path("secret").write_text(secret, encoding="utf-8")
+        assert main(["import", "scene.xml"]) == 2
+        said = capsys.readouterr().err
+        assert "'secret' cannot be included" in said and "scene.xml:1:" in said and "mountain" not in said
+    for k in range(12):
+        Path(f"s{k}.xml").write_text("<mujoco>" + f'<include file="s{k + 1}.xml"/>' * 2 + "</mujoco>", encoding="utf-8")
+    Path("s12.xml").write_text("<mujoco/>", encoding="utf-8")
+    assert main(["import", "s0.xml"]) == 2
+    assert "more than 1000 files are included" in capsys.readouterr().err
+
+
 def test_what_has_no_counterpart_is_told(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     text = SCENE.replace('contype="0" conaffinity="0"', "").replace('kv="2"', 'kv="2" timeconst="0.1"')
     text = text.replace('name="ankle" type="ball"', 'name="ankle" type="ball" stiffness="3"')

@@ -5,6 +5,7 @@ from argparse import Namespace
 
 from lagrangia.base.checked_values import a_count_within
 from lagrangia.base.diagnostics import RunError
+from lagrangia.base.spelling import plain_text
 from lagrangia.command.arguments import (
     keep_inputs,
     keep_other,
@@ -40,7 +41,7 @@ def animate_command(options: Namespace) -> int:
         animate_any(run, target, names=named_pairs(options.names or "", "--names"), traces=traces, beside=beside,
                     quantities=names_once(options.curves, "--curves"), tell=_tell if sys.stderr.isatty() else None,
                     note=lambda text: print(f"note: {text}", file=sys.stderr), view=view_asked(options.view))
-    print(f"written to {target}")
+    print(plain_text(f"written to {target}"))
     if failure is not None:
         raise RunError(f"{failure}\nwhat was computed before is shown in {target}")
     return 0

@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from lagrangia.base.diagnostics import EngineWarning, LagError, RunError, render_all
 from lagrangia.base.interruptions import INTERRUPTED, ended_as_by_control_c
 from lagrangia.base.search_path import searching_in
-from lagrangia.base.spelling import prepare_output
+from lagrangia.base.spelling import plain_text, prepare_output
 from lagrangia.command.idle_options import refuse_idle
 from lagrangia.command.parser import WRONG, build_parser
 
@@ -58,7 +58,7 @@ def _execute(parsed: argparse.Namespace) -> int:
         return _out_of_memory()
     except OSError as error:
         where = f"'{error.filename}': " if error.filename else ""
-        print(f"error: {where}{error.strerror or error}", file=sys.stderr)
+        print(plain_text(f"error: {where}{error.strerror or error}"), file=sys.stderr)
         _drop_output()
         return FAILED
     except Exception as error:

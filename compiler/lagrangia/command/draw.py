@@ -4,6 +4,7 @@ import sys
 from argparse import Namespace
 
 from lagrangia.base.result_files import is_device
+from lagrangia.base.spelling import plain_text
 from lagrangia.command.arguments import keep_inputs, keep_other, load_asked, named_pairs, number, titles, view_asked
 from lagrangia.draw.drawing import require_picture
 from lagrangia.solids.showing import draw_any
@@ -21,5 +22,5 @@ def draw_command(options: Namespace) -> int:
     keep_other(options, target, *titles(model))
     text = draw_any(model, None if target == "-" else target, request, named_pairs(options.names or "", "--names"),
                     lambda text: print(f"note: {text}", file=sys.stderr), view_asked(options.view))
-    print(text.rstrip() if target == "-" else f"written to {target}")
+    print(text.rstrip() if target == "-" else plain_text(f"written to {target}"))
     return 0

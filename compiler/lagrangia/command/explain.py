@@ -2,6 +2,7 @@
 
 from argparse import Namespace
 
+from lagrangia.base.spelling import plain_text
 from lagrangia.command.arguments import load_given
 from lagrangia.run.request import check_parameters, check_values
 
@@ -21,5 +22,5 @@ def explain_command(options: Namespace) -> int:
     numbers = c.functions.table["parameters"](values.parameters, values.mask)
     check_parameters(model.scene, numbers.elements())
     needs = find_needs(c.kinematics, c.constraints, c.energies, c.run, c.initial, scene, numbers)
-    print((as_json if options.json else as_text)(scene, needs, chosen_for(scene, model.engine)))
+    print(plain_text((as_json if options.json else as_text)(scene, needs, chosen_for(scene, model.engine))))
     return 0

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from lagrangia.base.diagnostics import LagError, fail
 from lagrangia.base.result_files import write_text
+from lagrangia.base.spelling import plain_text
 from lagrangia.command.arguments import (
     assignments,
     keep_other,
@@ -55,7 +56,7 @@ def _export_components(options: Namespace) -> int:
     if not options.output and path.exists():
         fail("L0004", f"'{path}' is there already", None, f"-o {path} writes over it; another name after -o keeps it")
     write_text(path, text)
-    print(f"{path}: {text.count(chr(10))} lines")
+    print(plain_text(f"{path}: {text.count(chr(10))} lines"))
     return 0
 
 

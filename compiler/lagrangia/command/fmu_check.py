@@ -7,6 +7,7 @@ from math import prod
 from pathlib import Path
 
 from lagrangia.base.diagnostics import LagError, fail, render_all
+from lagrangia.base.spelling import plain_text
 from lagrangia.fmu.check import Checked, check_fmu
 from lagrangia.fmu.process import SPOKEN
 from lagrangia.fmu.run import Opened
@@ -31,7 +32,7 @@ def _check(file: Path, run: bool, seconds: float) -> int:
         return 2
     if checked.faults:
         print(render_all(checked.faults, color), file=sys.stderr)
-    print(f"{file}: {_describe(checked.opened)}")
+    print(plain_text(f"{file}: {_describe(checked.opened)}"))
     print(f"  {_count(checked)}")
     for text, is_fault in checked.told:
         print(f"  {'wrong: ' if is_fault else ''}{text}", file=sys.stderr if is_fault else sys.stdout)

@@ -15,6 +15,7 @@ from typing import Any
 from lagrangia.base.diagnostics import RunError, fail
 from lagrangia.base.interruptions import INTERRUPTED
 from lagrangia.base.result_files import Target, cells, quoted
+from lagrangia.base.spelling import plain_text
 from lagrangia.base.tables import read_input_table
 from lagrangia.command.arguments import (
     asked,
@@ -240,7 +241,7 @@ def _summarise(options: Namespace, run: FmuRun, target: str) -> None:
     how = f"{outcome.steps} communication steps"
     if job.kind == "me":
         how = f"CVode: {outcome.steps} intervals, {outcome.evaluations} evaluations, {outcome.events} events"
-    print(f"  {run.rows} rows in {target}" + (f", picture in {options.plot}" if options.plot else ""), file=out)
+    print(plain_text(f"  {run.rows} rows in {target}" + (f", picture in {options.plot}" if options.plot else "")), file=out)
     if options.stats:
         print(f"  {how}; {outcome.seconds:.3g} s with FMPy and loading; made by "
               f"{opened.description.root.get('generationTool') or 'a tool that does not tell'}", file=out)

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from lagrangia.base.diagnostics import LagError, Report, Source, fail, render_all
 from lagrangia.base.result_files import write_text
+from lagrangia.base.spelling import plain_text
 from lagrangia.compile.sources import read_source
 from lagrangia.editor.formatting import formatted
 
@@ -54,7 +55,7 @@ def _write(file: Path | None, text: str, differs: bool) -> None:
         if not os.access(file, os.W_OK):
             fail("L0004", f"'{file}' cannot be written: it is write-protected")
         write_text(file, text)
-        print(f"{file} formatted")
+        print(plain_text(f"{file} formatted"))
 
 
 def _difference(source: Source, text: str) -> Iterator[str]:

@@ -4,8 +4,9 @@ import sys
 from argparse import Namespace
 from pathlib import Path
 
-from lagrangia.base.diagnostics import Source, Span, fail
+from lagrangia.base.diagnostics import LagError, Source, Span, fail
 from lagrangia.base.result_files import write_text
+from lagrangia.base.spelling import plain_text
 from lagrangia.compile.sources import read_source
 from lagrangia.editor.formatting import formatted
 from lagrangia.editor.modelica_import import Imported, imported, without_leading_dots
@@ -24,9 +25,9 @@ def import_command(options: Namespace) -> int:
         fail("L0004", f"'{target}' is there already", None, f"-o {target} writes over it; another name after -o keeps it")
     found = reader(file)
     write_text(target, formatted(Source(str(target), f"// From {file.name}.\n{found.text}")))
-    print(f"written to {target}: lag check {target}")
+    print(plain_text(f"written to {target}: lag check {target}"))
     for statement in found.left_out:
-        print(f"left out, as it has no counterpart: {statement}", file=sys.stderr)
+        print(f"left out, as it has no counterpart: {plain_text(statement)}", file=sys.stderr)
     return 1 if found.left_out else 0
 
 
@@ -50,11 +51,18 @@ def _scene(file: Path) -> Imported:
     from lagrangia.fmu.xmltree import Element, read_xml
 
     def read(name: str, span: Span) -> Element:
-        """An included file, beside the first one."""
+        """An included file, beside the first one: of what is none, no line is shown."""
         path = file.parent / name
         if not path.is_file():
             fail("L0730", f"there is no file '{name}' to include", span)
-        return read_xml(name, read_source(path).text.encode())
+        try:
+            found = read_xml(name, read_source(path).text.encode())
+        except LagError as error:
+            (first, *_) = error.diagnostics
+            fail("L0730", f"'{name}' cannot be included: {first.message}", span, *([f"at {first.span}"] if first.span else []))
+        if found.tag not in ("mujoco", "mujocoinclude"):
+            fail("L0730", f"'{name}' cannot be included: it is no file in MJCF", span, "its root is <mujoco> or <mujocoinclude>")
+        return found
 
     root = read_xml(file.name, read_source(file).text.encode())
     if root.tag == "robot":

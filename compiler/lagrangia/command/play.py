@@ -5,6 +5,7 @@ from argparse import Namespace
 from pathlib import Path
 
 from lagrangia.base.diagnostics import RunError, fail
+from lagrangia.base.spelling import plain_text
 from lagrangia.command.arguments import keep_inputs, load_asked, named_pairs, names_once, tell_inputs
 from lagrangia.play.player import play_scene
 from lagrangia.play.wasm import require_zig
@@ -23,7 +24,7 @@ def play_command(options: Namespace) -> int:
     target = options.output or _temporary(options.file.stem)
     failure = play_scene(model, target, request, named_pairs(options.names or "", "--names"),
                          names_once(options.trace, "--trace"))
-    print(f"written to {target}")
+    print(plain_text(f"written to {target}"))
     if options.output is None:
         _open(Path(target))
     if failure is not None:

@@ -6,6 +6,7 @@ from argparse import Namespace
 from collections.abc import Callable, Sequence
 from typing import Any
 
+from lagrangia.base.spelling import plain_text
 from lagrangia.model import Model
 from lagrangia.run.engines import Engine, describe
 from lagrangia.run.moved_starts import FIXED, moved_starts, quantity
@@ -62,7 +63,7 @@ def summarise(options: Namespace, model: Model, progress: Progress, target: str,
         say(f"  {progress.ended}")
     _tell_unlooked(scene, say)
     apart = "" if experiment.at is not None else f", one every {experiment.interval:g} s"
-    say(f"  {progress.rows} rows in {target}{apart}" + (f", picture in {options.plot}" if options.plot else ""))
+    say(plain_text(f"  {progress.rows} rows in {target}{apart}" + (f", picture in {options.plot}" if options.plot else "")))
     if options.stats:
         _tell(model, engine, progress, compiled, loaded, say)
 

@@ -7,6 +7,7 @@ from pathlib import Path
 from lagrangia.base.diagnostics import fail
 from lagrangia.base.interruptions import INTERRUPTED
 from lagrangia.base.result_files import Target, cells, is_device, keep_apart
+from lagrangia.base.spelling import plain_text
 from lagrangia.command.arguments import (
     asked,
     assignments,
@@ -180,7 +181,7 @@ def _summarise(sweep: Sweep, target: str, now: int, has_stats: bool) -> None:
     if wrong := int((sweep.ledger.outcomes["energy"][sweep.ok] > DOUBTFUL).sum()):
         say(f"  they miss by more than a tenth in {wrong} of {sweep.runs} runs: unless at rest, the motion is probably wrong; "
             "compare with a smaller tolerance, or another solver")
-    say(f"  {sweep.runs} rows in {target}")
+    say(plain_text(f"  {sweep.runs} rows in {target}"))
 
 
 def _spread(sweep: Sweep, measure: Measure) -> str:

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from lagrangia.base.diagnostics import LagError, RunError, fail, render_all
+from lagrangia.base.spelling import plain_text
 from lagrangia.base.tables import read_table
 from lagrangia.command.arguments import number, tell_warnings
 from lagrangia.compile.pipeline import read_files
@@ -34,7 +35,7 @@ def test_command(options: Namespace) -> int:
                 said, warned = render_all(error.diagnostics, sys.stdout.isatty()), []
             passed, failed = passed + (not said), failed + bool(said)
             took, how = f"{time.perf_counter() - begin:.2f} s", "FAILED" if said else "updated" if options.update else "passed"
-            print(f"{how} {model} ({file}, {took})", *warned, *([said] if said else []), sep="\n")
+            print(plain_text(f"{how} {model} ({file}, {took})"), *warned, *([said] if said else []), sep="\n")
     if not passed + failed:
         fail("L0001", "there is nothing to test", None, f"the names of models that test begin with {_PREFIX}")
     print(f"{passed} {'updated' if options.update else 'passed'}, {failed} failed")

@@ -16,6 +16,7 @@ from lagrangia.fmu.xmltree import Element
 from lagrangia.frames.quaternions import conjugate, quaternion_product
 from lagrangia.solids.stage import matrices, quaternions
 
+_MOST_FILES = 1_000  # that are included, each as often as it is
 Vector = Sequence[float]
 SINGLE = {"Revolute": ("phi", "w"), "Prismatic": ("s", "v")}  # the coordinate and its rate, where there is one
 
@@ -69,12 +70,17 @@ class Joint:
 
 def with_included(root: Element, read: Callable[[str, Span], Element]) -> Element:
     """The elements of included files stand in the place of <include>. `read` gives the root of a file. Raises LagError L0730."""
+    files = list[str]()
+
     def unfolded(element: Element, around: tuple[str, ...]) -> list[Element]:
         if element.tag != "include":
             return [replace(element, children=[x for child in element.children for x in unfolded(child, around)])]
         name = element.get("file")
         if name is None or name in around:
             fail("L0730", "<include> names a file" if name is None else "these files include each other", element.span())
+        files.append(name)
+        if len(files) > _MOST_FILES:
+            fail("L0730", f"more than {_MOST_FILES} files are included", element.span(), "those inside each other multiply")
         return [x for child in read(name, element.span("file")).children for x in unfolded(child, (*around, name))]
 
     (found,) = unfolded(root, ())
