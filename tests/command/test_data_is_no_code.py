@@ -5,6 +5,7 @@ import pickle
 import re
 import subprocess
 import sys
+import zipfile
 from dataclasses import fields, is_dataclass
 from pathlib import Path
 
@@ -77,6 +78,21 @@ def test_names_of_files_and_columns_command_no_terminal(tmp_path: Path, monkeypa
     said = "".join(capsys.readouterr())
     assert "joint '\\x9b2Jj'" in said and "\x9b" not in said
     assert "\\x1b[31mx.lag" in said and "\\x1b[2Jy.lag" in said and "\\x1b[2Jx" in said and "\033" not in said
+
+
+def test_names_of_a_foreign_fmu_command_no_terminal(capsys: pytest.CaptureFixture[str]) -> None:
+    Path("scene.lag").write_text(SWING % "", encoding="utf-8")
+    assert main(["export", "scene.lag", "--to", "fmu", "-o", "own.fmu", "--engine", "tape", "--no-sources"]) == 0
+    with zipfile.ZipFile("own.fmu") as own, zipfile.ZipFile("foreign.fmu", "w") as foreign:
+        for name in own.namelist():
+            content = own.read(name)
+            if name == "modelDescription.xml":
+                for attribute in (b'modelName="', b'generationTool="'):
+                    content = content.replace(attribute, attribute + b"\xc2\x9b2J")
+            foreign.writestr(name, content)
+    main(["simulate", "foreign.fmu", "--stop", "0.1", "--stats"])
+    said = "".join(capsys.readouterr())
+    assert "\\x9b2JSwing" in said and "\x9b" not in said
 
 
 @pytest.mark.parametrize("name", ["a/../../../out", "a/../out", "/tmp/out", "..", "a b", "$(touch MARK)"])

@@ -236,13 +236,13 @@ def _summarise(options: Namespace, run: FmuRun, target: str) -> None:
     title = f"{opened.name}: {opened.text}" if opened.text else opened.name
     description = opened.description
     states = sum(prod(description.shape(state) or ()) for state, _ in description.states())
-    print(f"{title}\n  FMI {description.root.get('fmiVersion')}, {SPOKEN[job.kind]}; {states} "
+    print(f"{plain_text(title)}\n  FMI {description.root.get('fmiVersion')}, {SPOKEN[job.kind]}; {states} "
           f"state{'s' if states != 1 else ''}, {job.times[0]:g} to {job.stop:g} s, tolerance {job.tolerance:g}", file=out)
     how = f"{outcome.steps} communication steps"
     if job.kind == "me":
         how = f"CVode: {outcome.steps} intervals, {outcome.evaluations} evaluations, {outcome.events} events"
     print(plain_text(f"  {run.rows} rows in {target}" + (f", picture in {options.plot}" if options.plot else "")), file=out)
     if options.stats:
-        print(f"  {how}; {outcome.seconds:.3g} s with FMPy and loading; made by "
-              f"{opened.description.root.get('generationTool') or 'a tool that does not tell'}", file=out)
-        print(f"  binaries for {', '.join(opened.platforms)}", file=out)
+        maker = opened.description.root.get("generationTool") or "a tool that does not tell"
+        print(plain_text(f"  {how}; {outcome.seconds:.3g} s with FMPy and loading; made by {maker}"), file=out)
+        print(plain_text(f"  binaries for {', '.join(opened.platforms)}"), file=out)
