@@ -8,7 +8,7 @@ import pytest
 
 from lagrangia.base.diagnostics import WARNINGS
 from lagrangia.command.cli import WRONG, main
-from lagrangia.command.idle_options import RULES
+from lagrangia.command.idle_options import RULES, flag
 
 SCENE = """model M
   parameter Mass m = 1; parameter Integer n = 2; parameter Real k[2] = {2, 3}; input Force u(start = 0);
@@ -30,7 +30,10 @@ simulate --dump flat -o x.csv; simulate --solver casadi:cvodes --engine tape; si
 simulate --solver linear --max-step 0.1; equations --about b.s=1; equations --level short; equations --sections kinetic
 equations --first-letter f; equations --check b.s=0 --format latex; response --at 1,2 --range 1:10; response --at 1 --points 30
 export --to python --force; simulate --spectrum y; simulate --section y; simulate --overlay u.csv; simulate --linear
-simulate --beside m=2; equations --check b.s=0 --language de; equations --format sympy --language de"""
+simulate --beside m=2; equations --check b.s=0 --language de; equations --format sympy --language de
+equations -o x.py --language de; equations -o x.py --form worked --level lecture
+equations --format sympy --form worked --sections x
+simulate --dump flat --from equilibrium; simulate --dump flat --solver erk; simulate --dump flat --engine tape"""
 OTHERS = {"simulate --outputs ,": "names nothing", "simulate --allow L9999": "no warning 'L9999'",
           "sweep -p m=1,2 --seed 3": "random",
           "sweep -p m=1,2 --sampling lhs": "random", "sweep -p m=1,2 --together": "side by side"}
@@ -73,6 +76,16 @@ def test_what_has_nothing_to_choose_from_is_refused(told, command: str) -> None:
     assert OTHERS[command] in told(command)
 
 
+def test_values_that_a_page_does_not_show_are_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys) -> None:
+    """Symbols stay symbols, whatever the numbers; those of scripts, of --numbers and of structural parameters are there."""
+    monkeypatch.chdir(tmp_path)
+    Path("c.lag").write_text(SCENE)
+    for command, is_vain in {"-p m=2": True, "--form matrix -p m=2 -p n=3": True, "--numbers -p m=2": False, "-p n=3": False,
+                             "--format sympy -p m=2": False}.items():
+        assert main(["equations", "c.lag", *command.split()]) == 0
+        assert ("warning[L0224]: -p m=2 has no effect" in capsys.readouterr().err) is is_vain, command
+
+
 def test_what_is_usual_may_be_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     Path("c.lag").write_text(SCENE)
@@ -85,7 +98,7 @@ def test_every_rule_names_options_of_its_commands() -> None:
     folder = Path(__file__).parents[2] / "compiler" / "lagrangia" / "command"
     text = "".join(file.read_text(encoding="utf-8") for file in folder.glob("*_options.py") if file.stem != "idle_options")
     for rule in RULES:
-        assert all(f'"--{name.replace("_", "-")}"' in text for name in rule.options if name != "input")
+        assert all(f'"{flag(name)}"' in text for name in rule.options if name != "input")
 
 
 def test_the_codes_of_warnings_are_those_that_are_told() -> None:

@@ -20,10 +20,12 @@ def shared_derivations() -> Iterator[None]:
             known[key] = compile_energies(path, model, structural, given, has_angles, has_quaternions)
         return known[key]
 
-    def symbolic(kinematics, constraints, is_small=False, angles=""):
-        key = id(kinematics), is_small, angles
+    def symbolic(kinematics, constraints, is_small=False, angles="", is_signed=False):
+        if is_signed and not any(q.is_positive for q in symbolic(kinematics, constraints, is_small, angles).q):
+            is_signed = False  # signs are the same
+        key = id(kinematics), is_small, angles, is_signed
         if key not in known:
-            known[key] = build_symbolic(kinematics, constraints, is_small, angles), kinematics  # its id must stay its own
+            known[key] = build_symbolic(kinematics, constraints, is_small, angles, is_signed), kinematics  # its id stays its own
         return known[key][0]
 
     def derived(scene, most_products, most_terms=None):

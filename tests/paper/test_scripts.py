@@ -2,6 +2,7 @@
 
 import re
 from pathlib import Path
+from typing import Any
 
 import pytest
 import sympy as sp
@@ -68,3 +69,18 @@ def test_scripts_of_the_other_forms_assert_them(name: str, form: str, wrong: tup
     with pytest.raises(AssertionError):
         exec(changed, {"__name__": "__main__"})
     capsys.readouterr()
+
+
+def test_programs_have_the_signs_of_lengths_that_start_positive(tmp_path: Path, capsys) -> None:
+    """A mass falls through the anchor of its spring: V = k (|s| - L)^2/2, which people read for s > 0. At s = -0.3 the spring
+    pulls with k (0.3 - L); a script and a Modelica model that go on there had k (-0.3 - L)."""
+    file = tmp_path / "m.lag"
+    file.write_text("""model M Prismatic p(a = world, along = {0, 1}, s(start = 0.2)); PointMass q(m = 1, center = p.b);
+      Spring spring(a = world, b = p.b, k = 3, s_rel0 = 0.1); end M;""")
+    assert main(["equations", str(file)]) == 0 and "s > 0" in capsys.readouterr().out
+    space: dict[str, Any] = {}
+    assert main(["equations", str(file), "--format", "sympy"]) == 0
+    exec(capsys.readouterr().out, space)
+    pull = space["h"].xreplace(space["values"])[0].subs(space["s"], -0.3)
+    assert float(pull) == pytest.approx(9.81 - 3*(0.3 - 0.1))
+    assert main(["export", str(file), "--to", "modelica", "-o", "-"]) == 0 and "sign(s)" in capsys.readouterr().out

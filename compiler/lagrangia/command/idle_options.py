@@ -20,7 +20,20 @@ class _Rule:
 
 
 _DUMPED = ("output", "plot", "plot_quantities", "spectrum", "section", "overlay", "beside", "linear", "at", "interval", "start",
-           "stop", "tolerance", "initial", "input", "max_step", "max_steps", "stats", "kind")
+           "stop", "tolerance", "initial", "input", "start_from", "solver", "engine", "max_step", "max_steps", "stats", "kind")
+_FLAGS = {"start_from": "from"}  # where an attribute is not called as its option
+
+
+def flag(name: str) -> str:
+    """The option of an attribute."""
+    return f"--{_FLAGS.get(name, name).replace('_', '-')}"
+
+
+def _is_script(options: Namespace) -> bool:
+    """Whether `lag equations` writes a script of SymPy."""
+    return bool(options.format == "sympy" or (options.format is None and (options.output or "").lower().endswith(".py")))
+
+
 RULES = (
     _Rule(("simulate",), ("interval",), lambda o: o.at is not None, "--at says the times of the rows"),
     _Rule(("simulate",), ("plot_quantities", "spectrum", "section", "overlay", "beside", "linear"), lambda o: o.plot is None,
@@ -35,7 +48,8 @@ RULES = (
     _Rule(("equations",), ("level", "sections", "first_letter"), lambda o: o.form != "worked", "it belongs to --form worked"),
     _Rule(("equations",), ("format", "output", "numbers", "language", "fragment"), lambda o: o.check is not None,
           "--check prints whether its equation holds"),
-    _Rule(("equations",), ("language",), lambda o: o.format == "sympy", "scripts are written in English"),
+    _Rule(("equations",), ("language",), _is_script, "scripts are written in English"),
+    _Rule(("equations",), ("level", "sections", "first_letter"), _is_script, "scripts have the equations, not their derivation"),
     _Rule(("modes",), ("mode",), lambda o: o.animate is None, "--animate names the page that is to show it"),
     _Rule(("response",), ("range", "points"), lambda o: o.at is not None, "--at says the frequencies"),
     _Rule(("animate",), ("curves", "names", "beside"), lambda o: o.stroboscope is not None,
@@ -52,4 +66,4 @@ def refuse_idle(options: Namespace, usual: Callable[[str], object]) -> None:
         if options.name in rule.commands and rule.holds(options):
             for name in rule.options:
                 if getattr(options, name) != usual(name):
-                    fail("L0706", f"--{name.replace('_', '-')} has no effect here", None, rule.why)
+                    fail("L0706", f"{flag(name)} has no effect here", None, rule.why)

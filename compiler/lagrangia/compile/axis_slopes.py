@@ -43,8 +43,8 @@ def _by_equations(kinematics: Kinematics, motion: Motion, columns: list[int]) ->
         J, multipliers, bias = held.J, held.multipliers, held.rows.bias
     known = ca.SX.sym("y", n + J.rows())
     M, h, J, bias, found = kinematics.algebra.by_inputs([M, motion.h, J, bias, ca.vertcat(a, multipliers)])
-    across = J @ known[:n] + bias
-    rest = ca.vertcat(M @ known[:n] + h + J.T @ (known[n:] + across), across)
+    across = J @ known[:n, :] + bias
+    rest = ca.vertcat(M @ known[:n, :] + h + J.T @ (known[n:, :] + across), across)
     slopes = ca.substitute(ca.jacobian(rest, motion.p)[:, columns], known, found)
     D, upper, order = ca.ldl(ca.blockcat([[M + J.T @ J, J.T], [J, ca.SX(J.rows(), J.rows())]]), not held)
     return -ca.ldl_solve(ca.densify(slopes), D, upper, order)[:n, :]

@@ -102,7 +102,7 @@ def write_equations(path: Path, request: Request, model: str | None = None, stru
                                                request.has_quaternions)
     _check_size(kinematics, request)
     with deep_recursion():
-        scene = build_symbolic(kinematics, constraints, request.form == "linear", request.angles)
+        scene = build_symbolic(kinematics, constraints, request.form == "linear", request.angles, request.format == "sympy")
         begin = cache(lambda: start_of(request.parameters, path, model, structural, request.angles))
         found = _written(kinematics, scene, request, begin, rates_jump(kinematics, constraints))
     flat = kinematics.graph.model
@@ -112,12 +112,12 @@ def write_equations(path: Path, request: Request, model: str | None = None, stru
 
 def written_book(path: Path, request: Request, model: str | None = None, structural: Mapping[str, Any] | None = None,
                  has_quaternions: bool = False) -> Book:
-    """The equations for other writers, within the same limits; `has_quaternions`: they know attitudes. Raises LagError
-    L0711, L0712."""
+    """The equations for other writers, within the same limits; `has_quaternions`: programs, which know attitudes and signs.
+    Raises LagError L0711, L0712."""
     kinematics, constraints = compile_energies(path, model, structural, request.parameters, bool(request.angles), has_quaternions)
     _check_size(kinematics, request)
     with deep_recursion():
-        scene = build_symbolic(kinematics, constraints, angles=request.angles)
+        scene = build_symbolic(kinematics, constraints, angles=request.angles, is_signed=has_quaternions)
         limit = MOST_FORCED_PRODUCTS if request.is_forced else MOST_PRODUCTS
         try:
             e = derive(scene, limit, None if request.is_forced else MOST_KINETIC_TERMS)

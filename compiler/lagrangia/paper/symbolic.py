@@ -126,12 +126,14 @@ class SymbolicScene:
         return sp.Add(*(slope(expression, x) * rate for x, rate in self.rates if expression.has(x)))
 
 
-def build_symbolic(kinematics: Kinematics, constraints: Constraints, is_small: bool = False, angles: str = "") -> SymbolicScene:
+def build_symbolic(kinematics: Kinematics, constraints: Constraints, is_small: bool = False, angles: str = "",
+                   is_signed: bool = False) -> SymbolicScene:
     """The scene of `kinematics` (those that are left after the linear constraints) once more, in SymPy.
 
     For small motion the places of supports are given functions, too, and all rates of given functions symbols. `angles`: the
-    sequence of axes by whose angles attitudes are written; "": by quaternions and angular velocities. Raises LagError L0914 for
-    forces that depend on a contact force.
+    sequence of axes by whose angles attitudes are written; "": by quaternions and angular velocities. `is_signed`: for programs,
+    which go on where a length that starts positive changes its sign; people read |s| as s, with a word. Raises LagError L0914
+    for forces that depend on a contact force.
     """
     pressing = place_of_contact_forces(kinematics.graph.model)
     if pressing is not None and not is_small:
@@ -140,7 +142,7 @@ def build_symbolic(kinematics: Kinematics, constraints: Constraints, is_small: b
     attitudes, taken = kinematics.graph.attitudes, {*kinematics.graph.model.variables, *kinematics.symbols.positions}
     known = angles_of(attitudes, angles, taken) if angles else {}
     turnings = () if angles else turnings_of(attitudes, list(kinematics.symbols.positions), taken)
-    symbolic = SymbolicKinematics(kinematics, is_small=is_small, angles=known, turnings=turnings)
+    symbolic = SymbolicKinematics(kinematics, is_small=is_small, angles=known, turnings=turnings, is_signed=is_signed)
     symbolic = symbolic.reduced(constraints)
     energies = evaluate_energies(symbolic)
     kept = [row for row in constraints.rows if not row.balanced]  # a balance is Lagrange's equation of its place itself
@@ -195,19 +197,22 @@ class SymbolicKinematics(ByAngles, Kinematics):
     is_small: bool = False
     angles: Mapping[str, Angles] = field(default_factory=dict)
     turnings: tuple[Turning, ...] = ()
+    is_signed: bool = False
 
     def __init__(self, base: Kinematics, positions: Iterable[str] | None = None, table: ParameterTable | None = None,
                  dependents: Mapping[str, Dependent] | None = None, given: dict[str, Given] | None = None,
-                 is_small: bool = False, angles: Mapping[str, Angles] | None = None, turnings: tuple[Turning, ...] = ()) -> None:
+                 is_small: bool = False, angles: Mapping[str, Angles] | None = None, turnings: tuple[Turning, ...] = (),
+                 is_signed: bool = False) -> None:
         algebra = SympyAlgebra()
         self.angles = angles or getattr(base, "angles", {})
         self.turnings = turnings or getattr(base, "turnings", ())
+        self.is_signed = is_signed or getattr(base, "is_signed", False)
         self.table = table or ParameterTable(base, algebra)
         names = list(base.symbols.positions) if positions is None else list(positions)
         written = {part: name for attitude, found in self.angles.items()
                    for part, name in zip(parts_of(attitude), found.names, strict=True)}
         names = [written.get(name, name) for name in names]
-        symbols = _symbols(base, names, self.table)
+        symbols = _symbols(base, names, self.table, self.is_signed)
         symbols.attitudes.update({turning.name: turning.parts for turning in self.turnings})
         self.given = given if given is not None else {}
         self.is_small = is_small
@@ -377,7 +382,7 @@ class _TimeEvaluator(ReadableEvaluator):
         return self.kinematics.time_function(function.name, super()._user_function(function, arguments, level), level)
 
 
-def _symbols(base: Kinematics, names: list[str], table: ParameterTable) -> Symbols:
+def _symbols(base: Kinematics, names: list[str], table: ParameterTable, is_signed: bool) -> Symbols:
     def real(name: str) -> Expr:
         return sp.Symbol(name, real=True)
 
@@ -388,7 +393,8 @@ def _symbols(base: Kinematics, names: list[str], table: ParameterTable) -> Symbo
         elif v.kind == "input":
             values[v.name] = _shaped(v.name, v.shape)
     variables = base.graph.model.variables
-    lengths = {n for n in names if n in variables and variables[n].unit == "m" and _starts_positive(variables[n], variables)}
+    lengths = {n for n in names if n in variables and variables[n].unit == "m" and not is_signed
+               and _starts_positive(variables[n], variables)}
     positions = {n: sp.Symbol(n, positive=True) if n in lengths else real(n) for n in names}
     return Symbols(TIME, sp.S.One, positions, {n: real(f"der({n})") for n in names},
                    {n: real(f"der(der({n}))") for n in names}, values)
