@@ -296,3 +296,28 @@ def test_fixed_values_that_contradict_name_the_loop_and_its_gap(scene: Write) ->
     assert f"misses by {gap:.3g}" in told
     with pytest.raises(lag.LagError, match="the loop world - O - crank"):
         model.simulate(stop=0.1)
+
+
+FLAT = """model Flat
+  World world(gravity = {0, -9.81});
+  Revolute h1(a = world, phi(start = 0, fixed = true), w(start = 1));
+  Bar b1(m = 1, L = 0.5, a = h1.b);
+  Revolute h2(a = b1.b);
+  Bar b2(m = 1, L = 1, a = h2.b);
+  Revolute h3(a = b2.b);
+  Bar b3(m = 1, L = 0.5, a = h3.b);
+  Revolute h4(a = b3.b, b = shift(world, {1, 0}));
+end Flat;
+"""
+
+
+def test_a_run_from_a_singular_start_says_what_check_says(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "flat.lag").write_text(FLAT, encoding="utf-8")
+    assert main(["check", str(tmp_path / "flat.lag")]) == 0
+    said = next(line for line in capsys.readouterr().out.splitlines() if "the start is a singular position" in line)
+    run = ["simulate", str(tmp_path / "flat.lag"), "--stop", "0.5", "-o", str(tmp_path / "o.csv")]
+    assert main(run) == 0
+    told = capsys.readouterr().out
+    assert (said in told.splitlines()) == ("missed the tolerance" in told)  # else nobody looks for it
+    assert main([*run, "--initial", "h1.phi=0.3"]) == 0
+    assert "singular position, where" not in capsys.readouterr().out

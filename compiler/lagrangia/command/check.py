@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from lagrangia.base.diagnostics import Diagnostic, LagError, Report, render_all
 from lagrangia.base.spelling import plain_text
 from lagrangia.command.arguments import tell_warnings
+from lagrangia.command.summary import singular_start
 from lagrangia.model import Model
 from lagrangia.run.interpret import evaluate
 from lagrangia.run.request import check_parameters, check_values
@@ -128,14 +129,7 @@ def _describe(scene: Any, freedom: Mapping[str, Any]) -> str:
         lines.append(f"  discrete variables {', '.join(scene.signals[name] for name in scene.kept)}")
     if notes["dependent"]:
         lines.append(f"  given by others: {', '.join(notes['dependent'][:8])}")
-    if freedom["is_rigid_at_start"]:
-        lines.append("  the start is a singular position: nothing moves there, and parts a little longer let it go")
-    elif freedom["ways_at_start"]:
-        ways = freedom["ways_at_start"]
-        lines.append(f"  the start is a singular position, where {len(ways)} ways of moving meet: {'; or '.join(ways)}")
-    elif freedom["degrees_at_start"] > freedom["degrees_of_freedom"]:
-        here = freedom["degrees_at_start"] - len(scene.signals)
-        lines.append(f"  the start is a singular position: {here} degrees of freedom there")
+    lines += [f"  {text}" for text in filter(None, [singular_start(scene, freedom)])]
     lines += [f"  {text} only just holds: it is kept with its slopes or its parts" for text in notes["touching"]["told"]]
     lines += [f"  {text}" for text in (*freedom["repeated"], *freedom["assemblies"])]
     return "\n".join(lines)

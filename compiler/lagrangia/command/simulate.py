@@ -26,7 +26,7 @@ from lagrangia.command.arguments import (
     tell_warnings,
     values_with_units,
 )
-from lagrangia.command.summary import summarise, tell_assembly, tell_moved, tell_reactions
+from lagrangia.command.summary import summarise, tell_assembly, tell_moved, tell_reactions, tell_singular_start
 from lagrangia.model import NO_COMPILER, Model
 from lagrangia.run.request import Experiment, Request, check_values, plan
 from lagrangia.run.scene import ALL_REACTIONS
@@ -175,6 +175,7 @@ def _run(options: Namespace, model: Model, experiment: Experiment, values: Any, 
     if not options.quiet:
         summarise(options, model, progress, target, compiled, loaded)
         tell_assembly(scene, experiment, first, sys.stdout if target != "-" else sys.stderr)
+        tell_singular_start(options, model, progress, sys.stdout if target != "-" else sys.stderr)
         tell_moved(scene, progress, values, first, sys.stdout if target != "-" else sys.stderr)
         tell_reactions(scene, last, sys.stdout if target != "-" else sys.stderr)
     if progress.interrupted:

@@ -3,7 +3,7 @@
 import math
 import sys
 from argparse import Namespace
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from lagrangia.base.spelling import plain_text
@@ -102,6 +102,25 @@ def tell_assembly(scene: Any, experiment: Experiment, row: Sequence[float], out:
     shown += [f"{' and '.join(scene.notes['attitudes'])} as they fit"] if turned else []
     more = ", ..." if len(told) > 4 else ""
     print(f"  loops closed at {', '.join(shown)}{more}; `lag check` tells whether there are other ways", file=out)
+
+
+def singular_start(scene: Scene, freedom: Mapping[str, Any]) -> str:
+    """What is singular about the start as the file states it; "" where nothing is."""
+    if freedom["is_rigid_at_start"]:
+        return "the start is a singular position: nothing moves there, and parts a little longer let it go"
+    if ways := freedom["ways_at_start"]:
+        return f"the start is a singular position, where {len(ways)} ways of moving meet: {'; or '.join(ways)}"
+    if freedom["degrees_at_start"] > freedom["degrees_of_freedom"]:
+        return f"the start is a singular position: {freedom['degrees_at_start'] - len(scene.signals)} degrees of freedom there"
+    return ""
+
+
+def tell_singular_start(options: Namespace, model: Model, progress: Progress, out: Any) -> None:
+    """Of loops whose steps missed the tolerance, which singular positions bring about: nobody looks at others for it."""
+    is_as_stated = not (options.parameter or options.initial) and progress.experiment.start == model.scene.start
+    if model.scene.notes["loops"] and is_as_stated and shortcomings(progress):
+        for text in filter(None, [singular_start(model.scene, model.freedom)]):
+            print(f"  {text}", file=out)
 
 
 def tell_moved(scene: Any, progress: Progress, values: Values, row: Sequence[float], out: Any) -> None:
