@@ -27,8 +27,8 @@ def read_limit(names: Names, slot: Slot, attribute: str) -> float | None:
     value = fold(flat)
     if value is None or isinstance(value, bool):
         fail("L0208", f"'{attribute}' must be a number", bound.expression.span)
-    found, unit = dimension_of_known(flat), unit_of(slot.attributes, names.flatten_bound)
-    if found is not None and unit and found != parse_unit(unit).dimension:
+    if (found := dimension_of_known(flat)) is not None and (unit := unit_of(slot.attributes, names.flatten_bound)) and (
+            found != parse_unit(unit).dimension):
         fail("L0304", f"'{attribute}' of '{slot.path}' is in {unit}, this is in {spell(found)}", bound.expression.span)
     return float(value)
 
