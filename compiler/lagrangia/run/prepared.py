@@ -6,7 +6,7 @@ import time
 import weakref
 from array import array
 from collections.abc import Sequence
-from ctypes import POINTER, addressof, c_double, c_void_p, cast
+from ctypes import POINTER, addressof, c_char, c_double, c_void_p, cast
 from typing import TYPE_CHECKING
 
 from lagrangia.base.diagnostics import RunError, fail
@@ -80,7 +80,7 @@ class PreparedRun:
         if self._begin(self._handle, own, self._rates) != _OK:
             fail_start(self.scene, self._run.failure, self._run.parameters)
         rows = self._rows(self._shape)
-        count = self._advance(rows.__array_interface__["data"][0])
+        count = self._advance(addressof(c_char.from_buffer(rows.data)))
         self._seconds = time.perf_counter() - begin
         self._untold += self._seconds
         if self._untold > _SOON:
