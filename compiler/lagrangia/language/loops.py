@@ -1,7 +1,7 @@
 """Loops, unrolled: the values that iterators take."""
 
 from collections.abc import Iterable, Sequence
-from math import floor
+from math import floor, prod
 from typing import Any, Protocol
 
 from lagrangia.base.diagnostics import Diagnostic, Span, TooMuchError, fail
@@ -11,7 +11,19 @@ from lagrangia.language.enumerations import Enumerations, from_to
 from lagrangia.language.folding import fold
 from lagrangia.language.implied_ranges import sizes_asked
 from lagrangia.language.instances import Scope, StructuralValues
-from lagrangia.language.tree import EnumerationLiteral, Expression, Flat, Iterator, Number, Range, Ref, Reference, Unary
+from lagrangia.language.tree import (
+    Comprehension,
+    EnumerationLiteral,
+    Expression,
+    Flat,
+    ForBlock,
+    Iterator,
+    Number,
+    Range,
+    Ref,
+    Reference,
+    Unary,
+)
 from lagrangia.language.units import name_of_unit, parse_unit
 from lagrangia.language.units_written import dimension_of_known
 
@@ -27,6 +39,10 @@ class Work:
     """How many clauses, elements, and operations of functions the loops of a model were unrolled to."""
 
     operations: int = 0
+
+    def foresee(self, count: int, span: Span) -> None:
+        """Raises TooMuchError L0209 where so many more operations would be too many."""
+        Work(self.operations).spend(count, span)
 
     def spend(self, count: int, span: Span, how: str = _UNROLLED, hint: str = "those inside each other multiply") -> None:
         """Raises TooMuchError L0209 before more is unrolled than can be looked at in good time."""
@@ -61,8 +77,20 @@ class Loops(Enumerations, StructuralValues, Protocol):
                 if len(passes) > _MOST_ITERATIONS:
                     fail("L0209", f"a loop of more than {_MOST_ITERATIONS} passes", iterator.span)
             scopes = passes
+        self.work.foresee(len(scopes) * sum(self._foreseen(part, scope) for part in body), iterators[0].span)
         self.work.spend(len(scopes) * len(body), iterators[0].span)
         return scopes
+
+    def _foreseen(self, node: Any, scope: Scope) -> int:
+        """At least how many clauses or terms one inside a loop is unrolled to, by ranges in it that are written in numbers."""
+        if not isinstance(node, ForBlock | Comprehension):
+            return 1
+        ranges = [iterator.range for iterator in node.iterators]
+        if not all(isinstance(r, Range) and r.step is None and _is_literal(r.start) and _is_literal(r.stop) for r in ranges):
+            return 1
+        passes = prod(len(self._range(r, scope)) for r in ranges if isinstance(r, Range))
+        body = node.body if isinstance(node, ForBlock) else (node.body,)
+        return passes * sum(self._foreseen(part, scope) for part in body)
 
     def _passes(self, iterator: Iterator, scope: Scope, body: Sequence[Any]) -> Sequence[int | Flat]:
         if iterator.range is not None:

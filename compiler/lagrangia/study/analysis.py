@@ -237,7 +237,8 @@ class Study(Beginning):
             notes += [x for x in self._timely(next(iter(linears.values())), e).notes if x.startswith("warning")]
         units = {name: (rate if name != own.name else own).unit for name, own, rate in
                  zip(self.signals.names, self.scene.coordinates, self.scene.rates, strict=True)}
-        units |= {name: unit_of(graph.model, observe(graph.model, name)) for name in outputs}
+        along = [name for name in asked if name in graph.model.variables]
+        units |= {name: unit_of(graph.model, observe(graph.model, name)) for name in (*outputs, *along)}
         units |= {c.name: "" for c in self.scene.told_positions if c.name not in units}  # quaternions
         return Equilibria(self.scene.name, self.time, tuple(self._told(full, *x, pace, len(outputs)) for x in found),
                           is_reached, units, tuple(notes), reaction_ports(graph))

@@ -6,7 +6,7 @@ from typing import Any
 
 from lagrangia.base.html_table import MOST_COLUMNS, headed, html_notes, html_table, missing, unrounded
 from lagrangia.base.records import dataclass
-from lagrangia.language.frame_attributes import WRENCH_HEADINGS
+from lagrangia.language.frame_attributes import REACTIONS, WRENCH_HEADINGS
 
 
 @dataclass(frozen=True)
@@ -57,11 +57,23 @@ class Equilibria(Sequence[Equilibrium]):
     def reactions_on(self, item: Equilibrium) -> dict[str, list[float]]:
         """The components by joints, with the port that the reaction acts on; 0 for what is rounding."""
         joints: dict[str, list[float]] = {}
-        rounding = max(1e-12 * max(map(abs, item.reactions.values()), default=0.0), 10 * item.residual)
-        for name, value in item.reactions.items():
-            path = name.rpartition(".")[0]
-            joints.setdefault(f"{path}.{self.ports.get(path, 'b')}", []).append(0.0 if abs(value) <= rounding else value)
+        for name, value in self._rounded(item).items():
+            if self._is_of_joint(name):
+                path = name.rpartition(".")[0]
+                joints.setdefault(f"{path}.{self.ports[path]}", []).append(value)
         return joints
+
+    def forces_along(self, item: Equilibrium) -> dict[str, float]:
+        """Those of single equations, as of a Motion along what it drives, by name; 0 for what is rounding."""
+        return {name: value for name, value in self._rounded(item).items() if not self._is_of_joint(name)}
+
+    def _is_of_joint(self, name: str) -> bool:
+        path, _, what = name.rpartition(".")
+        return path in self.ports and what.partition("[")[0] in REACTIONS
+
+    def _rounded(self, item: Equilibrium) -> dict[str, float]:
+        rounding = max(1e-12 * max(map(abs, item.reactions.values()), default=0.0), 10 * item.residual)
+        return {name: 0.0 if abs(value) <= rounding else value for name, value in item.reactions.items()}
 
     def _repr_html_(self) -> str:
         """In a notebook: a row for each, and its reactions."""
@@ -77,6 +89,9 @@ class Equilibria(Sequence[Equilibrium]):
             if held := self.reactions_on(item):
                 told = [(joint, *values) for joint, values in held.items()]
                 parts.append(html_table(["", *WRENCH_HEADINGS[len(told[0]) - 1]], told, f"reactions of {k} on"))
+            if along := self.forces_along(item):
+                heads = [headed(name, self.units.get(name, "")) for name in along]
+                parts.append(html_table(heads, [[*along.values()]], f"forces of {k}"))
         return "".join([*parts, html_notes([*missing(len(names), "coordinates"), *self.notes])])
 
     def __iter__(self) -> Iterator[Equilibrium]:

@@ -252,7 +252,7 @@ class _Parts:
                 labels.append(label)
                 values.append(ca.SX(x))
         y = ca.vertcat(ca.SX(0, 1), *values)
-        if self.free.reactions:
+        if self.free.reactions or self.free.forces:
             self._require_fixed_supports()
             y = ca.substitute(y, *build_reactions(self.free, self.motion.bodies, self.constraints, self.motion))
         (y,) = self.held([y])

@@ -38,8 +38,9 @@ def equilibria_text(found: "Equilibria") -> str:
         lines += [f"  {text}" for text in _positions(item.position, found.units)]
         lines.append(f"  V = {_shown(item.potential)} J; the largest force left over is {item.residual:.1e}")
         lines += [f"  {text}" for text in item.holding]
-        if item.reactions:
-            lines += [f"  {text}" for text in _reactions(found.reactions_on(item))]
+        if held := found.reactions_on(item):
+            lines += [f"  {text}" for text in _reactions(held)]
+        lines += [f"  {text}" for text in _positions(found.forces_along(item), found.units)]
     return "\n".join([*lines, *found.notes])
 
 
