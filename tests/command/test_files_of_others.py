@@ -51,3 +51,23 @@ def test_what_is_no_scene_by_its_name_is_not_read_as_one(name: str, told: str, t
     for command in ("check", "explain", *(("simulate",) if name == "q.csv" else ())):
         assert main([command, name]) == 2
         assert "L0001" in (said := capsys.readouterr().err) and told in said
+
+
+@pytest.mark.parametrize("command", [
+    "equations r.lag -o road.csv", "export r.lag --to modelica --components -o road.csv", "simulate r.lag --stop 1 -o road.csv",
+    "export r.lag --to modelica --components -o r.lag", "import robot.urdf -o robot.urdf", "import s.xml -o inner.xml",
+    "import s.xml -o s.xml", "export drive.lag --to modelica --components -o drive.lag"])
+def test_what_is_read_is_no_place_for_a_result(command: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
+                                               capsys: pytest.CaptureFixture[str]) -> None:
+    """Tables of the scene, robots, included files and the scene itself: they were written over, exit code 0."""
+    monkeypatch.chdir(tmp_path)
+    files = {"r.lag": 'model R Block b(m = 1, base = world); output Real y = table(b.s, "road.csv", column = 2); end R;',
+             "drive.lag": 'import Rotational.*; model D Inertia a(J = 1); end D;',
+             "road.csv": "x,y\n0,0\n1,1\n", "robot.urdf": '<robot name="r"><link name="a"/></robot>',
+             "s.xml": '<mujoco><include file="inner.xml"/></mujoco>', "inner.xml": "<mujocoinclude><worldbody><body><freejoint/>"
+             '<geom size="0.1" mass="1"/></body></worldbody></mujocoinclude>'}
+    for name, text in files.items():
+        Path(name).write_text(text)
+    assert main(command.split()) == 2
+    assert "a result does not take its place" in capsys.readouterr().err
+    assert {name: Path(name).read_text() for name in files} == files

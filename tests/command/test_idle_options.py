@@ -33,7 +33,8 @@ export --to python --force; simulate --spectrum y; simulate --section y; simulat
 simulate --beside m=2; equations --check b.s=0 --language de; equations --format sympy --language de
 equations -o x.py --language de; equations -o x.py --form worked --level lecture
 equations --format sympy --form worked --sections x
-simulate --dump flat --from equilibrium; simulate --dump flat --solver erk; simulate --dump flat --engine tape"""
+simulate --dump flat --from equilibrium; simulate --dump flat --solver erk; simulate --dump flat --engine tape
+simulate --dump flat --outputs y; simulate --dump motion --reactions; simulate --dump flat -p m=2"""
 OTHERS = {"simulate --outputs ,": "names nothing", "simulate --allow L9999": "no warning 'L9999'",
           "sweep -p m=1,2 --seed 3": "random",
           "sweep -p m=1,2 --sampling lhs": "random", "sweep -p m=1,2 --together": "side by side"}
@@ -106,3 +107,14 @@ def test_the_codes_of_warnings_are_those_that_are_told() -> None:
     pattern = re.compile(r'warning\(\s*"(L\d{4})"|warning\[(L\d{4})\]|"warning", "(L\d{4})"')
     found = {next(filter(None, match.groups())) for path in package.rglob("*.py") for match in pattern.finditer(path.read_text())}
     assert found == set(WARNINGS)
+
+
+def test_limits_of_variables_of_functions_are_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Also beside --dump, where --strict had no effect."""
+    file = tmp_path / "f.lag"
+    file.write_text("""function half input Real x(min = 0); output Real y(max = 0.1, unit = "1"); algorithm y := x/2; end half;
+model M Block b(m = 1, base = world); output Real y = half(b.s - 7); end M;""")
+    for command in (["check"], ["simulate", "--dump", "flat"]):
+        assert main([*command, str(file), "--strict"]) == WRONG
+        told = capsys.readouterr().err
+        assert "'min' of 'x' of half has no effect" in told and "'max' of 'y' of half" in told and told.count("L0224]:") == 2

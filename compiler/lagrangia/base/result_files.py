@@ -204,13 +204,17 @@ def write_text(path: Path, text: str) -> None:
         target.put(text)
 
 
+def keep_sources(written: str | os.PathLike[str], read: Iterable[str | os.PathLike[str]]) -> None:
+    """Raises LagError L0004 where a result would take the place of what is read for it."""
+    if os.path.isfile(written) and any(os.path.exists(source) and os.path.samefile(written, source) for source in read):
+        fail("L0004", f"'{os.fspath(written)}' is read: a result does not take its place", None, "choose another name")
+
+
 def keep_apart(written: Iterable[str | os.PathLike[str] | None], read: Iterable[str | os.PathLike[str]]) -> None:
     """Raises LagError L0004 where a result would take the place of what is read for it, or of any scene."""
     sources = list(read)
     for place in (path for path in written if path is not None and os.path.isfile(path)):
-        for source in sources:
-            if os.path.exists(source) and os.path.samefile(place, source):
-                fail("L0004", f"'{os.fspath(place)}' is read: a result does not take its place", None, "choose another name")
+        keep_sources(place, sources)
         if Path(place).suffix.lower() == ".lag":
             fail("L0004", f"'{os.fspath(place)}' is a scene: a result does not take its place", None, "choose another name")
 

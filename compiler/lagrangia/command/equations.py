@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from lagrangia.base.diagnostics import LagError, RunError
-from lagrangia.base.result_files import write_text
+from lagrangia.base.result_files import keep_apart, write_text
 from lagrangia.command.arguments import (
     assignments,
     keep_inputs,
@@ -48,6 +48,7 @@ def equations_command(options: Namespace) -> int:
     if options.output in (None, "-"):
         print(text)
     else:
+        keep_apart([options.output], text.files)
         write_text(Path(options.output), text + "\n")
         print(f"written to {options.output}")
     return 0

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from lagrangia.base.diagnostics import LagError, fail
-from lagrangia.base.result_files import write_text
+from lagrangia.base.result_files import keep_apart, write_text
 from lagrangia.base.spelling import plain_text
 from lagrangia.command.arguments import (
     assignments,
@@ -46,13 +46,14 @@ def _export_components(options: Namespace) -> int:
     for name in ("names", "force") if in_frames else ("model", "names", "force", "parameter"):
         if getattr(options, name):
             fail("L0704", f"--{name} has no effect beside --components", None, "the file is written as it stands")
-    text = _multibody(options) if in_frames else drive_train(main, used)
+    text, read = _multibody(options) if in_frames else (drive_train(main, used), [])
     if not in_frames:
         _require_right(options.file)
     if options.output == "-":
         sys.stdout.write(text)
         return 0
     path = Path(options.output) if options.output else Path(f"{options.file.stem}.mo")
+    keep_apart([path], read)
     if not options.output and path.exists():
         fail("L0004", f"'{path}' is there already", None, f"-o {path} writes over it; another name after -o keeps it")
     write_text(path, text)
@@ -69,13 +70,14 @@ def _require_right(file: Path) -> None:
         raise LagError(wrong)
 
 
-def _multibody(options: Namespace) -> str:
+def _multibody(options: Namespace) -> tuple[str, list[str]]:
+    """The text, and the tables that the scene reads."""
     from lagrangia.command.multibody_export import multibody_text
     from lagrangia.command.scene_export import export_warnings
 
     model = _model(options)
     tell(options, model, [warning.render() for warning in export_warnings(model, options.to)])
-    return multibody_text(model)
+    return multibody_text(model), model.scene.notes["files"]
 
 
 def _model(options: Namespace) -> "Model":

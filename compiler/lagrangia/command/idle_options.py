@@ -21,6 +21,7 @@ class _Rule:
 
 _DUMPED = ("output", "plot", "plot_quantities", "spectrum", "section", "overlay", "beside", "linear", "at", "interval", "start",
            "stop", "tolerance", "initial", "input", "start_from", "solver", "engine", "max_step", "max_steps", "stats", "kind")
+_NOT_DUMPED = ("reactions", "outputs")  # but where code is made of them
 _FLAGS = {"start_from": "from"}  # where an attribute is not called as its option
 
 
@@ -40,6 +41,7 @@ RULES = (
           "--plot names the picture that is to show them"),
     _Rule(("simulate", "sweep"), ("stats",), lambda o: o.quiet, "--quiet says nothing but errors"),
     _Rule(("simulate",), _DUMPED, lambda o: o.dump is not None, "--dump prints a phase of the compiler and runs nothing"),
+    _Rule(("simulate",), _NOT_DUMPED, lambda o: o.dump not in (None, "needs", "c"), "this phase knows nothing of what is reported"),
     _Rule(("simulate",), ("engine", "max_step", "max_steps"), lambda o: o.solver.startswith("casadi:"),
           "integrators of CasADi have their own"),
     _Rule(("simulate", "sweep"), ("max_step",), lambda o: o.solver == "linear",

@@ -2,10 +2,11 @@
 
 import sys
 from argparse import Namespace
+from dataclasses import replace
 from pathlib import Path
 
 from lagrangia.base.diagnostics import LagError, Source, Span, fail
-from lagrangia.base.result_files import write_text
+from lagrangia.base.result_files import keep_sources, write_text
 from lagrangia.base.spelling import plain_text
 from lagrangia.compile.sources import read_source
 from lagrangia.editor.formatting import formatted
@@ -24,6 +25,7 @@ def import_command(options: Namespace) -> int:
     if target.exists() and not options.output:
         fail("L0004", f"'{target}' is there already", None, f"-o {target} writes over it; another name after -o keeps it")
     found = reader(file)
+    keep_sources(target, [file, *found.read])
     write_text(target, formatted(Source(str(target), f"// From {file.name}.\n{found.text}")))
     print(plain_text(f"written to {target}: lag check {target}"))
     for statement in found.left_out:
@@ -50,9 +52,12 @@ def _scene(file: Path) -> Imported:
     from lagrangia.editor.mjcf_import import imported_scene
     from lagrangia.fmu.xmltree import Element, read_xml
 
+    included = list[Path]()
+
     def read(name: str, span: Span) -> Element:
         """An included file, beside the first one: of what is none, no line is shown."""
         path = file.parent / name
+        included.append(path)
         if not path.is_file():
             fail("L0730", f"there is no file '{name}' to include", span)
         try:
@@ -70,7 +75,7 @@ def _scene(file: Path) -> Imported:
     if root.tag != "mujoco":
         fail("L0730", f"this is neither a scene in MJCF nor a robot but <{root.tag}>", root.span(),
              "a scene in MJCF stands in <mujoco>, with bodies in <worldbody>")
-    return imported_scene(root, file.name, read)
+    return replace(imported_scene(root, file.name, read), read=tuple(included))
 
 
 _READERS = {".mo": _modelica, ".urdf": _robot, ".xml": _scene}

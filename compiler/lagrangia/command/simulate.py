@@ -59,6 +59,9 @@ def simulate_command(options: Namespace) -> int:
     if options.dump is not None:
         from lagrangia.compile.dumps import dump
 
+        for name in open_parameters(scene, given):
+            fail("L0706", f"-p {name} has no effect here", None, "a phase of the compiler has values of structural parameters alone")
+        tell_warnings(options, model)
         print(dump(model.completed().compilation, options.dump))
         return 0
     keep_foreign(options, target, [column.name for column in (*scene.moving, *shown(scene)[0].rates)])

@@ -7,6 +7,7 @@ a comment, together with the equations that name it.
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from functools import cache
+from pathlib import Path
 
 from lagrangia.base.records import dataclass
 from lagrangia.editor.modelica_arguments import without_unknown
@@ -56,6 +57,7 @@ class Imported:
 
     text: str
     left_out: tuple[str, ...]
+    read: tuple[Path, ...] = ()  # files that it was made of, but the first
 
 
 def imported(text: str) -> Imported:

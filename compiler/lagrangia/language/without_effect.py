@@ -56,6 +56,7 @@ _OF_FUNCTIONS = {"derivative": "functions are differentiated exactly", "inverse"
 _IDLE = {"": ("nominal", "stateSelect", "quantity"), "parameter": ("start", "fixed"), "coordinate": ("min", "max"),
          "variable": ("min", "max"), "input": ("fixed",), "held": ("min", "max", "fixed")}
 _IDLE_ANYWHERE = frozenset().union(*_IDLE.values())
+_IDLE_IN_FUNCTIONS = _IDLE_ANYWHERE | {"displayUnit"}
 _WHY = {"min": "limits are those of parameters and inputs", "max": "limits are those of parameters and inputs",
         "start": "a parameter has its value alone", "fixed": "it is for coordinates and their rates"}
 
@@ -244,7 +245,16 @@ def _look_at_functions(functions: Iterable[ClassDefinition], report: Report) -> 
                 what = "input" if "input" in element.prefixes else "variable"
                 report.warning(CODE, f"nothing reads the {what} '{element.name}' of {function.name}", element.name_span,
                                "leave it out")
+            _look_at_function_attributes(element, function.name, report)
         find_overwritten(function, mentioned, report, CODE)
+
+
+def _look_at_function_attributes(element: Any, function: str, report: Report) -> None:
+    """A variable of a function has its unit alone."""
+    for argument in element.arguments if isinstance(element, Declaration) else ():
+        if argument.name in _IDLE_IN_FUNCTIONS:
+            hints = ["assert(...) in the function says what it takes"] if argument.name in ("min", "max") else []
+            report.warning(CODE, f"'{argument.name}' of '{element.name}' of {function} has no effect", argument.name_span, *hints)
 
 
 def _read_in(function: ClassDefinition) -> set[str]:

@@ -122,6 +122,7 @@ class Page(str):
     document: Document | None = None  # what was printed; scripts have none
     idle: tuple[str, ...] = ()  # letters of the page that were named and stand nowhere on it
     warnings: tuple[str, ...] = ()  # of the model, but those that it allows: what it says in vain
+    files: tuple[str, ...] = ()  # tables that the model reads
 
     def _repr_markdown_(self) -> str:
         return as_markdown(self.document) if self.document is not None else f"```python\n{self}\n```"

@@ -107,6 +107,7 @@ def write_equations(path: Path, request: Request, model: str | None = None, stru
         found = _written(kinematics, scene, request, begin, rates_jump(kinematics, constraints))
     flat = kinematics.graph.model
     found.warnings = tuple(warning.render() for warning in flat.warnings if warning.code not in flat.allowed)
+    found.files = tuple(lookup.path for lookup in flat.lookups)
     return found
 
 
