@@ -112,7 +112,7 @@ def test_the_codes_of_warnings_are_those_that_are_told() -> None:
 def test_limits_of_variables_of_functions_are_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Also beside --dump, where --strict had no effect."""
     file = tmp_path / "f.lag"
-    file.write_text("""function half input Real x(min = 0); output Real y(max = 0.1, unit = "1"); algorithm y := x/2; end half;
+    file.write_text("""function half input Real x(min = 0); output Real y(max = 0.1); algorithm y := x/2; end half;
 model M Block b(m = 1, base = world); output Real y = half(b.s - 7); end M;""")
     for command in (["check"], ["simulate", "--dump", "flat"]):
         assert main([*command, str(file), "--strict"]) == WRONG

@@ -55,3 +55,16 @@ def test_what_is_not_given_is_said(folder: Path, capsys: pytest.CaptureFixture[s
     told = capsys.readouterr().err
     assert "nothing is given for the input 'G': it is 0 N" in told and "'H'" not in told
     assert last(folder)["der(c.s)"] == pytest.approx(2.0)
+
+
+def test_tables_of_inputs_as_spreadsheets_write_them(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A mark of the order of bytes is none of a name; 1_0 is no number; what no moment has is told, lines as the file counts."""
+    table = folder / "T.csv"
+    table.write_bytes(b"\xef\xbb\xbftime,F,G,H\n0,0,0,0\n\n1,0,0,0\n1,9,0,0\n1,0,0,0\n2,0,0,0\n")
+    assert main(["simulate", "in.lag", "--stop", "2", "-u", "T.csv", "-o", "out.csv"]) == 0
+    assert last(folder)["a.s"] == 0
+    assert "more than two rows at 1 s: those between the first and the last have no effect" in capsys.readouterr().err
+    table.write_text("time,F\n0,0\n\n1,1_0\n")
+    assert main(["simulate", "in.lag", "-u", "T.csv", "-o", "out.csv"]) == 2
+    assert "T.csv:4: '1_0' is no number" in capsys.readouterr().err
+    assert main(["simulate", "in.lag", "-u", "F=1_0", "-o", "out.csv"]) == 2

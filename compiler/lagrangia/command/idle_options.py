@@ -41,7 +41,7 @@ RULES = (
           "--plot names the picture that is to show them"),
     _Rule(("simulate", "sweep"), ("stats",), lambda o: o.quiet, "--quiet says nothing but errors"),
     _Rule(("simulate",), _DUMPED, lambda o: o.dump is not None, "--dump prints a phase of the compiler and runs nothing"),
-    _Rule(("simulate",), _NOT_DUMPED, lambda o: o.dump not in (None, "needs", "c"), "this phase knows nothing of what is reported"),
+    _Rule(("simulate",), _NOT_DUMPED, lambda o: o.dump not in (None, "needs", "c"), "of what is reported it knows nothing"),
     _Rule(("simulate",), ("engine", "max_step", "max_steps"), lambda o: o.solver.startswith("casadi:"),
           "integrators of CasADi have their own"),
     _Rule(("simulate", "sweep"), ("max_step",), lambda o: o.solver == "linear",

@@ -57,13 +57,7 @@ def simulate_command(options: Namespace) -> int:
     model = _without_repeated(options, model, given)
     scene = model.scene
     if options.dump is not None:
-        from lagrangia.compile.dumps import dump
-
-        for name in open_parameters(scene, given):
-            fail("L0706", f"-p {name} has no effect here", None, "a phase of the compiler has values of structural parameters alone")
-        tell_warnings(options, model)
-        print(dump(model.completed().compilation, options.dump))
-        return 0
+        return _dump(options, model, given)
     keep_foreign(options, target, [column.name for column in (*scene.moving, *shown(scene)[0].rates)])
     initial = start_values(options.initial, scene)
     request = asked(options, open_parameters(scene, given), initial, read_inputs(options.input, scene))
@@ -80,6 +74,17 @@ def simulate_command(options: Namespace) -> int:
     if tell_measures is not None and code == 0:
         tell_measures(sys.stdout if target != "-" else sys.stderr)
     return code
+
+
+def _dump(options: Namespace, model: Model, given: list[tuple[str, str]]) -> int:
+    """What a phase of the compiler makes. Raises LagError."""
+    from lagrangia.compile.dumps import dump
+
+    for name in open_parameters(model.scene, given):
+        fail("L0706", f"-p {name} has no effect here", None, "phases of the compiler have values of structural parameters")
+    tell_warnings(options, model)
+    print(dump(model.completed().compilation, str(options.dump)))
+    return 0
 
 
 def _target(options: Namespace) -> str:

@@ -18,7 +18,7 @@ def read_value(text: str, unit: str) -> float | list[float]:
 def _scalar(text: str, unit: str) -> float:
     number, bracket, given = text.strip().partition("[")
     try:
-        value = float(number)
+        value = float("" if "_" in number else number)  # Python's 1_000 is nobody else's
     except ValueError:
         raise ValueError(f"'{text.strip()}' is no number") from None
     if not math.isfinite(value):

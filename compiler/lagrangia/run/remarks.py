@@ -36,6 +36,9 @@ def input_remarks(scene: Scene, experiment: Experiment, given: Any, later: Colle
     if len(times) and (times[-1] < experiment.stop or times[0] > experiment.start):
         found.append(f"warning[L0709]: the table of inputs goes from {times[0]:g} to {times[-1]:g} s, the run from "
                      f"{experiment.start:g} to {experiment.stop:g} s: beyond its ends the inputs keep their values")
+    if (between := next((a for a, b in zip(times, times[2:], strict=False) if a == b), None)) is not None:
+        found.append(f"warning[L0709]: the table of inputs has more than two rows at {between:g} s: those between the first and "
+                     "the last have no effect")
     return found
 
 
