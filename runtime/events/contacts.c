@@ -153,7 +153,7 @@ static int changes_nothing(LagRun *run, int k)
     for (int j = 0; j < model->n_resets; ++j) {
         if (lag_event_of(model, j) != k)
             continue;
-        if (model->reset_places[2 * j + 1] & LAG_CHANGE)
+        if (model->reset_places[3 * j + 1] & LAG_CHANGE)
             return 1;
         if (lag_is_contact(model, j) == LAG_CONTACT || s->rate[j] != s->wanted[j])
             return 0;

@@ -59,9 +59,12 @@ static inline int lag_contact(const LagModel *model, int k) { return model->n_sw
 static inline int lag_is_event(const LagModel *model, int i) { return i >= lag_when(model, 0) && i < lag_gap(model, 0); }
 
 /* The event of a reset, and LAG_CONTACT, LAG_ONE_WAY, or 0. */
-static inline int lag_event_of(const LagModel *model, int reset) { return model->reset_places[2 * reset]; }
-static inline int lag_is_contact(const LagModel *model, int reset) { return model->reset_places[2 * reset + 1] & LAG_KINDS; }
-static inline int lag_is_signal(const LagModel *model, int reset) { return model->reset_places[2 * reset + 1] & LAG_SIGNAL; }
+static inline int lag_event_of(const LagModel *model, int reset) { return model->reset_places[3 * reset]; }
+static inline int lag_is_contact(const LagModel *model, int reset) { return model->reset_places[3 * reset + 1] & LAG_KINDS; }
+static inline int lag_is_signal(const LagModel *model, int reset) { return model->reset_places[3 * reset + 1] & LAG_SIGNAL; }
+
+/* The coordinate whose rate itself is reset; -1: it is of something else. */
+static inline int lag_own_place(const LagModel *model, int reset) { return model->reset_places[3 * reset + 2]; }
 
 /* How far the condition i of an event may be beyond its place at least, before it comes. */
 static inline double lag_slack(const LagModel *model, const LagImpacts *s, int i) { return s->slack[i - lag_when(model, 0)]; }

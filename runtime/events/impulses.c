@@ -188,18 +188,14 @@ static void count_energy(LagRun *run, double lost)
     run->energy_before -= lost;
 }
 
-/* What reset k alone changes, if it is one rate itself; -1: there is no such one. */
+/* The coordinate whose rate itself reset k sets, which changes no other, and which no other reset changes; -1: there is no such one. */
 static int alone_at(const LagRun *run, int k, int count)
 {
     const LagImpacts *s = &run->impacts;
-    const int n = run->model->n, j = s->which[k];
-    int place = -1;
-    for (int i = 0; i < n; ++i)
-        if (s->way[i + k * n] != 0) {
-            if (place >= 0 || s->rate[j] != run->motion.y[n + i])
-                return -1;
-            place = i;
-        }
+    const int n = run->model->n, place = lag_own_place(run->model, s->which[k]);
+    for (int i = 0; i < n && place >= 0; ++i)
+        if (i != place && s->way[i + k * n] != 0)
+            return -1;
     for (int other = 0; other < count && place >= 0; ++other)
         if (other != k && s->way[place + other * n] != 0)
             return -1;

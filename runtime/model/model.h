@@ -102,7 +102,8 @@ struct LagModel {
     const int *coordinate_kind; /* n + n_lost: group of like coordinates */
     const int *fixed;           /* 2 (n + n_lost): LAG_START_..., of positions then rates */
     const int *event_kind;      /* n_events */
-    const int *reset_places;    /* 2 n_resets: the event of each, and LAG_CONTACT, ... of those at which something may rest */
+    const int *reset_places;    /* 3 n_resets: the event of each; LAG_CONTACT, ... of those at which something may rest; and the coordinate
+                                 * whose rate itself it is, -1 of any other */
     const int *rubs;            /* 3 n_rubs: the switch of its slip, the event of the contact, whether no other force has the switch */
     const int *rests;           /* n_rests: the switch of each */
     const int *cones;           /* 2 n_cones: the switches of both components */

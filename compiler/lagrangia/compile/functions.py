@@ -400,8 +400,8 @@ def _kick_function(state: list[ca.SX], found: list[ca.SX], before: ca.SX) -> dic
 
 
 def _reset_places(kinematics: Kinematics, motion: Motion) -> tuple[int, ...]:
-    """Of each reset its event and its kind, with SIGNAL where it is of first-order states alone, CHANGE where its event comes
-    where a condition changes to either side."""
+    """Of each reset its event; its kind, with SIGNAL where it is of first-order states alone, CHANGE where its event comes where
+    a condition changes to either side; and the coordinate whose rate itself is reset, -1 where it is any other."""
     rates = kinematics.symbols.rates
     signals = {rates[state.coordinate].__hash__() for state in kinematics.graph.model.states.values()}
     moving = {rate.__hash__() for rate in rates.values()}
@@ -412,7 +412,9 @@ def _reset_places(kinematics: Kinematics, motion: Motion) -> tuple[int, ...]:
     changes = find_changes(kinematics.graph.model.whens)
     for k in range(len(places) // 2):
         places[2 * k + 1] |= _CHANGE * (places[2 * k] in changes)
-    return tuple(places)
+    own = {v.__hash__(): k for k, v in enumerate(motion.v.elements())}
+    return tuple(x for k, rate in enumerate(motion.impacts.rates.elements())
+                 for x in (*places[2 * k : 2 * k + 2], own.get(rate.__hash__(), -1)))
 
 
 def _kept_places(kinematics: Kinematics, motion: Motion) -> dict[str, tuple[int, ...]]:

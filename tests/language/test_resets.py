@@ -1,0 +1,37 @@
+"""Events that reset rates, and those that compare them afterwards, beside closed forms."""
+
+from pathlib import Path
+
+import pytest
+
+import lagrangia
+
+KICKS = """
+model Kicks "Everything moves freely until 1 s: a pendulum, a mass on a rope over a pulley, a gear"
+  parameter Length L = 0.5;
+  parameter AngularVelocity w = 0;
+  World world(gravity = {0, 0});
+  Revolute hinge(a = world, w(start = w));
+  PointMass bob(m = 1, center = shift(hinge.b, {0, -L}));
+  Prismatic x(a = world, along = {1, 0}, v(start = w*L));
+  PointMass ball(m = 3, center = x.b);
+  Prismatic z(a = world, along = {1, 0}, v(start = -w*L));
+  PointMass load(m = 0.7, center = z.b);
+  Length y = 2*x.s;
+equation
+  when time > 1 then
+    reinit(bob.center.v[1], 2*cos(hinge.phi));
+    reinit(der(y), 4);
+    reinit(-der(z.s), 3);
+  end when;
+end Kicks;
+"""
+
+
+@pytest.mark.parametrize(("length", "speed"), [(0.5, 0), (0.3, 0), (2, 0), (1, 0), (0.7, 0.2)])
+def test_multiples_of_rates(tmp_path: Path, length: float, speed: float) -> None:
+    """What is reset is that rate, not the coordinate's, whether it moves before or is at rest, where all rates are alike."""
+    file = tmp_path / "kicks.lag"
+    file.write_text(KICKS, encoding="utf-8")
+    last = lagrangia.load(file).simulate(stop=1.5, parameters={"L": length, "w": speed})
+    assert [last[f"der({name})"][-1] for name in ("hinge.phi", "x.s", "z.s")] == pytest.approx([2/length, 2, -3], rel=1e-12)
