@@ -31,8 +31,9 @@ def test_a_hint_names_what_was_meant(scene: Callable[[str], lag.Model], unit: st
     ('Length d = w*w/w', "'d' is in m, this is in kg"), ('Length d = P.w', "'d' is in m, this is in kg"),
     ('Length d = weight(3)', "'d' is in m, this is in kg"), ('Real d = 3[m] + w', "m and kg cannot be added"),
     ('Integer d = 3[kg]', "'d' is in 1, this is in kg"), ('Integer d(unit = "kg") = 3', "Integer has no attribute 'unit'"),
-    ('Length d(min = 0[kg]) = 3', "'min' of 'd' is in m, this is in kg"), ('Strict d(unit = "kg") = 3', "'unit' is final"),
-    ('Stricter d = 3', "'unit' is final"),
+    ('Length d(min = 0[kg]) = 3', "'d.min' is in m, this is in kg"), ('Strict d(unit = "kg") = 3', "'unit' is final"),
+    ('Stricter d = 3', "'unit' is final"), ('Length d(max = max(0, 9[kg])) = 3', "'d.max' is in m, this is in kg"),
+    ('Integer d(min = 1[kg]) = 3', "'d.min' is in 1, this is in kg"),
 ])
 def test_constants_and_parameters_are_declared_in_units_by_one_rule(
         scene: Callable[[str], lag.Model], kind: str, declared: str, message: str) -> None:
@@ -54,6 +55,8 @@ def test_constants_and_parameters_are_declared_in_units_by_one_rule(
 
 
 @pytest.mark.parametrize("declared", [
+    "Force d(min = 0.5*w) = 3", "Force d(min = w*0.5) = 3", "AngularVelocity d(max = 2*pi*50) = 3", "Energy d(max = 9*h^2) = 3",
+    "Area d(min = sqrt(0.1*a)*h) = 3", "Area d(min = max(0, h)*h) = 3", "Length d(max = half(8)) = 3",
     'Real d(unit = "") = 3', 'Real d(unit = u) = 3', 'Length d = 300[cm]', 'Far d = 3[m]', 'Real d[1](unit = {"m"}) = {3}',
 ])
 @pytest.mark.parametrize("kind", ["constant", "parameter"])
@@ -61,7 +64,11 @@ def test_units_of_declarations_that_are_right(scene: Callable[[str], lag.Model],
     model = scene(f"""model M
       type Heavy = Real(unit = "kg", min = 5);
       type Far = Heavy(unit = "m", min = 1) "says other things than what it derives from";
+      function half input Real x; output Real y; algorithm y := x/2; end half;
       constant String u = "m";
+      constant Mass w = 2;
+      constant Length h = 1;
+      constant Area a = 4;
       {kind} {declared};
       output Real y = sum({{d}}) + (if u == "m" then 0 else 1);
       Block b(m = 1, base = world);
@@ -73,6 +80,7 @@ def test_units_of_declarations_that_are_right(scene: Callable[[str], lag.Model],
     ("input Real x; output Length y; algorithm y := 3[kg];", "'y' of M.f is in m, this is in kg"),
     ("input Mass x = 3[m]; output Real y; algorithm y := x;", "'x' of M.f is in kg, this is in m"),
     ("input Real x; output Real y; protected Length d = 3[kg]; algorithm y := d*x;", "'d' of M.f is in m, this is in kg"),
+    ("input Length x(min = 0[kg]) = 1; output Real y; algorithm y := x;", "'M.f.x.min' is in m, this is in kg"),
     ("input Real x(unit = 3) = 1; output Real y; algorithm y := x;", "'unit' must be a text"),
     ('input Real x(displayUnit = "foo") = 1; output Real y; algorithm y := x;', "'foo' is not a unit"),
     ("input Real x(foo = 3) = 1; output Real y; algorithm y := x;", "Real has no attribute 'foo'"),
@@ -84,4 +92,16 @@ def test_variables_of_functions_are_declared_in_units_by_the_same_rule(
     given = "" if "x = " in parts or "= 1;" in parts else "1"
     with pytest.raises(lag.LagError) as error:
         scene(f"model M function f {parts} end f; output Real y = f({given}); Block b(m = 1, base = world); end M;")
+    assert message in str(error.value)
+
+
+@pytest.mark.parametrize(("limit", "message"), [
+    ("E.b", "the parameter 'g' is a, less than its minimum b"), ("1", "'min' must be a value of M.E"),
+    ("F.a", "'min' must be a value of M.E")])
+def test_limits_of_enumerations_are_values_of_theirs(scene: Callable[[str], lag.Model], limit: str, message: str) -> None:
+    text = """model M type E = enumeration(a, b); type F = enumeration(a);  parameter E g(min = %s) = E.a;
+      Block b(m = if g == E.a then 1 else 2, base = world); end M;"""
+    assert scene(text % "E.a").scene
+    with pytest.raises(lag.LagError) as error:
+        scene(text % limit)
     assert message in str(error.value)

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 from lagrangia.base.diagnostics import Span, fail
 from lagrangia.language.assertions import read_assertion
-from lagrangia.language.attributes import display_unit_of, unit_of, unknown_attributes
+from lagrangia.language.attributes import display_unit_of, note_limit, unit_of, unknown_attributes
 from lagrangia.language.classes import ENUMERATION, BaseType
 from lagrangia.language.folding import fold
 from lagrangia.language.foreign_words import FOREIGN_WORDS
@@ -208,6 +208,9 @@ class _Builder:
         def flatten(bound: Bound) -> Flat:
             return self._local().flatten(bound.expression, bound.scope)
 
+        path = f"{self.definition.name}.{declaration.name}"
+        for attribute in (name for name in attributes if name in ("min", "max")):
+            note_limit(self.names.written, path, attribute, declaration, base.builtin, attributes, flatten)
         display_unit_of(attributes, flatten)
         return unit_of(attributes, flatten)
 

@@ -48,10 +48,26 @@ def display_unit_of(attributes: Mapping[str, Bound], flatten: Flatten) -> str:
 
 
 def constant_of(slot: Slot, value: Flat, flatten: Flatten) -> Variable:
-    """What is known when the scene is compiled, as it is written, for its dimension to be looked at: integers have none."""
-    unit, shown = unit_of(slot.attributes, flatten), display_unit_of(slot.attributes, flatten)
-    return Variable(slot.path, "parameter", slot.dimensions, "1" if slot.base == "Integer" else unit, shown, value, None, False,
-                    None, None, False, slot.declaration.description, slot.declaration.name_span, type_name=slot.base)
+    """What is known when the scene is compiled, as it is written, for its dimension to be looked at."""
+    return _written(slot.path, slot.dimensions, slot.declaration, slot.base, slot.attributes, value, flatten)
+
+
+def note_limit(written: dict[str, Variable], path: str, attribute: str, declaration: Declaration, base: str,
+               attributes: Mapping[str, Bound], flatten: Flatten) -> Flat:
+    """The `min` or `max` of a variable, as it is written; its dimension is looked at with those of constants."""
+    value = flatten(attributes[attribute])
+    if not is_bare(value):
+        name = f"{path}.{attribute}"
+        written[name] = _written(name, (), declaration, base, attributes, value, flatten)
+    return value
+
+
+def _written(name: str, shape: tuple[int, ...], declaration: Declaration, base: str, attributes: Mapping[str, Bound], value: Flat,
+             flatten: Flatten) -> Variable:
+    """Integers have no unit."""
+    unit, shown = unit_of(attributes, flatten), display_unit_of(attributes, flatten)
+    return Variable(name, "parameter", shape, "1" if base == "Integer" else unit, shown, value, None, False, None, None, False,
+                    declaration.description, declaration.name_span, type_name=base)
 
 
 def is_bare(value: Flat) -> bool:

@@ -263,7 +263,7 @@ class FlatModel:
     connections: tuple[tuple[str, str], ...] = ()  # of such variables
     read: tuple[str, ...] = ()  # the other files that were read for it
     found: Found = Found()  # whether it lies in a plane
-    # And structural parameters, as they are written, but for bare literals and what is stamped out: for checks alone.
+    # And structural parameters, and limits, as they are written, but for bare literals and what is stamped out: for checks alone.
     constants: tuple[Variable, ...] = field(default=(), repr=False, compare=False)
     # Parts of the model, by their ids, that differ from others in nothing but the index of an element (stamps.py): what holds of
     # the others' dimensions holds of them.

@@ -4,33 +4,35 @@ import operator
 from typing import NoReturn
 
 from lagrangia.base.diagnostics import fail
-from lagrangia.language.attributes import unit_of
+from lagrangia.language.attributes import note_limit
 from lagrangia.language.classes import ClassTable
 from lagrangia.language.flat import Kind
-from lagrangia.language.folding import fold
+from lagrangia.language.folding import folded
 from lagrangia.language.instances import DISCRETE_TYPES, STRUCTURAL_TYPES, Instance, Slot, outside
 from lagrangia.language.names import Names
-from lagrangia.language.tree import Array, Boolean, Declaration, Flat, Number
-from lagrangia.language.units import parse_unit, spell
-from lagrangia.language.units_written import dimension_of_known
+from lagrangia.language.tree import Array, Boolean, Declaration, EnumerationLiteral, Flat, Number
 
 _KINDS: tuple[Kind, ...] = ("parameter", "coordinate", "input")
 _BEYOND = (("min", "less than its minimum", operator.lt), ("max", "more than its maximum", operator.gt))
 
 
 def read_limit(names: Names, slot: Slot, attribute: str) -> float | None:
-    """A number, or None where there is no limit. Raises LagError L0208, and L0304 for one in another unit."""
+    """A number, of an enumeration the place of its value, or None where there is no limit; its unit is looked at with those of
+    constants. Raises LagError L0208."""
     bound = slot.attributes.get(attribute)
     if bound is None:
         return None
-    flat = names.flatten_bound(bound)
-    value = fold(flat)
-    if value is None or isinstance(value, bool):
+    flat = note_limit(names.written, slot.path, attribute, slot.declaration, slot.base, slot.attributes, names.flatten_bound)
+    value = folded(names.made.with_known_calls(flat, names.work))
+    if value is None:
+        fail("L0208", f"'{attribute}' must be known when the scene is compiled", bound.expression.span)
+    if slot.enumeration:
+        if not isinstance(value, EnumerationLiteral) or value.type_name != slot.enumeration:
+            fail("L0208", f"'{attribute}' must be a value of {slot.enumeration}", bound.expression.span)
+        return float(value.ordinal)
+    if not isinstance(value, Number):
         fail("L0208", f"'{attribute}' must be a number", bound.expression.span)
-    if (found := dimension_of_known(flat)) is not None and (unit := unit_of(slot.attributes, names.flatten_bound)) and (
-            found != parse_unit(unit).dimension):
-        fail("L0304", f"'{attribute}' of '{slot.path}' is in {unit}, this is in {spell(found)}", bound.expression.span)
-    return float(value)
+    return float(value.value)
 
 
 def refuse_missing(table: ClassTable, slot: Slot, owner: Instance) -> NoReturn:
@@ -50,14 +52,23 @@ def refuse_missing(table: ClassTable, slot: Slot, owner: Instance) -> NoReturn:
 
 
 def require_within(names: Names, slot: Slot, value: Flat) -> None:
-    """Of a structural number, which no run can change, or of each in an array. Raises LagError L0605."""
+    """Of a structural value, which no run can change, or of each in an array. Raises LagError L0605."""
     kind = "constant" if "constant" in slot.declaration.prefixes else "parameter"
     for attribute, words, is_beyond in _BEYOND:
         limit = read_limit(names, slot, attribute)
         for item in value.items if isinstance(value, Array) else (value,):
-            if limit is not None and isinstance(item, Number) and is_beyond(item.value, limit):
-                fail("L0605", f"the {kind} '{slot.path}' is {item.value:g}, {words} {limit:g}", item.span,
+            if limit is not None and isinstance(item, Number | EnumerationLiteral) and is_beyond(_place(item), limit):
+                fail("L0605", f"the {kind} '{slot.path}' is {_said(item, _place(item))}, {words} {_said(item, limit)}", item.span,
                      f"declared at {slot.declaration.name_span}")
+
+
+def _place(item: Number | EnumerationLiteral) -> float:
+    return item.value if isinstance(item, Number) else item.ordinal
+
+
+def _said(item: Number | EnumerationLiteral, place: float) -> str:
+    """A value of the same kind."""
+    return f"{place:g}" if isinstance(item, Number) else item.names[int(place) - 1]
 
 
 def flag_of(names: Names, slot: Slot, attribute: str) -> bool:

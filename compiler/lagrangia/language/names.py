@@ -77,7 +77,7 @@ class Names(Calls):
     turned: dict[str, Call[Flat]] = field(default_factory=dict)  # angles of hinges, by the names of what stands for them
     packages: dict[str, Instance] = field(default_factory=dict)  # of the constants of each
     guards: list[Guard] = field(default_factory=list)  # what has to hold in a run
-    written: dict[str, Variable] = field(default_factory=dict)  # constants that are no bare literals
+    written: dict[str, Variable] = field(default_factory=dict)  # constants and limits that are no bare literals
     under: list[Flat] = field(default_factory=list)
     moment: str = ""
     _structural: dict[Slot, Flat] = field(default_factory=dict)
