@@ -63,6 +63,16 @@ def test_blocks_start_as_they_are_told(tmp_path: Path) -> None:
     ("Translational.Components.ElastoGap g(c = 1, n = 1.5)", "Translational.ElastoGap g(c = 1)", ["n = 1.5 of g"]),
     ("Rotational.Components.Clutch a(fn_max = 2, w_small = 1), b(fn_max = 1, foo(x = 1, y = {1, 2}))",
      "Rotational.Clutch a(fn_max = 2), b(fn_max = 1)", ["foo(x = 1, y = {1, 2}) of b"]),
+    ("Translational.Components.ElastoGap g(c = 1, n = 1.0)", "Translational.ElastoGap g(c = 1)", []),
+    ("Translational.Components.Mass g(m = 1, n = 1)", "Translational.Mass g(m = 1)", ["n = 1 of g"]),
+    ("Rotational.Components.Inertia a(J = 1, x = 2, y = 3) if is_on, b(z = 1, J = 1)",
+     "Rotational.Inertia a(J = 1) if is_on, b(J = 1)", ["x = 2 of a", "y = 3 of a", "z = 1 of b"]),
+    ("Rotational.Components.Inertia a(J = 2, // kg.m2, (of all\n phi(start = 1), /* w */ w(start = 3) /* at rest */)",
+     "Rotational.Inertia a(J = 2, // kg.m2, (of all\n phi(start = 1), /* w */ w(start = 3) /* at rest */)", []),
+    ("Rotational.Components.Inertia a(/* of */ J = 2, // kg.m2\n x = 1 /* at rest */)",
+     "Rotational.Inertia a(/* of */ J = 2// kg.m2\n /* at rest */)", ["x = 1 of a"]),
+    ("Rotational.Components.Inertia a(J = 2, // kg.m2\n stateSelect /* of */ = StateSelect.prefer)",
+     "Rotational.Inertia a(J = 2// kg.m2\n /* of */)", []),
 ])
 def test_arguments_that_ours_have_not_are_told(declared: str, left: str, told: list[str]) -> None:
     found = imported(f"model M Modelica.Mechanics.{declared}; end M;")
@@ -76,6 +86,27 @@ def test_arguments_that_ours_have_not_are_told(declared: str, left: str, told: l
 def test_starts_that_are_not_ours_are_told(block: str, way: str, is_told: bool) -> None:
     found = imported(f"model M Modelica.Blocks.Continuous.{block} b(initType = Modelica.Blocks.Types.Init.{way}, k = 1); end M;")
     assert f"Blocks.{block} b(k = 1);" in found.text and bool(found.left_out) == is_told
+
+
+@pytest.mark.parametrize(("statement", "kept"), [
+    ("Continuous.FirstOrder b(k = 1, initType = if x then Types.Init.SteadyState else Types.Init.NoInit);", "b(k = 1);"),
+    ("Continuous.FirstOrder b(k = 1, initType = Types.Init.SteadyState // NoInit\n);", "b(k = 1// NoInit\n);"),
+    ("extends Continuous.FirstOrder(k = 1, initType = Types.Init.SteadyState);", "extends Blocks.FirstOrder(k = 1);"),
+    ("A a(b(initType = Types.Init.NoInit));", "// left out: A a("), ("parameter Types.Init b;", "// left out: parameter"),
+    ("parameter Types.Init b = Types.Init.NoInit;", "// left out: parameter"),
+    ("parameter Real x = Conversions.from_deg(u = 30);", "// left out: parameter"),
+    ("function f = Conversions.from_deg;", "// left out: function"), ("extends Conversions.from_deg;", "// left out: extends"),
+])
+def test_what_cannot_be_written_is_told(statement: str, kept: str) -> None:
+    for package, around in {"Continuous.": "Blocks.", "Types.": "Blocks.", "Conversions.": "Units."}.items():
+        statement = statement.replace(package, f"Modelica.{around}{package}")
+    found = imported(f"model M {statement} end M;")
+    assert kept in found.text and len(found.left_out) == 1
+
+
+def test_a_name_pi_of_the_text_is_not_that_of_the_library() -> None:
+    found = imported("model M constant Real pi = Modelica.Constants.pi; Real x = Modelica.Units.Conversions.from_deg(pi); end M;")
+    assert "pi = 3.141592653589793; Real x = (3.141592653589793/180*(pi));" in found.text and not found.left_out
 
 
 def test_arguments_beside_a_redeclaration_are_those_of_others() -> None:

@@ -1,66 +1,135 @@
-"""Arguments of the Modelica Standard Library's components that ours do not have: they are left out, and told."""
+"""Arguments of the Modelica Standard Library's components that ours do not have: they are left out, and told.
 
-from collections.abc import Iterator, Sequence
+Texts are lists of words, with spaces and comments as words of their own.
+"""
+
+from collections.abc import Collection, Iterator, Sequence
 from functools import cache
 
 from lagrangia.language.component_library import library_package
 from lagrangia.language.tree import ClassDefinition, Declaration, Extends
 
-_PREFIXES = frozenset({"each", "final", "redeclare", "replaceable"})
-_USUAL = {"n": "1"}  # of ElastoGap: the power of how far it is compressed
-_OPENING, _CLOSING = ("(", "[", "{"), (")", "]", "}")
-# How blocks start: those start values are ours, too; those of outputs but where states are told from them.
+WAY = "@"  # stands before the ways in which blocks start
+# Those start values are ours, too; those of outputs but where states are told from them.
 _AS_OURS = frozenset({"NoInit", "InitialState", "InitialOutput"})
+_PREFIXES = frozenset({"each", "final", "redeclare", "replaceable"})
+_USUAL = {("Translational.ElastoGap", "n"): 1.0}  # the power of how far it is compressed
+_OPENING, _CLOSING = ("(", "[", "{"), (")", "]", "}")
+# Arguments of the library's components without a meaning here:
+_IDLE = frozenset("useHeatPort stateSelect animation smoothness phi_nominal s_nominal nominal startForward startBackward mode "
+                  "stuck locked vReg exact f_crit w_small v_small".split())
+_RENAMED = {"freqHz": "f", "mue_pos": "mu_pos"}  # arguments, as they were called before version 4
+_Span = tuple[int, int]  # of an argument: its first word, and the comma or bracket behind it
+
+
+def is_said(word: str) -> bool:
+    """Whether it is neither space nor a comment."""
+    return not (word.isspace() or word.startswith(("//", "/*")))
+
+
+def arguments(words: Sequence[str], opening: int) -> list[_Span]:
+    """Of the bracket that opens at a place."""
+    found, depth, begin = list[_Span](), 0, opening + 1
+    for k in range(opening, len(words)):
+        depth += (words[k] in _OPENING) - (words[k] in _CLOSING)
+        if depth == 0 or (depth == 1 and words[k] == ","):
+            found.append((begin, k))
+            begin = k + 1
+        if depth == 0:
+            break
+    return found
+
+
+def without_idle(words: Sequence[str]) -> list[str]:
+    """Without arguments that mean nothing here, as stateSelect = StateSelect.always, and others by their names here."""
+    found, gone = list(words), set[int]()
+    for opening, bracket in enumerate(words):
+        if bracket != "(" or opening in gone:
+            continue
+        spans, going = arguments(words, opening), list[_Span]()
+        for first, last in spans:
+            places = [k for k in range(first, last) if is_said(words[k]) and words[k] not in _PREFIXES][:2]
+            if len(places) == 2 and words[places[0]] in _IDLE and words[places[1]] in ("=", "("):  # startForward(fixed = true)
+                going.append((first, last))
+            elif len(places) == 2 and words[places[1]] == "=":
+                found[places[0]] = _RENAMED.get(words[places[0]], words[places[0]])
+        gone |= _places(words, spans, going)
+    return [word for k, word in enumerate(found) if k not in gone]
 
 
 def without_unknown(words: Sequence[str]) -> tuple[list[str], list[str]]:
-    """The words of a declaration without them, and what is told of each."""
-    at = next((k for k, word in enumerate(words) if _members(word)), None)
-    if at is None:
-        return list(words), []
-    gone, told, name = set[int](), list[str](), ""
-    for component, first, last in _arguments(words, at):
-        said = [word for word in words[first:last] if not word.isspace() and word not in _PREFIXES]
-        name = said[0] if said else ""
-        if not name or name in _members(words[at]):
+    """The words of a statement without them, and what is told of each."""
+    gone, told = set[int](), list[str]()
+    for at, name in enumerate(words):
+        if at in gone or not _members(name):
             continue
-        is_usual = said[1:] == ["=", _USUAL.get(name)]
-        gone |= _with_a_comma(words, first, last)
-        if not (is_usual or (name == "initType" and _starts_as_ours(words[at], said[-1].rpartition(".")[2]))):
-            told.append(f"{' '.join(''.join(words[first:last]).split())} of {component} ({words[at]} has no '{name}')")
+        for component, opening in _modified(words, at):
+            spans, going = arguments(words, opening), list[_Span]()
+            for first, last in spans:
+                argument = [word for word in words[first:last] if is_said(word) and word not in _PREFIXES]
+                if not argument or argument[0] in _members(name):
+                    continue
+                going.append((first, last))
+                if not _is_usual(name, argument):
+                    text = "".join(word.removeprefix(WAY) for word in words[first:last] if is_said(word) or word.isspace())
+                    told.append(f"{' '.join(text.split())} of {component} ({name} has no '{argument[0]}')")
+            gone |= _places(words, spans, going)
     return [word for k, word in enumerate(words) if k not in gone], told
 
 
-def _starts_as_ours(component: str, way: str) -> bool:
-    return way in _AS_OURS and not (component == "Blocks.PI" and way == "InitialOutput")
+def _is_usual(name: str, argument: Sequence[str]) -> bool:
+    """Whether an argument, `name = value`, says what ours do; what is computed is not known."""
+    if len(argument) != 3 or argument[1] != "=":
+        return False
+    if argument[0] == "initType" and argument[2].startswith(WAY):
+        way = argument[2].rpartition(".")[2]
+        return way in _AS_OURS and not (name == "Blocks.PI" and way == "InitialOutput")
+    try:
+        return float(argument[2]) == _USUAL.get((name, argument[0]))
+    except ValueError:
+        return False
 
 
-def _arguments(words: Sequence[str], at: int) -> Iterator[tuple[str, int, int]]:
-    """Of the components that are declared behind their type: a component's name, and where each of its arguments begins and
-    ends. Within brackets, as behind `redeclare`, it is one component."""
-    is_alone = any(word in _OPENING for word in words[:at])
-    depth, component, begin = 0, "", None
+def _modified(words: Sequence[str], at: int) -> Iterator[tuple[str, int]]:
+    """What is modified behind the type at a place: a component's name, or the type's own, and where its bracket opens. Within
+    brackets, as behind `redeclare`, it is one component."""
+    before = next((word for word in reversed(words[:at]) if is_said(word)), "")
+    is_class = before in ("extends", "=", "constrainedby")
+    is_one = is_class or any(word in _OPENING for word in words[:at])
+    depth, component, last = 0, words[at] if is_class else "", words[at]
+    is_open = is_class  # whether a bracket may follow: not behind the name's `if`, `=` and `constrainedby`
     for k in range(at + 1, len(words)):
         word = words[k]
-        if begin is not None and depth == 1 and word in (",", ")"):
-            yield component, begin, k
-            begin = k + 1 if word == "," else None
+        if word == "(" and depth == 0 and is_open and component:
+            yield component, k
         depth += (word in _OPENING) - (word in _CLOSING)
-        if depth < 0 or (depth == 0 and (word in ("=", "constrainedby", "if") or (is_alone and word == ","))):
+        is_end = depth == 0 and word in ("=", "constrainedby", "if")
+        if depth < 0 or (is_one and (is_end or (depth == 0 and word == ","))):
             return
-        if depth == 0 and (word[:1].isalpha() or word[:1] == "_"):
-            component = word
-        elif word == "(" and depth == 1 and component:
-            begin = k + 1
+        if depth == 0 and is_said(word):
+            if last in (words[at], ",", "]") and not component and (word[:1].isalpha() or word[:1] == "_"):
+                component, is_open = word, True
+            elif word == ",":
+                component, is_open = "", False
+            elif word not in ("]", ")"):
+                is_open = is_open and not is_end
+            last = word
 
 
-def _with_a_comma(words: Sequence[str], first: int, last: int) -> set[int]:
-    """The places of an argument, and of the comma that stands behind it, or else before it."""
-    if words[last] == ",":
-        if words[first - 1] == "(":  # nothing stands before the next one
-            last += next((k for k, word in enumerate(words[last + 1 :]) if not word.isspace()), 0)
-        return set(range(first, last + 1))
-    return set(range(first - 1 if words[first - 1] == "," else first, last))
+def _places(words: Sequence[str], spans: Sequence[_Span], going: Collection[_Span]) -> set[int]:
+    """The places of arguments that go out of a bracket, with one comma each: behind what stays, or else before it. Comments stay,
+    with the ends of their lines."""
+    gone, is_kept = set[int](), False
+    for first, last in spans:
+        if (first, last) not in going:
+            is_kept = True
+            continue
+        gone |= {k for k in range(first, last) if not words[k].startswith(("//", "/*")) and not words[k - 1].startswith("//")}
+        if is_kept:
+            gone.add(first - 1)
+        elif words[last] == ",":
+            gone |= {last} | ({last + 1} if words[last + 1].isspace() else set())
+    return gone
 
 
 @cache

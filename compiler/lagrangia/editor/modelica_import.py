@@ -4,13 +4,14 @@ Names, parameters, descriptions and comments stay as they are. Annotations of pi
 a comment, together with the equations that name it.
 """
 
+import math
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from functools import cache
 from pathlib import Path
 
 from lagrangia.base.records import dataclass
-from lagrangia.editor.modelica_arguments import without_unknown
+from lagrangia.editor.modelica_arguments import WAY, arguments, is_said, without_idle, without_unknown
 from lagrangia.language.component_library import library_package
 
 _WORDS = re.compile(
@@ -43,10 +44,6 @@ _INTERFACES = {"Flange_a": "Flange", "Flange_b": "Flange", "Support": "Flange", 
 _PACKAGES = frozenset("Rotational Translational Components Sources Sensors Interfaces Blocks Thermal Math Icons".split())
 _OF_MECHANICS = ("Components", "Sources", "Sensors", "Interfaces")
 _OF_BLOCKS = ("Sources", "Math", "Continuous", "Nonlinear")
-# Arguments of the library's components without a meaning here:
-_IDLE = frozenset("useHeatPort stateSelect animation smoothness phi_nominal s_nominal nominal startForward startBackward mode "
-                  "stuck locked vReg exact f_crit w_small v_small".split())
-_RENAMED = {"freqHz": "f", "mue_pos": "mu_pos"}  # arguments, as they were called before version 4
 _SECTIONS = ("equation", "algorithm", "public", "protected")
 _CLASSES = ("model", "class", "package", "block", "connector", "record")
 
@@ -67,28 +64,45 @@ def imported(text: str) -> Imported:
     around = list(_around(statements[0])) if statements else []
     if around:  # in the library itself, whose outermost package imports it
         aliases.setdefault("SI", "Modelica.Units.SI")
+    has_pi = "pi" not in aliases and any("pi" in _declared(told[1:], 0) for told in map(_told, statements))
     left, missing, out = list[str](), set[str](), list[str]()
     for statement in statements:
         meant = [_meaning(word, aliases, around) for word in statement]
         first = next((k for k, word in enumerate(statement) if _is_name(word) and word not in _PREFIXES), None)
-        told, is_of_library = " ".join("".join(statement).split()), meant != statement
+        told = " ".join("".join(statement).split())
         if first is not None and _goes(statement[first], told):
             out.append(_space(statement).rstrip(" \t"))
-        elif any(name is None or _FLOW.search(name) for name in meant) or missing & set(_heads(statement)):
+            continue
+        written = None if missing & set(_heads(statement)) else _written(statement, meant, has_pi)
+        if written is None:
             missing |= set(_declared(statement, first))
             instead = _instead(told)  # which is told once
             left.append(told if any(before.endswith(instead) for before in left) else told + instead)
             out.append(f"{_space(statement)}// left out: {told}")
         else:
-            kept = [name for name in meant if name is not None]
-            left += [*_held_temperatures(kept), *_filtered(kept)]
-            if is_of_library:
-                kept, unknown = without_unknown(_without_idle(_converted(kept)))
-                left += unknown
-            out.append("".join(kept))
+            left += written.left_out
+            out.append(written.text)
     return Imported("".join(out).strip() + "\n", tuple(left))
 
 
+def _written(statement: Sequence[str], meant: Sequence[str | None], has_pi: bool) -> Imported | None:
+    """A statement in the words that are meant; None where one has no counterpart. `has_pi`: pi is a name of the text's own."""
+    kept = [name for name in meant if name is not None]
+    if len(kept) < len(meant) or any(_FLOW.search(name) for name in kept):
+        return None
+    left = [*_held_temperatures(kept), *_filtered(kept)]
+    if kept == list(statement):
+        return Imported("".join(kept), tuple(left))
+    if has_pi:
+        kept = [name if name == word else _PI.sub(repr(math.pi), name) for name, word in zip(kept, statement, strict=True)]
+    converted = _converted(kept)
+    if converted is None:
+        return None
+    kept, unknown = without_unknown(without_idle(converted))
+    return None if any(word.startswith(WAY) for word in kept) else Imported("".join(kept), (*left, *unknown))
+
+
+_PI = re.compile(r"(?<![\w.])pi\b")
 _INSTEAD = {  # what a statement names that has no counterpart, and what to write
     r"\b(heatPort|internalHeatPort|Thermal)\b": "heat is not of this language: what a component turns into heat is its "
     "lossPower, as damper.lossPower; the account of energies counts it as dissipated, or as work",
@@ -153,14 +167,14 @@ def _is_name(word: str) -> bool:
 
 def _told(statement: Sequence[str]) -> list[str]:
     """Its words, without spaces and comments."""
-    return [word for word in statement if not (word.isspace() or word.startswith(("//", "/*")))]
+    return [word for word in statement if is_said(word)]
 
 
 def _space(statement: Sequence[str]) -> str:
     """What stands before it: lines and comments."""
     found = []
     for word in statement:
-        if not (word.isspace() or word.startswith(("//", "/*"))):
+        if is_said(word):
             break
         found.append(word)
     return "".join(found)
@@ -219,7 +233,7 @@ def _opens_class(statement: Sequence[str]) -> bool:
 
 
 def _description_follows(words: Sequence[str], at: int) -> bool:
-    following = next((word for word in words[at + 1 :] if not word.isspace()), "")
+    following = next((word for word in words[at + 1 :] if is_said(word)), "")
     return following.startswith('"') or following == "="
 
 
@@ -280,7 +294,7 @@ def _of_library(name: str) -> str | None:
     if parts[-2] == "Conversions" and parts[1] in ("Units", "SIunits"):
         return _CONVERTED + _CONVERSIONS[last] if last in _CONVERSIONS else None
     if parts[1:4] == ["Blocks", "Types", "Init"]:
-        return f"Init.{last}"
+        return f"{WAY}Init.{last}" if len(parts) == 5 else None
     if parts[1:3] == ["Units", "SI"] or parts[1] == "SIunits":
         return UNITS.get(last, "Real")
     if parts[1] == "Math":
@@ -304,13 +318,19 @@ def _classes_of(package: str) -> frozenset[str]:
     return frozenset(inner.name for outer in found.classes for inner in outer.classes) if found is not None else frozenset()
 
 
-def _converted(words: Sequence[str]) -> list[str]:
-    """With conversions of units written out, in brackets: (pi/180*(30)) for from_deg(30)."""
+def _converted(words: Sequence[str]) -> list[str] | None:
+    """With conversions of units written out, in brackets: (pi/180*(30)) for from_deg(30). None for one of no single number."""
     found = list(words)
     for k, word in enumerate(words):
-        if word.startswith(_CONVERTED):
-            found[k] = f"({word.removeprefix(_CONVERTED)}"
-            found[_closing(words, k)] += ")"
+        if not word.startswith(_CONVERTED):
+            continue
+        opening = next((j for j in range(k + 1, len(words)) if is_said(words[j])), len(words))
+        spans = arguments(words, opening) if words[opening : opening + 1] == ["("] else []
+        told = [_told(words[first:last]) for first, last in spans]
+        if len(told) != 1 or not told[0] or (told[0][1:2] == ["="] and told[0][2:3] != ["="]):  # from_deg(u = 30)
+            return None
+        found[k] = f"({word.removeprefix(_CONVERTED)}"
+        found[spans[0][1]] += ")"
     return found
 
 
@@ -329,27 +349,4 @@ def _declared(statement: Sequence[str], first: int | None) -> list[str]:
             found.append(word)
             is_name = False
         is_name = is_name or (word == "," and depth == 0)
-    return found
-
-
-def _without_idle(words: Sequence[str]) -> list[str]:
-    """Without arguments that mean nothing here, as stateSelect = StateSelect.always."""
-    found, at = list[str](), 0
-    while at < len(words):
-        following = next((word for word in words[at + 1 :] if not word.isspace()), "")
-        if words[at] in _IDLE and following == "(":  # startForward(fixed = true)
-            at = _closing(words, at) + 1
-            at += next((k for k, word in enumerate(words[at:]) if not word.isspace()), 0)
-            following = "="
-        elif words[at] not in _IDLE or following != "=":
-            found.append(_RENAMED.get(words[at], words[at]) if following == "=" else words[at])
-            at += 1
-            continue
-        while words[at] not in (",", ")"):
-            at += 1
-        last = next((k for k in range(len(found) - 1, -1, -1) if not found[k].isspace()), 0)
-        if words[at] == ",":
-            at += 1
-        elif found and found[last] == ",":
-            del found[last:]
     return found
