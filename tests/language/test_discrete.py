@@ -248,13 +248,6 @@ end Alone;
     assert not model.warnings and model.simulate(stop=1.0)["block.s"][-1] == pytest.approx(1)
 
 
-def test_an_array_of_them_is_told_once(tmp_path: Path) -> None:
-    text = BALL.replace("Integer n(start", "Integer n[2](start").replace("n = pre(n) + 1;", "n[1] = pre(n[1]) + 1;")
-    with pytest.raises(lagrangia.LagError) as found:
-        run(tmp_path, text, "Ball")
-    assert [d.code for d in found.value.diagnostics].count("L0219") == 1 and "L0232" not in str(found.value)
-
-
 EQUAL = """
 model Equal "n = 1, 2, ..., 5 at 0.5, 1, ...; x = t; b is true where n is odd"
   Block block(m = 1, base = world);

@@ -80,9 +80,10 @@ reinit(rate, value)   the rate is that of anything that the motion decides: der(
 Discrete variables    n = value, of a variable of its own, declared as discrete Real, Integer or Boolean, which keeps it until the
                       next event: n = pre(n) + 1; last = time; on = not pre(on). pre(n) is n before the event; n, of another
                       that the same `when` gives a value, what it is from there on. Integer n(start = 0) begins at 0, or where
-                      `when initial()` says. Forces, outputs and conditions of other events may read them; places and energies
-                      may not. Columns of results show what is true as 1, what is not as 0.
-when {a, b} then      where one of them comes true, while others are, too; when edge(b) is when b, when change(b) when {b, not b}
+                      `when initial()` says; Integer n[3](each start = 0) are three. Forces, outputs and conditions of others may
+                      read them; places and energies may not. Columns of results show what is true as 1, what is not as 0.
+when {a, b} then      where one of them comes true, while others are, too; when edge(b) is when b, when change(b) when {b, not b},
+                      when change(n) where a discrete variable n gets another value; pre(n) is the value before, there, too
 Contacts              where the rate of the condition itself is turned back or stopped, as der(gap) by -e*pre(der(gap)) when
                       gap < 0. They push and never pull, one impact brings about the next (Newton's cradle), and bounces too
                       small to be told from none come to rest: a force that only pushes holds them, until the motion leaves.

@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from typing import Literal
 
 from lagrangia.base.diagnostics import Report, Span, fail
+from lagrangia.language.discrete import compared
 from lagrangia.language.flat import Guard
 from lagrangia.language.folding import fold
 from lagrangia.language.function_variables import Assertion
@@ -35,12 +36,14 @@ def read_assertion(call: Call[Expression], scope: Scope, place: Span, names: Nam
     return Assertion(flat, said, kind)
 
 
-def guard_of(call: Call[Expression], scope: Scope, place: Span, names: Names, report: Report) -> list[Guard]:
+def guard_of(call: Call[Expression], scope: Scope, place: Span, names: Names, report: Report, types: Mapping[str, str]
+             ) -> list[Guard]:
     """The guard of an assertion that parameters or the motion decide; of another one, an error or a warning L0238 where it does
-    not hold. Raises LagError L0215, L0225, L0302."""
+    not hold. `types` are those of discrete variables. Raises LagError L0215, L0225, L0302."""
     one = read_assertion(call, scope, place, names)
     flat, said, is_warning = names.without_known(one.condition), one.text, one.kind == "warning"
     if not isinstance(flat, Boolean):
+        flat = compared(flat, types)
         require_level(flat)
         return [Guard(flat, said, one.kind, scope.instance.path, place)]
     if not flat.value and is_warning:

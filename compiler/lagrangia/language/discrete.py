@@ -32,6 +32,7 @@ class Event:
     span: Span
     chain: object
     is_start: bool = False
+    settled: tuple[str, ...] = ()  # variables that got their values before it comes: it is that of their change
 
 
 def is_condition(node: Flat) -> bool:
@@ -52,7 +53,7 @@ def compared(condition: Flat, types: Mapping[str, str]) -> Flat:
             one, other = compared(left, types), compared(right, types)
             neither = Binary("and", Unary("not", one, one.span), Unary("not", other, other.span), span)
             same = Binary("or", Binary("and", one, other, span), neither, span)
-        case Binary("==" | "<>" as operator, left, right, span) if not any(_broken(x, types) for x in (left, right)):
+        case Binary("==" | "<>" as operator, left, right, span) if not any(_broken(x, types, True) for x in (left, right)):
             same = Binary("and", Binary(">=", left, right, span), Binary("<=", left, right, span), span)
         case _:
             return condition
@@ -62,9 +63,16 @@ def compared(condition: Flat, types: Mapping[str, str]) -> Flat:
 def as_numbers(left: Expression, *sides: Flat) -> tuple[Flat, Flat]:
     """Both sides of an equation; where the left one is a Boolean variable, as numbers. Raises LagError L0302."""
     first, second = sides
-    if isinstance(left, Reference) and isinstance(first, Binary) and isinstance(first.left, Ref):
-        return first.left, number_of(second, NO)
-    return first, second
+    named = _named_truth(first) if isinstance(left, Reference) else None
+    return (first, second) if named is None else (named, number_of(second, NO))
+
+
+def _named_truth(side: Flat) -> Flat | None:
+    """The Boolean variable that a condition is, or the array of some."""
+    if isinstance(side, Array) and side.items:
+        items = tuple(item for x in side.items if (item := _named_truth(x)) is not None)
+        return Array(items, side.span) if len(items) == len(side.items) else None
+    return side.left if isinstance(side, Binary) and isinstance(side.left, Ref) else None
 
 
 def find_broken(values: Iterable[Flat], types: Mapping[str, str], report: Report) -> None:
@@ -75,8 +83,8 @@ def find_broken(values: Iterable[Flat], types: Mapping[str, str], report: Report
                          "write: integer(x), the greatest below x")
 
 
-def _broken(node: Flat, types: Mapping[str, str]) -> Flat | None:
-    """The first part that may be no whole number; None where there is none."""
+def _broken(node: Flat, types: Mapping[str, str], may_divide: bool = False) -> Flat | None:
+    """The first part that may be no whole number, or if it `may_divide` no ratio of some; None where there is none."""
     parts: Sequence[Flat] = ()
     match node:
         case Number(value) if value.is_integer():
@@ -89,11 +97,13 @@ def _broken(node: Flat, types: Mapping[str, str]) -> Flat | None:
             pass
         case Unary("-", operand):
             parts = (operand,)
+        case Binary("/", left, right) if may_divide:
+            parts = (left, right)
         case Binary("+" | "-" | "*", left, right) | IfExpression(_, left, right):
             parts = (left, right)
         case _:
             return node
-    return next((wrong for part in parts if (wrong := _broken(part, types)) is not None), None)
+    return next((wrong for part in parts if (wrong := _broken(part, types, may_divide)) is not None), None)
 
 
 @dataclass(frozen=True)
@@ -111,7 +121,7 @@ def find_discrete(events: Sequence[Event], variables: Mapping[str, Variable], eq
     """`types` are those of discrete variables. Reports L0231, L0232 for what cannot be given a value at an event, or is so in two
     places, L0212, L0237."""
     bindings: dict[str, Flat | None] = {name: variable.binding for name, variable in variables.items()}
-    bound = {side.name for x in equations for side in (x.left, x.right) if isinstance(side, Ref)}
+    bound = {side.name for x in equations for side in (x.left if isinstance(x.left, Ref) else x.right,) if isinstance(side, Ref)}
     rates = {str(node.arguments[0]): x.span for x in equations for node in nodes(x.left, x.right)
              if isinstance(node, Call) and node.function == "der"}
     begun, kept = dict[str, Event](), dict[str, Event]()  # the first event that gives a name its value at the start, and later
@@ -153,7 +163,8 @@ def _refuse(name: str, span: Span, variable: Variable, event: Event, bound: Set[
         report.error("L0232", f"'{name}' cannot be given a value at an event: it has one", span,
                      f"declare it without, as Real {name}(start = 0)")
     elif variable.shape:
-        report.error("L0232", f"'{name}' cannot be given a value at an event: it is an array", span, "declare each by itself")
+        report.error("L0232", f"'{name}' cannot be given a value at an event: it is an array", span,
+                     f"declare it as discrete Real {name}[n]")
     elif name in given and given[name].chain is not event.chain:
         report.error("L0232", f"'{name}' is given a value in two places", span,
                      "write one `when`: when a then ... elsewhen b then ... end when; or when {a, b} then ...")
@@ -191,8 +202,8 @@ def _warn_of_others(event: Event, given: Mapping[str, Event], bindings: Bindings
     for reset in event.resets:
         for name in read_now([reset.value], bindings):
             other = given.get(name)
-            if other is not None and not other.is_start and other.chain is not event.chain and not exclude(
-                    event.condition, other.condition):
+            if other is not None and not other.is_start and name not in event.settled and other.chain is not event.chain and (
+                    not exclude(event.condition, other.condition)):
                 report.warning("L0237", f"where this event and that which gives '{name}' its value come at one instant, '{name}' "
                                "is read as it was before", reset.span, f"pre({name}) says so; in Modelica it is the new value")
 

@@ -1,18 +1,19 @@
 """`when` clauses of classes -> events, samplers and guards, and what discrete variables get."""
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from typing import Any, TypeGuard
 
 from lagrangia.base.diagnostics import Report, Span, fail
 from lagrangia.language.assertions import ending_of
+from lagrangia.language.changes import at_change, changed, events_of_changes, variables_of_changes
 from lagrangia.language.discrete import Discrete, Event, compared, find_broken, find_discrete, is_condition
 from lagrangia.language.elsewhen import warn_of_both
 from lagrangia.language.events import level_of
 from lagrangia.language.flat import Equation, Guard, Held, Reset, Sampler, Variable
-from lagrangia.language.instances import Scope, Slot
+from lagrangia.language.instances import Scope
 from lagrangia.language.names import Names
 from lagrangia.language.tree import Array, Call, Clause, Expression, Flat, Ref, Unary, WhenBlock
-from lagrangia.language.truths import NO, number_of
 
 _SAMPLED = "write: when sample(0, 0.01) then u = ...; end when;"
 _AT_EVENTS = ("write: reinit(der(x), value);", "a variable of its own, which keeps its value until the next event, is given it: "
@@ -26,9 +27,9 @@ class EventClauses:
         self.names, self.report, self.read = names, report, read
         self.samplers: list[Sampler] = []
         self.types: dict[str, str] = {}  # of Integer and Boolean variables
-        self.arrays: set[str] = set()  # of them, which are refused where they are declared
         self._whole: list[Flat] = []  # values of Integer variables
         self._events: list[Event] = []
+        self._changing: dict[str, Ref] = {}  # those whose change is an event
         self._chains: dict[int, tuple[WhenBlock, Scope]] = {}  # the `when` that an elsewhen belongs to, by its id
         self._resets: list[Reset] = []  # of the `when` that is being read
         self._endings: list[tuple[str, Span]] = []  # likewise: what is said where it ends the run
@@ -79,9 +80,12 @@ class EventClauses:
             (inner,) = self._conditions(node.arguments[0], scope)
             if node.function == "edge":
                 return [inner]
+            if isinstance(inner, Ref):
+                self._changing[inner.name] = inner
+                return [changed(inner)]
             if not is_condition(inner):
-                fail("L0901", "not of this language: an event where a number changes", node.span,
-                     "write what happens in the `when` that gives the number its value")
+                fail("L0901", "not supported yet: an event where an expression changes", node.span,
+                     "give its value to a variable: Integer m = 2*n; when change(m) then ...")
             return [inner, Unary("not", inner, node.span)]
         condition = self.names.without_known(self.names.flatten(node, scope))
         parts = condition.items if isinstance(condition, Array) else (condition,)
@@ -92,7 +96,8 @@ class EventClauses:
         if is_start and self._endings:
             fail("L0222", "a run does not end where it begins", self._endings[0][1])
         if self._resets:
-            self._events.append(Event(condition, tuple(self._resets), component, place, chain, is_start))
+            event = Event(condition, tuple(self._resets), component, place, chain, is_start)
+            self._events.append(at_change(event))
         for text, span in self._endings:
             level_of(condition)  # which raises where there is none
             self.names.guards.append(Guard(condition, text, "end", component, span))
@@ -110,24 +115,25 @@ class EventClauses:
         start, interval = call.arguments
         self.samplers.append(Sampler(start, interval, tuple(self._held), scope.instance.path, place))
 
-    def declare(self, slot: Slot, *values: Flat | None) -> list[Flat | None]:
-        """An Integer or a Boolean variable: what it is bound to and starts at, as numbers. Raises LagError L0302."""
-        self.types[slot.path] = slot.base
-        if slot.base == "Boolean":
-            return [value and number_of(value, NO) for value in values]
-        self._whole += filter(None, values)
-        return [*values]
+    def declare(self, variables: Sequence[Variable]) -> None:
+        """Those that are Integer or Boolean."""
+        self.types |= {variable.name: variable.type_name for variable in variables}
+        self._whole += (value for variable in variables if variable.type_name == "Integer"
+                        for value in (variable.binding, variable.start) if value is not None)
+
+    def are_of(self, side: Flat) -> bool:
+        """Whether a side of an equation is an array of Integer or Boolean variables."""
+        return isinstance(side, Array) and all(
+            self.are_of(x) or (isinstance(x, Ref) and x.name in self.types) for x in side.items)
 
     def assign(self, kind: str, left: Flat, right: Flat, place: Span) -> None:
         """What a variable is from an instant (kind "sample") or an event ("when") on. Raises LagError L0222, L0232."""
         if not isinstance(left, Ref) or left.index:
             if kind == "sample":
                 fail("L0232", "a variable is given the value that it holds, this is none", left.span, _SAMPLED)
-            if isinstance(left, Ref) and left.name in self.arrays and self.report.errors:
-                return
             if isinstance(left, Ref):
                 fail("L0232", f"the element '{left}' of an array cannot be given a value at an event", left.span,
-                     "declare each by itself, or in an array of components")
+                     f"declare it as discrete Real {left.name}[n], an array of such variables")
             fail("L0222", "what happens at an event to what moves is said by reinit", left.span, *_AT_EVENTS)
         if self.types.get(left.name) == "Integer":
             self._whole.append(right)
@@ -155,7 +161,13 @@ class EventClauses:
     def finish(self, variables: Mapping[str, Variable], equations: Sequence[Equation]) -> Discrete:
         """The events, and what keeps discrete variables. Reports L0212, L0231, L0232, L0237, L0302."""
         find_broken(self._whole, self.types, self.report)
-        return find_discrete(self._events, variables, equations, self.types, self.report)
+        made = variables_of_changes(self._changing, variables, self.types, self._events, self.report)
+        if self.report.errors:
+            return Discrete({}, [], [], [])
+        events = [*self._events, *events_of_changes(self._changing)]
+        self.types |= {name: variable.type_name for name, variable in made.items()}
+        found = find_discrete(events, {**variables, **made}, equations, self.types, self.report)
+        return replace(found, variables={**made, **found.variables})
 
 
 def _is_call(node: Expression | Flat, function: str) -> TypeGuard[Call[Any]]:

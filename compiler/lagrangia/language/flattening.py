@@ -18,6 +18,7 @@ from lagrangia.language.classes import ClassTable
 from lagrangia.language.connections import Bindings, Connection, bound_to, connected, flanges_of, require_bindings
 from lagrangia.language.delays import check_delays, declare_delays, variable_of, with_delays
 from lagrangia.language.discrete import as_numbers
+from lagrangia.language.discrete_arrays import dealt_out, dealt_sides, is_dealt_out
 from lagrangia.language.drawing_words import figure_of
 from lagrangia.language.event_clauses import EventClauses
 from lagrangia.language.experiments import allowed_of, experiment_of
@@ -92,6 +93,7 @@ from lagrangia.language.tree import (
     WhenBlock,
     WorkTerm,
 )
+from lagrangia.language.truths import NO, number_of
 from lagrangia.language.unread import find_unread
 from lagrangia.language.without_effect import find_without_effect
 
@@ -253,8 +255,6 @@ class _Flattening:
             if isinstance(value, Number | Boolean | String):
                 self.structural[slot.path] = value.value
             return
-        if slot.base in DISCRETE_TYPES and slot.dimensions:
-            self.events.arrays.add(slot.path)
         kind = kind_of(slot)
         if kind == "input" and owner.parent is not None:
             kind = "variable"  # of a component: what it is connected or bound to, or else one of the scene
@@ -268,9 +268,9 @@ class _Flattening:
         if binding is not None and (declaration.dimensions or declaration.annotation):
             binding = self.fitted(binding, slot)
         start = self.names.flatten_bound(slot.attributes["start"]) if "start" in slot.attributes else None
-        if slot.base in DISCRETE_TYPES:
-            binding, start = self.events.declare(slot, binding, start)
-        self.variables[slot.path] = Variable(
+        if slot.base == "Boolean":
+            binding, start = (value and number_of(value, NO) for value in (binding, start))
+        made = Variable(
             slot.path, kind, slot.dimensions, unit_of(slot.attributes, self.names.flatten_bound),
             display_unit_of(slot.attributes, self.names.flatten_bound), binding, start,
             flag_of(self.names, slot, "fixed"), least_of(slot, read_limit(self.names, slot, "min")),
@@ -282,6 +282,10 @@ class _Flattening:
             kind == "coordinate" and declaration.type_name == ROTATION, is_inertia(slot),
             slot.base if slot.base in DISCRETE_TYPES else "Real",
         )
+        parts = [*dealt_out(made, self.names.size)] if is_dealt_out(slot) else [made]
+        self.variables |= {part.name: part for part in parts}
+        if slot.base in DISCRETE_TYPES:
+            self.events.declare(parts)
 
     def fitted(self, value: Flat, slot: Slot) -> Flat:
         """What a variable is bound to, as the space has it."""
@@ -362,13 +366,14 @@ class _Flattening:
             for name in fields:
                 self._clause(kind, Equality(Field(left, name, left.span), Field(right, name, right.span), "", clause.span), scope)
             return
-        sides = as_numbers(left, self.names.flatten(left, scope), self.names.flatten(right, scope))
-        if kind in ("when", "sample"):
-            self.events.assign(kind, *sides, place)
-        elif kind == "initial":
-            self.initial.append(Equation(*sides, place))
-        else:
-            self._add_equation(*sides, scope.instance.path, place)
+        whole = as_numbers(left, self.names.flatten(left, scope), self.names.flatten(right, scope))
+        for sides in dealt_sides(*whole, self.names.size) if kind == "when" or self.events.are_of(whole[0]) else [whole]:
+            if kind in ("when", "sample"):
+                self.events.assign(kind, *sides, place)
+            elif kind == "initial":
+                self.initial.append(Equation(*sides, place))
+            else:
+                self._add_equation(*sides, scope.instance.path, place)
 
     def _add_equation(self, left: Flat, right: Flat, component: str, span: Span) -> None:
         if is_frame(left) != is_frame(right):
@@ -384,7 +389,7 @@ class _Flattening:
             fail("L0222", "this is no equation", span, "an equation has a '=' between two expressions")
         if call.function != "connect":
             if call.function == "assert":
-                self.guards += guard_of(call, scope, span, self.names, self.report)
+                self.guards += guard_of(call, scope, span, self.names, self.report, self.events.types)
                 return
             refuse_call(call, span)
         if len(call.arguments) != 2:

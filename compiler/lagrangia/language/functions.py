@@ -4,7 +4,7 @@ import math
 from collections.abc import Callable, Mapping
 
 from lagrangia.base.diagnostics import Span, fail
-from lagrangia.language.tree import Binary, Call, EnumerationLiteral, Flat, IfExpression, Number
+from lagrangia.language.tree import Array, Binary, Call, EnumerationLiteral, Flat, IfExpression, Number
 
 # Number of arguments of each function of the kernel; None: any number, at least one.
 FUNCTIONS: Mapping[str, tuple[int, ...] | None] = {
@@ -50,7 +50,9 @@ def _ordinal(value: Flat, span: Span) -> Flat:
 # Functions of Modelica that are said by others: how many arguments they take, and what they stand for. Kinks are located exactly
 # whether noEvent and smooth say that they need not be or not.
 def _pre(x: Flat, span: Span) -> Flat:
-    """Of a comparison, what it is of what was before."""
+    """Of a comparison, what it is of what was before; of an array, that of each element."""
+    if isinstance(x, Array):
+        return Array(tuple(_pre(item, span) for item in x.items), x.span)
     if isinstance(x, Binary) and x.operator in ("<", "<=", ">", ">="):
         return Binary(x.operator, _pre(x.left, span), x.right if isinstance(x.right, Number) else _pre(x.right, span), x.span)
     return Call("pre", (x,), (), span)

@@ -90,12 +90,10 @@ def kind_of(slot: Slot) -> Kind:
     """What a variable is by its prefixes. Raises LagError L0219 for what varies and is no number and not true or false."""
     prefixes = slot.declaration.prefixes
     kind: Kind = next((kind for kind in _KINDS if kind in prefixes), "variable")
-    if slot.base in STRUCTURAL_TYPES and kind != "parameter" and (slot.base not in DISCRETE_TYPES or kind != "variable"
-                                                                 or slot.dimensions):
+    if slot.base in STRUCTURAL_TYPES and kind != "parameter" and (slot.base not in DISCRETE_TYPES or kind != "variable"):
         what = f"the {slot.base} {kind}" if not slot.enumeration else f"the {kind} of the enumeration {slot.enumeration},"
         if slot.dimensions and not slot.enumeration:
             what = f"the array of {slot.base} {kind}s"
         fail("L0219", f"not supported yet: {what} '{slot.declaration.name}'", slot.declaration.name_span,
-             "Integer, Boolean, String and enumeration parameters are supported, and single Integer and Boolean variables, also "
-             "in arrays of components")
+             "Integer, Boolean, String and enumeration parameters are supported, and Integer and Boolean variables")
     return kind

@@ -9,6 +9,7 @@ from lagrangia.base.records import dataclass
 from lagrangia.language.attributes import constant_of, in_declared_unit, is_bare
 from lagrangia.language.calls import Calls
 from lagrangia.language.classes import ClassTable
+from lagrangia.language.discrete_arrays import referred
 from lagrangia.language.element_references import ElementReference, element_reference
 from lagrangia.language.elements import element, length
 from lagrangia.language.enumerations import literal_named, ordinal_of, subscripts_of
@@ -53,7 +54,6 @@ from lagrangia.language.tree import (
     Unary,
     Whole,
 )
-from lagrangia.language.truths import NO, truth_of
 from lagrangia.language.units_written import in_si
 
 _EACH_WHOLE = "write `each` before it if every element is to have the whole of it"
@@ -435,17 +435,7 @@ class Names(Calls):
             return replace(_pick(self.structural_value(slot, span), subscripts), span=span)
         if len(subscripts) < len(slot.dimensions):
             self._arrays[slot.path] = slot
-        if not subscripts:
-            return truth_of(Ref(slot.path, (), span), NO) if slot.base == "Boolean" else Ref(slot.path, (), span)
-
-        def build(index: tuple[int, ...], left: list[int | list[int]]) -> Flat:
-            if not left:
-                return Ref(slot.path, index, span)
-            if isinstance(left[0], int):
-                return build((*index, left[0]), left[1:])
-            return Array(tuple(build((*index, i), left[1:]) for i in left[0]), span)
-
-        return build((), subscripts)
+        return referred(slot, subscripts, span)
 
     def _frame(self, node: Reference, at: int, frame: FrameSlot, scope: Scope) -> Flat:
         if at == len(node.parts):

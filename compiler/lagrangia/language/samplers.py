@@ -14,6 +14,8 @@ from lagrangia.language.mentions import reached, read_now
 from lagrangia.language.states import statements_of_motion
 from lagrangia.language.tree import Ref
 
+_IN_STARTS = "an initial equation"
+
 
 def declare_held(samplers: Sequence[Sampler], variables: Mapping[str, Variable], report: Report) -> dict[str, Variable]:
     """The variables that are held. Reports L0232 for what cannot be, L0605 for an interval that is not positive."""
@@ -42,12 +44,15 @@ def check_held(model: FlatModel, report: Report) -> None:
     if not model.samplers:
         return
     bindings = {name: variable.binding for name, variable in model.variables.items()}
-    for value, span, what in statements_of_motion(model):
+    starts = [(side, equation.span, _IN_STARTS) for equation in model.initial_equations
+              for side in (equation.left, equation.right)]
+    for value, span, what in (*statements_of_motion(model), *starts):
         read = (node.name for node in reached([value], bindings) if isinstance(node, Ref))
         name = next((name for name in read if model.variables[name].kind == "held"), None)
         if name is not None and what != "a dissipation function":
             report.error("L0901", f"not supported yet: the held value '{name}' in {what}", span,
-                         "let it act as a force or a torque: AppliedForce, AppliedTorque, DCMotor")
+                         "let it act as a force or a torque: AppliedForce, AppliedTorque, DCMotor" if what != _IN_STARTS else
+                         "write there what it is at its first instant")
     if not report.errors:
         in_order(model)
 

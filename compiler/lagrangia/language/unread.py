@@ -12,6 +12,7 @@ from typing import Any
 from lagrangia.base.diagnostics import Report, Source, Span
 from lagrangia.base.records import dataclass
 from lagrangia.language.classes import ClassTable
+from lagrangia.language.discrete_arrays import variables_of
 from lagrangia.language.flat import FlatModel
 from lagrangia.language.hinge_angles import frames_behind
 from lagrangia.language.instances import Bound, FrameSlot, Instance, Member, Slot
@@ -79,9 +80,9 @@ class _Finder:
     def _read(self) -> set[str]:
         """By energies, equations, starts and outputs, and by what people declare to look at."""
         model, library = self.model, self.table.library_sources
-        declared = [slot.path for instance in (self.root, *inside(self.root)) for slot in instance.members.values()
+        declared = [slot for instance in (self.root, *inside(self.root)) for slot in instance.members.values()
                     if isinstance(slot, Slot) and slot.declaration.name_span.source not in library]
-        shown = [model.variables[path] for path in declared if path in model.variables]
+        shown = [variable for slot in declared for variable in variables_of(slot, model.variables)]
         sides: list[Flat] = [x for e in (*model.constraints, *model.initial_equations) for x in (e.left, e.right)]
         sides += [e.value for e in model.energies] + [x for w in model.works for x in (w.force, w.position)]
         sides += model.looks()

@@ -8,6 +8,7 @@ from typing import Any
 
 from lagrangia.base.diagnostics import Report, Source, Span
 from lagrangia.language.classes import ClassTable
+from lagrangia.language.discrete_arrays import variables_of
 from lagrangia.language.experiments import find_rivals
 from lagrangia.language.flat import FlatModel, Reset
 from lagrangia.language.idle import expressions_of
@@ -201,8 +202,7 @@ def _look_at_attributes(instances: Iterable[Instance], model: FlatModel, table: 
     for slot in slots:
         if _IDLE_ANYWHERE.isdisjoint(slot.attributes):
             continue
-        variable = model.variables.get(slot.path)
-        kind = "parameter" if variable is None else variable.kind  # structural ones are no variables
+        kind = next((x.kind for x in variables_of(slot, model.variables)), "parameter")  # structural ones are no variables
         for name, bound in slot.attributes.items():
             place = bound.expression.span
             if name not in (*_IDLE[""], *_IDLE[kind]) or place.source in table.library_sources or place in told:
