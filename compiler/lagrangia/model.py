@@ -40,8 +40,8 @@ if TYPE_CHECKING:
     from lagrangia.study.sweep.plan import Design, Job
 
 Given = Mapping[str, float] | None
-NO_COMPILER = ("no C compiler was found: CasADi's cvodes is used, which is slower and less accurate "
-               "(pip install ziglang brings a compiler)")
+NO_COMPILER = ("no run time came with the package, and no C compiler was found to make one: CasADi's cvodes is used, which is "
+               "slower and less accurate (pip install ziglang brings a compiler)")
 
 
 def load(path: str | os.PathLike[str], *, model: str | None = None, **structural: Any) -> "Model":

@@ -155,10 +155,10 @@ def _run(options: Namespace, model: Model, experiment: Experiment, values: Any, 
          picture: Any) -> int:
     scene = model.scene
     begin = time.perf_counter()
-    if model.falls_back(options.solver) and not options.quiet:
-        print(NO_COMPILER, file=sys.stderr)
     bar = _Bar(experiment, sys.stderr)
     progress, portions = model.launch(experiment, values, bar)
+    if model.falls_back(options.solver) and not options.quiet:  # what CasADi cannot run was refused, with the same reason
+        print(NO_COMPILER, file=sys.stderr)
     loaded = time.perf_counter() - begin
     keep: list[Sequence[float]] = []
     first: Sequence[float] = ()

@@ -46,6 +46,7 @@ EXTRA = "io.github.lagrangia"  # its folder in extra/
 SCENE = "scene.json"  # in it: which model of which file was exported, and with what
 _MOST_READABLE = 3  # coordinates of a scene whose equations are written out
 _LONGEST_IDENTIFIER = 60
+_TABLE = "scene_fmu.c"
 _BUILDING = 0.5  # seconds for which zig compiles and links the smallest scene, when it has made the run time
 _EARLIEST = (1980, 1, 1, 0, 0, 0)  # in an archive; files in it have no dates
 _VERSION_FILES = {"2": ("fmi2.c",), "3": ("fmi3.c", "fmi3_dependencies.c", "fmi3_unused.c", "fmi3_instance.h")}
@@ -147,12 +148,12 @@ def archive(described: FmuModel, wanted: Export, extras: Extras, tell: Callable[
     described = described if wanted.arrays else replace(described, arrays=())
     scene = described.scene
     identifier = identifier_of(scene.name)
-    sources = _sources(described, wanted.version, "")
+    sources = _sources(described, wanted.version)
     names = tuple(sorted(name for name in sources if name.endswith(".c")))
     content = hashlib.sha256(repr((sorted(sources.items()), list(described.variables), described.arrays, described.dependencies,
                                    VERSION, wanted.kinds)).encode()).hexdigest()
     token = f"{{{content[:8]}-{content[8:12]}-{content[12:16]}-{content[16:20]}-{content[20:32]}}}"
-    sources = _sources(described, wanted.version, token)
+    sources[_TABLE] = _side_by_side(table_source(described, token))
     library = _shipped(described, wanted)
     if are_long(scene.tables) and (library is None or wanted.sources):
         fail("L0901", "not supported yet: an FMU that is compiled, or has its sources, of tables with more than "
@@ -252,14 +253,14 @@ def identifier_of(name: str) -> str:
     return f"{identifier[:_LONGEST_IDENTIFIER]}_{hashlib.sha256(name.encode()).hexdigest()[:8]}"
 
 
-def _sources(described: FmuModel, version: str, token: str) -> dict[str, str]:
-    """All C files of an FMU, side by side in one folder: the run time's, the scene, and the table of the FMU."""
+def _sources(described: FmuModel, version: str) -> dict[str, str]:
+    """All C files of an FMU, side by side in one folder: the run time's, the scene, and the table of an FMU without a token."""
     others = {name for key, names in _VERSION_FILES.items() if key != version for name in names}
     files = [file for file in data_folder("runtime").rglob("*.[ch]")
              if file.name not in others | set(_UNUSED) and file.parent.name != "standard"]
     found = {file.name: file.read_text(encoding="utf-8") for file in files}
     found["scene.c"] = scene_source(described)
-    found["scene_fmu.c"] = table_source(described, token)
+    found[_TABLE] = table_source(described, token="")
     return {name: _side_by_side(text) for name, text in sorted(found.items())}
 
 

@@ -3,8 +3,8 @@
 import re
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import field
+from html import escape
 from math import isclose
-from xml.sax.saxutils import quoteattr
 
 from lagrangia.base.records import dataclass
 from lagrangia.fmu.factors import CONSTANT, DEPENDENT
@@ -19,6 +19,7 @@ _QUANTITIES = {"rad": "Angle", "rad/s": "AngularVelocity", "rad/s2": "AngularAcc
                "N.s/m": "Damping", "N.m/rad": "TorsionStiffness", "N.m.s/rad": "TorsionDamping", "J": "Energy", "W": "Power",
                "s": "Time", "Hz": "Frequency"}
 _NOT_STRUCTURED = re.compile(r"""[^ -~]|[`"]""")
+_IN_ATTRIBUTES = str.maketrans({'"': "&quot;", "\n": "&#10;", "\t": "&#9;"})
 _BASES = ("kg", "m", "s", "A", "K", "mol", "cd")
 _MOST_DEPENDENCIES = 1_000_000  # numbers in one list of dependencies, above which it is left out: "depends on all"
 
@@ -52,7 +53,7 @@ def _attribute(value: object) -> str:
     if isinstance(value, float):
         return f'"{value!r}"'
     text = "".join(c for c in str(value) if c >= " " or c in "\t\n")
-    return quoteattr(text, {"\n": " ", "\t": " "})
+    return f'"{escape(text, quote=False).translate(_IN_ATTRIBUTES)}"'
 
 
 def experiment(model: FmuModel) -> dict[str, object]:

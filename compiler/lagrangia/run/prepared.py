@@ -6,7 +6,7 @@ import time
 import weakref
 from array import array
 from collections.abc import Sequence
-from ctypes import POINTER, addressof, c_char, c_double, c_void_p, cast
+from ctypes import addressof, c_char, c_double, c_void_p, cast
 from typing import TYPE_CHECKING
 
 from lagrangia.base.diagnostics import RunError, fail
@@ -51,7 +51,7 @@ class PreparedRun:
         for place in varied:
             self._mask[place] = 1.0
         self._start = (c_double * (2 * scene.n))(*values.q, *values.v)
-        self._rates = cast(addressof(self._start) + 8 * scene.n, POINTER(c_double))
+        self._starts = (self._handle, addressof(self._start), addressof(self._start) + 8 * scene.n)  # numbers pass soonest
         place = cast(self._library.lag_run_parameters(self._handle), c_void_p).value or addressof(self._given)
         self._found = (c_double * len(values.parameters)).from_address(place)  # all parameters, as C has them
         self._limits = [(k, -_LARGEST if p.minimum is None else p.minimum, _LARGEST if p.maximum is None else p.maximum)
@@ -77,7 +77,7 @@ class PreparedRun:
             own[place] = value
         if varied:
             self._set(parameters)
-        if self._begin(self._handle, own, self._rates) != _OK:
+        if self._begin(*self._starts) != _OK:
             fail_start(self.scene, self._run.failure, self._run.parameters)
         rows = self._rows(self._shape)
         count = self._advance(addressof(c_char.from_buffer(rows.data)))

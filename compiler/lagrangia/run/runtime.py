@@ -228,7 +228,7 @@ _SIGNATURES: Mapping[str, tuple[Any, tuple[Any, ...]]] = {
     "lag_run_parameters": (Doubles, (_RUN,)),
     "lag_run_set_inputs": (c.c_int, (_RUN, Doubles, Doubles, c.c_int)),
     "lag_run_set_lost": (None, (_RUN, Doubles)),
-    "lag_run_start": (c.c_int, (_RUN, Doubles, Doubles)),
+    "lag_run_start": (c.c_int, (_RUN, c.c_void_p, c.c_void_p)),
     "lag_run_set_stop": (None, (_RUN, c.c_double)),
     "lag_run_row_width": (c.c_int, (c.POINTER(ModelMirror),)),
     "lag_run_advance": (c.c_int, (_RUN, c.c_void_p, c.c_int, c.c_void_p, Ints, c.c_double)),
