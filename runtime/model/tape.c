@@ -9,7 +9,7 @@
 
 #include "numbers/sines.h"
 
-enum { FIELDS = 4, MOST_SINES = 32 };
+enum { FIELDS = 4 };
 
 static int inside(int32_t index, size_t size) { return index >= 0 && (size_t)index < size; }
 
@@ -99,8 +99,8 @@ double lag_tape_uncommon(int32_t op, double x, double y) { return uncommon(op, x
 /* The sine or cosine, and as many of the next ones as are computed with it; how many these are. */
 static int32_t run_sines(const int32_t *first, double *work)
 {
-    double angle[MOST_SINES], sine[MOST_SINES], cosine[MOST_SINES];
-    const int32_t count = first[3] < MOST_SINES ? first[3] : MOST_SINES, *end = first + FIELDS * count;
+    double angle[LAG_MOST_SINES], sine[LAG_MOST_SINES], cosine[LAG_MOST_SINES];
+    const int32_t count = first[3] < LAG_MOST_SINES ? first[3] : LAG_MOST_SINES, *end = first + FIELDS * count;
     int n = 0;
     if (count == 0) {
         work[first[1]] = first[0] == LAG_OP_SIN ? sin(work[first[2]]) : cos(work[first[2]]);

@@ -24,6 +24,8 @@ typedef enum {
     LAG_OP_COUNT
 } LagOp;
 
+enum { LAG_MOST_SINES = 32 }; /* so many are computed together at once */
+
 struct LagTape {
     int32_t n_instructions, n_constants;
     const int32_t *code; /* 4 n_instructions */

@@ -13,6 +13,10 @@ void lag_blocks_layout(LagBlocks *s, const LagModel *model, LagArena *arena)
     const size_t equations = (size_t)model->n_initial, unknowns = equations > 0 ? 2 * (size_t)lag_start_size(model) : 0;
     s->block = (int *)lag_take(arena, equations);
     s->owner = (int *)lag_take(arena, unknowns);
+    s->open = lag_take_ints(arena, equations);
+    s->moved = lag_take_ints(arena, equations);
+    s->first = lag_take_ints(arena, unknowns + 1);
+    s->equations = lag_take_ints(arena, equations * unknowns);
     s->scale = lag_take(arena, unknowns);
 }
 
@@ -22,28 +26,42 @@ static int speaks(const LagNewton *newton, int i, int j)
     return newton->scale[j] > 0 && newton->general[i + j * newton->model->n_initial] != 0;
 }
 
-/* How many values of equation i are owned by a block from `least` on; -1 is owned by none. */
-static int owned(const LagBlocks *s, const LagNewton *newton, int i, int least)
+/* Fills `open` and `moved` while nobody owns anything. */
+static void count_values(LagBlocks *s, const LagNewton *newton)
 {
-    int count = 0;
-    for (int j = 0; j < 2 * lag_start_size(newton->model); ++j)
-        count += speaks(newton, i, j) && (least < 0 ? s->owner[j] < 0 : s->owner[j] >= least);
-    return count;
+    for (int i = 0; i < newton->model->n_initial; ++i) {
+        s->open[i] = 0;
+        for (int k = newton->first[i]; k < newton->first[i + 1]; ++k)
+            s->open[i] += speaks(newton, i, newton->values[k]);
+        s->moved[i] = s->open[i] > 0;
+    }
+}
+
+/* Which equations speak of a value. */
+static void list_equations(LagBlocks *s, const LagNewton *newton)
+{
+    const int equations = newton->model->n_initial, unknowns = 2 * lag_start_size(newton->model);
+    int *next = s->first + 1; /* of each value; in the end that of the one behind it */
+    memset(s->first, 0, ((size_t)unknowns + 1) * sizeof *s->first);
+    for (int k = 0; k < newton->first[equations]; ++k)
+        ++next[newton->values[k]];
+    for (int j = 0, before = 0; j < unknowns; ++j) {
+        const int count = next[j];
+        next[j] = before;
+        before += count;
+    }
+    for (int i = 0; i < equations; ++i)
+        for (int k = newton->first[i]; k < newton->first[i + 1]; ++k)
+            s->equations[next[newton->values[k]]++] = i;
 }
 
 /* The equation without a block that speaks of the fewest values that nobody owns; -1 where all have one. */
 static int next_equation(const LagBlocks *s, const LagNewton *newton)
 {
-    int next = -1, fewest = 0;
-    for (int i = 0; i < newton->model->n_initial; ++i) {
-        if (!newton->active[i] || s->block[i] >= 0)
-            continue;
-        const int count = owned(s, newton, i, -1);
-        if (next < 0 || count < fewest) {
+    int next = -1;
+    for (int i = 0; i < newton->model->n_initial; ++i)
+        if (newton->active[i] && s->block[i] < 0 && (next < 0 || s->open[i] < s->open[next]))
             next = i;
-            fewest = count;
-        }
-    }
     return next;
 }
 
@@ -51,11 +69,14 @@ static int next_equation(const LagBlocks *s, const LagNewton *newton)
 static int take_values(LagBlocks *s, const LagNewton *newton, int i)
 {
     int count = 0;
-    for (int j = 0; j < 2 * lag_start_size(newton->model); ++j) {
-        if (speaks(newton, i, j) && s->owner[j] < 0) {
-            s->owner[j] = s->count;
-            ++count;
-        }
+    for (int k = newton->first[i]; k < newton->first[i + 1]; ++k) {
+        const int j = newton->values[k];
+        if (!speaks(newton, i, j) || s->owner[j] >= 0)
+            continue;
+        s->owner[j] = s->count;
+        ++count;
+        for (int e = s->first[j]; e < s->first[j + 1]; ++e)
+            s->open[s->equations[e]] -= speaks(newton, s->equations[e], j);
     }
     return count;
 }
@@ -65,10 +86,10 @@ static int take_equations(LagBlocks *s, const LagNewton *newton)
 {
     int count = 0;
     for (int i = 0; i < newton->model->n_initial; ++i) {
-        if (!newton->active[i] || s->block[i] >= 0 || owned(s, newton, i, -1) > 0)
+        if (!newton->active[i] || s->block[i] >= 0 || s->open[i] > 0)
             continue;
         s->block[i] = s->count;
-        count += owned(s, newton, i, 0) > 0;
+        count += s->moved[i];
     }
     return count;
 }
@@ -81,6 +102,8 @@ int lag_blocks_find(LagBlocks *s, const LagNewton *newton)
         s->block[i] = -1;
     for (int j = 0; j < 2 * lag_start_size(newton->model); ++j)
         s->owner[j] = -1;
+    count_values(s, newton);
+    list_equations(s, newton);
     for (int i = next_equation(s, newton); i >= 0; i = next_equation(s, newton)) {
         values += take_values(s, newton, i);
         equations += take_equations(s, newton);

@@ -43,7 +43,8 @@ static double fill(LagMetric *s, const double *q, const double *p, double *work)
     const int n = lag_start_size(s->model), count = s->count;
     const double *in[] = {q, s->rates, p};
     double largest = 0, probe = 0;
-    memset(s->factor, 0, (size_t)n * (size_t)n * sizeof *s->factor);
+    for (int i = 0; i < count; ++i)
+        memset(s->factor + i * n, 0, (size_t)count * sizeof *s->factor);
     memset(s->rates, 0, (size_t)n * sizeof *s->rates);
     for (int k = 0; k < count && lag_present(&s->model->momentum); ++k) {
         const int j = s->order[k];
@@ -100,7 +101,7 @@ void lag_metric_set(LagMetric *s, const double *q, const double *p, const int *f
     choose_order(s, fixed, unit, way);
     double largest = way == LAG_METRIC_MASS ? fill(s, q, p, work) : 0;
     for (int i = 0; i < s->count && largest == 0; ++i) {
-        memset(s->factor + i * n, 0, (size_t)n * sizeof *s->factor);
+        memset(s->factor + i * n, 0, (size_t)s->count * sizeof *s->factor);
         s->factor[i * n + i] = 1;
     }
     factorise(s, largest == 0 ? 1 : largest);

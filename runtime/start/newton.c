@@ -9,6 +9,8 @@
  * Where that leads nowhere, steepest descent does, unless the gradient vanishes: then a small push, always the same one,
  * leaves the critical point. The iteration ends when nothing falls any more.
  *
+ * A few equations of many cost what they do alone: theirs are the instructions, rows and values that are gone through.
+ *
  * Where both sides of a quotient vanish, its gradient grows without bound, and any residual is near to the solution set by that
  * measure: such an equation has no value there, and does not hold.
  */
@@ -28,9 +30,12 @@ void lag_newton_layout(LagNewton *s, const LagModel *model, LagArena *arena)
 {
     const size_t equations = (size_t)model->n_initial, unknowns = equations > 0 ? 2 * (size_t)lag_start_size(model) : 0;
     s->model = s->positions.model = s->rates.model = model;
+    s->is_read = s->n_rows = 0;
     s->g = lag_take(arena, equations);
     s->jacobian = lag_take(arena, equations * unknowns);
     s->transposed = lag_take(arena, equations * unknowns);
+    s->first = lag_take_ints(arena, equations + 1);
+    s->values = lag_take_ints(arena, equations * unknowns);
     s->length = lag_take(arena, equations);
     s->general = lag_take(arena, equations * unknowns);
     s->general_length = lag_take(arena, equations);
@@ -46,6 +51,10 @@ void lag_newton_layout(LagNewton *s, const LagModel *model, LagArena *arena)
     s->gradient = lag_take(arena, unknowns);
     s->pivot = (int *)lag_take(arena, equations);
     s->active = (int *)lag_take(arena, equations);
+    s->rows = lag_take_ints(arena, equations);
+    lag_slicer_layout(&s->slicer, &model->initial, arena);
+    lag_slice_layout(&s->residuals, &model->initial, arena);
+    lag_slice_layout(&s->slopes, &model->initial, arena);
     s->scratch.a = lag_take(arena, equations * equations);
     s->scratch.b = lag_take(arena, equations);
     s->scratch.y = lag_take(arena, equations);
@@ -62,14 +71,60 @@ int lag_newton_evaluate(LagNewton *s, const double *p, const double *x, double *
     return lag_call(&s->model->initial, in, out, work);
 }
 
+/* At first the residuals of the rows alone, where that is less work. */
+static int evaluate_residuals(LagNewton *s, const double *p, const double *x, double *work)
+{
+    const double *in[] = {x, x + lag_start_size(s->model), p, s->u};
+    double *out[] = {s->g, s->jacobian};
+    if (!lag_has_slices(&s->model->initial))
+        return lag_newton_evaluate(s, p, x, work);
+    lag_tape_run(&s->residuals.tape, in, out, work);
+    return 0;
+}
+
+/* Then their gradients with them. */
+static int evaluate_rows(LagNewton *s, const double *p, const double *x, double *work)
+{
+    const double *in[] = {x, x + lag_start_size(s->model), p, s->u};
+    double *out[] = {s->g, s->jacobian};
+    if (!lag_has_slices(&s->model->initial))
+        return lag_newton_evaluate(s, p, x, work);
+    lag_tape_run(&s->slopes.tape, in, out, work);
+    return 0;
+}
+
+/* Of which values equations may speak: of all, where nobody knows. */
+static void read_pattern(LagNewton *s)
+{
+    const int equations = s->model->n_initial, unknowns = 2 * lag_start_size(s->model);
+    const int is_known = lag_has_slices(&s->model->initial);
+    int count = 0;
+    if (s->is_read)
+        return;
+    s->is_read = 1;
+    if (is_known)
+        lag_slicer_begin(&s->slicer);
+    for (int i = 0; i < equations; ++i) {
+        s->first[i] = count;
+        for (int j = 0; j < unknowns; ++j)
+            if (!is_known || !lag_is_empty_output(&s->slicer, 1, i + j * equations))
+                s->values[count++] = j;
+    }
+    s->first[equations] = count;
+}
+
 void lag_newton_survey(LagNewton *s, const double *reach)
 {
     const int equations = s->model->n_initial, unknowns = 2 * lag_start_size(s->model);
-    memcpy(s->general, s->jacobian, (size_t)(equations * unknowns) * sizeof *s->general);
+    memcpy(s->general, s->jacobian, (size_t)equations * (size_t)unknowns * sizeof *s->general);
+    memset(s->gradient, 0, (size_t)unknowns * sizeof *s->gradient);
+    read_pattern(s);
     for (int i = 0; i < equations; ++i) {
         double length2 = 0;
-        for (int j = 0; j < unknowns; ++j)
-            length2 += s->general[i + j * equations] * reach[j] * s->general[i + j * equations] * reach[j];
+        for (int k = s->first[i]; k < s->first[i + 1]; ++k) {
+            const double slope = s->general[i + s->values[k] * equations] * reach[s->values[k]];
+            length2 += slope * slope;
+        }
         s->general_length[i] = isfinite(length2) ? sqrt(length2) : 0;
         const double longest = STEEPEST * (s->general_length[i] + fabs(s->g[i]));
         s->longest[i] = longest > 0 ? longest : INFINITY;
@@ -82,15 +137,52 @@ static int moving(const LagNewton *s) { return s->positions.count + s->rates.cou
 /* The gradient of an equation in the metrics. Returns its length. */
 static double measure_gradient(LagNewton *s, const double *jacobian, int i, double *measured)
 {
-    const int equations = s->model->n_initial, n = lag_start_size(s->model);
+    const int equations = s->model->n_initial, n = lag_start_size(s->model), end = s->first[i + 1];
     double length2 = 0;
-    for (int j = 0; j < 2 * n; ++j)
-        s->gradient[j] = jacobian[i + j * equations];
+    for (int k = s->first[i]; k < end; ++k)
+        s->gradient[s->values[k]] = jacobian[i + s->values[k] * equations];
     lag_metric_of_gradient(&s->positions, s->gradient, measured);
     lag_metric_of_gradient(&s->rates, s->gradient + n, measured + s->positions.count);
     for (int j = 0; j < moving(s); ++j)
         length2 += measured[j] * measured[j];
+    for (int k = s->first[i]; k < end; ++k)
+        s->gradient[s->values[k]] = 0;
     return sqrt(length2);
+}
+
+/* Lists the equations that are looked at. Returns whether they are others than before. */
+static int list_rows(LagNewton *s)
+{
+    const int before = s->n_rows;
+    int others = 0;
+    s->n_rows = 0;
+    for (int i = 0; i < s->model->n_initial; ++i) {
+        if (!s->active[i])
+            continue;
+        others |= s->n_rows >= before || s->rows[s->n_rows] != i;
+        s->rows[s->n_rows++] = i;
+    }
+    return others || s->n_rows != before;
+}
+
+/* The equations that are looked at, and what computes them. */
+static void choose_rows(LagNewton *s)
+{
+    const int equations = s->model->n_initial;
+    if (!list_rows(s) || !lag_has_slices(&s->model->initial))
+        return;
+    lag_slice_begin(&s->slicer, &s->residuals);
+    for (int r = 0; r < s->n_rows; ++r)
+        lag_slice_add(&s->slicer, &s->residuals, 0, s->rows[r]);
+    lag_slice_end(&s->slicer, &s->residuals);
+    lag_slice_begin(&s->slicer, &s->slopes);
+    for (int r = 0; r < s->n_rows; ++r) {
+        const int i = s->rows[r];
+        lag_slice_add(&s->slicer, &s->slopes, 0, i);
+        for (int k = s->first[i]; k < s->first[i + 1]; ++k)
+            lag_slice_add(&s->slicer, &s->slopes, 1, i + s->values[k] * equations);
+    }
+    lag_slice_end(&s->slicer, &s->slopes);
 }
 
 void lag_newton_measure(LagNewton *s, const double *p, const int *fixed, const double *x, int way, double *work)
@@ -98,27 +190,33 @@ void lag_newton_measure(LagNewton *s, const double *p, const int *fixed, const d
     const int n = lag_start_size(s->model);
     lag_metric_set(&s->positions, x, p, fixed, s->scale, way, work);
     lag_metric_set(&s->rates, x, p, fixed + n, s->scale + n, way, work);
-    for (int i = 0; i < s->model->n_initial; ++i) {
+    choose_rows(s);
+    for (int r = 0; r < s->n_rows; ++r) {
+        const int i = s->rows[r];
         const double length = measure_gradient(s, s->general, i, s->step);
         s->weight[i] = isfinite(length) ? length : 0;
     }
 }
 
-/* Fills `transposed` and `length` from the Jacobian. */
-static void scale_equations(LagNewton *s)
+/* The slope of equation i along value j, in its natural size. */
+static double slope(const LagNewton *s, int i, int j) { return s->jacobian[i + j * s->model->n_initial] * s->scale[j]; }
+
+static double squared_length(const LagNewton *s, int i)
 {
-    const int equations = s->model->n_initial, unknowns = 2 * lag_start_size(s->model);
-    for (int i = 0; i < equations; ++i) {
-        double *row = s->transposed + i * unknowns, length2 = 0;
-        for (int j = 0; j < unknowns; ++j) {
-            row[j] = s->jacobian[i + j * equations] * s->scale[j];
-            length2 += row[j] * row[j];
-        }
-        s->length[i] = !s->active[i] ? INFINITY : fmax(sqrt(length2), s->general_length[i]);
+    double length2 = 0;
+    for (int k = s->first[i]; k < s->first[i + 1]; ++k)
+        length2 += slope(s, i, s->values[k]) * slope(s, i, s->values[k]);
+    return length2;
+}
+
+/* Fills `length` from the Jacobian. */
+static void measure_lengths(LagNewton *s)
+{
+    for (int r = 0; r < s->n_rows; ++r) {
+        const int i = s->rows[r];
+        s->length[i] = fmax(sqrt(squared_length(s, i)), s->general_length[i]);
         if (!(s->length[i] > 0))
             s->length[i] = 1;
-        for (int j = 0; j < unknowns; ++j)
-            row[j] /= s->length[i];
     }
 }
 
@@ -126,7 +224,8 @@ static void scale_equations(LagNewton *s)
 static double residual(const LagNewton *s, int *worst)
 {
     double largest = 0;
-    for (int i = 0; i < s->model->n_initial; ++i) {
+    for (int r = 0; r < s->n_rows; ++r) {
+        const int i = s->rows[r];
         const double size = fabs(s->g[i]) / s->length[i];
         if (size > largest || isnan(size)) {
             largest = isnan(size) ? INFINITY : size;
@@ -137,14 +236,7 @@ static double residual(const LagNewton *s, int *worst)
 }
 
 /* Whether an equation has no value at the place evaluated last. */
-static int is_void(const LagNewton *s, int i)
-{
-    const int equations = s->model->n_initial, unknowns = 2 * lag_start_size(s->model);
-    double length2 = 0;
-    for (int j = 0; j < unknowns; ++j)
-        length2 += s->jacobian[i + j * equations] * s->scale[j] * s->jacobian[i + j * equations] * s->scale[j];
-    return !(length2 <= s->longest[i] * s->longest[i]);
-}
+static int is_void(const LagNewton *s, int i) { return !(squared_length(s, i) <= s->longest[i] * s->longest[i]); }
 
 /* -1, or an equation that does not hold at the place evaluated last, where the largest scaled residual, of `worst`, is
  * `size`; g is NAN of one that has no value there. */
@@ -152,10 +244,10 @@ static int unsatisfied(LagNewton *s, double size, int worst)
 {
     if (!(size <= SATISFIED))
         return worst;
-    for (int i = 0; i < s->model->n_initial; ++i) {
-        if (s->active[i] && is_void(s, i)) {
-            s->g[i] = NAN;
-            return i;
+    for (int r = 0; r < s->n_rows; ++r) {
+        if (is_void(s, s->rows[r])) {
+            s->g[s->rows[r]] = NAN;
+            return s->rows[r];
         }
     }
     return -1;
@@ -165,8 +257,10 @@ static int unsatisfied(LagNewton *s, double size, int worst)
 static double sum_of_squares(const LagNewton *s)
 {
     double sum = 0;
-    for (int i = 0; i < s->model->n_initial; ++i)
-        sum += (s->g[i] / s->length[i]) * (s->g[i] / s->length[i]);
+    for (int r = 0; r < s->n_rows; ++r) {
+        const double size = s->g[s->rows[r]] / s->length[s->rows[r]];
+        sum += size * size;
+    }
     return sum;
 }
 
@@ -176,10 +270,9 @@ static int measure_equations(LagNewton *s)
 {
     const int rows = moving(s);
     int count = 0;
-    for (int i = 0; i < s->model->n_initial; ++i) {
+    for (int r = 0; r < s->n_rows; ++r) {
+        const int i = s->rows[r];
         double *column = s->transposed + count * rows;
-        if (!s->active[i])
-            continue;
         const double length = measure_gradient(s, s->jacobian, i, column), unit = fmax(length, s->weight[i]);
         if (!(length > 0 && isfinite(unit)))
             continue;
@@ -228,6 +321,7 @@ static void fill_wish(LagNewton *s, const double *a, const double *b)
         s->gradient[j] = b[j] - a[j];
     lag_metric_from_step(&s->positions, s->gradient, s->z);
     lag_metric_from_step(&s->rates, s->gradient + n, s->z + s->positions.count);
+    memset(s->gradient, 0, 2 * (size_t)n * sizeof *s->gradient);
 }
 
 double lag_newton_lean(LagNewton *s, const double *guess, const double *x)
@@ -246,23 +340,40 @@ double lag_newton_distance2(LagNewton *s, const double *a, const double *b)
     return sum;
 }
 
+/* Moves `step` down the gradient of the sum of squares. */
+static void step_down(LagNewton *s)
+{
+    memset(s->step, 0, 2 * (size_t)lag_start_size(s->model) * sizeof *s->step);
+    for (int r = 0; r < s->n_rows; ++r) {
+        const int i = s->rows[r];
+        for (int k = s->first[i]; k < s->first[i + 1]; ++k)
+            s->step[s->values[k]] -= slope(s, i, s->values[k]) / s->length[i] * s->g[i] / s->length[i];
+    }
+}
+
+/* By how much the scaled residuals change along `step`, squared. */
+static double squared_change(const LagNewton *s)
+{
+    double change2 = 0;
+    for (int r = 0; r < s->n_rows; ++r) {
+        const int i = s->rows[r];
+        double change = 0;
+        for (int k = s->first[i]; k < s->first[i + 1]; ++k)
+            change += slope(s, i, s->values[k]) / s->length[i] * s->step[s->values[k]];
+        change2 += change * change;
+    }
+    return change2;
+}
+
 /* The step down the gradient to the minimum of the linearised sum of squares. Returns 0 at a critical point. */
 static int steepest(LagNewton *s)
 {
-    const int equations = s->model->n_initial, unknowns = 2 * lag_start_size(s->model);
-    double length2 = 0, change2 = 0;
-    memset(s->step, 0, (size_t)unknowns * sizeof *s->step);
-    for (int i = 0; i < equations; ++i)
-        for (int j = 0; j < unknowns; ++j)
-            s->step[j] -= s->transposed[i * unknowns + j] * s->g[i] / s->length[i];
+    const int unknowns = 2 * lag_start_size(s->model);
+    double length2 = 0;
+    step_down(s);
     for (int j = 0; j < unknowns; ++j)
         length2 += s->step[j] * s->step[j];
-    for (int i = 0; i < equations; ++i) {
-        double change = 0;
-        for (int j = 0; j < unknowns; ++j)
-            change += s->transposed[i * unknowns + j] * s->step[j];
-        change2 += change * change;
-    }
+    const double change2 = squared_change(s);
     if (!(length2 > CRITICAL * CRITICAL * sum_of_squares(s)))
         return 0;
     for (int j = 0; j < unknowns; ++j)
@@ -277,12 +388,12 @@ static int descend(LagNewton *s, const double *p, double *x, double *work)
     for (double part = 1; part > SHORTEST_STEP; part /= 2) {
         for (int j = 0; j < 2 * lag_start_size(s->model); ++j)
             s->trial[j] = x[j] + part * s->step[j];
-        if (lag_newton_evaluate(s, p, s->trial, work) == 0 && sum_of_squares(s) < before) {
+        if (evaluate_residuals(s, p, s->trial, work) == 0 && sum_of_squares(s) < before) {
             memcpy(x, s->trial, 2 * (size_t)lag_start_size(s->model) * sizeof *x);
-            return 1;
+            return !lag_has_slices(&s->model->initial) || evaluate_rows(s, p, x, work) == 0;
         }
     }
-    lag_newton_evaluate(s, p, x, work);
+    evaluate_rows(s, p, x, work);
     return 0;
 }
 
@@ -291,7 +402,7 @@ static void push(LagNewton *s, const double *p, double *x, double *work)
 {
     for (int j = 0; j < lag_start_size(s->model); ++j)
         x[j] += PUSH * s->scale[j] * (fmod((j + 1) * GOLDEN_RATIO, 1) - 0.5);
-    lag_newton_evaluate(s, p, x, work);
+    evaluate_rows(s, p, x, work);
 }
 
 /* One step nearer to a solution. Returns 0 where none is found. */
@@ -305,7 +416,7 @@ static int improve(LagNewton *s, const double *p, double size, double *x, double
         s->trusted *= s->part < 1 && sum_of_squares(s) <= foretold * foretold * before ? 2 : 1;
         return 1;
     }
-    scale_equations(s);
+    measure_lengths(s);
     return size > SATISFIED && steepest(s) && descend(s, p, x, work);
 }
 
@@ -314,10 +425,10 @@ int lag_newton_solve(LagNewton *s, const double *p, int most_iterations, int mos
     int worst = 0, pushes = 0;
     double size = INFINITY;
     s->trusted = LONGEST_STEP;
-    if (lag_newton_evaluate(s, p, x, work) != 0)
+    if (evaluate_rows(s, p, x, work) != 0)
         return 0;
     for (int i = 0; i < most_iterations; ++i) {
-        scale_equations(s);
+        measure_lengths(s);
         size = residual(s, &worst);
         if (!(size > 0 && size < INFINITY))
             break;

@@ -6,12 +6,14 @@
 #include "numbers/qr.h"
 #include "start/metric.h"
 #include "model/model.h"
+#include "model/slice.h"
 
 typedef struct {
     const LagModel *model;
     const double *u; /* inputs at the start */
     double *g, *jacobian; /* n_initial, n_initial x 2 n column-major */
     double *transposed;   /* 2 n x n_initial, or fewer of both: scaled */
+    int *first, *values;  /* n_initial + 1: equation i may speak of values[first[i]] .. values[first[i + 1] - 1], ascending */
     double *length;       /* n_initial: size of an equation's scaled gradient */
     double *general;      /* the Jacobian at a general position near the guess */
     double *general_length, *weight; /* n_initial: sizes of its rows, scaled and in the metrics */
@@ -23,6 +25,11 @@ typedef struct {
     double part;    /* of the correction, that was not cut off */
     int *pivot;
     int *active;    /* n_initial: whether an equation is looked at */
+    int *rows;      /* these equations when the metrics were taken */
+    int n_rows;
+    LagSlicer slicer;
+    int is_read; /* whether the slicer, `first` and `values` are those of the model */
+    LagSlice residuals, slopes; /* of these equations; nothing where `initial` has no slices */
     LagLeastSquares scratch;
     LagMetric positions, rates;
 } LagNewton;
@@ -31,10 +38,10 @@ void lag_newton_layout(LagNewton *newton, const LagModel *model, LagArena *arena
 
 int lag_newton_evaluate(LagNewton *newton, const double *p, const double *x, double *work);
 
-/* Takes what was evaluated last for general: where a gradient vanishes it is measured by that. */
+/* Takes what was evaluated last for general: where a gradient vanishes it is measured by that. All else comes after it. */
 void lag_newton_survey(LagNewton *newton, const double *reach);
 
-/* The metrics of the values with scale > 0, LAG_METRIC_..., for corrections from x on. */
+/* The metrics of the values with scale > 0, LAG_METRIC_..., for corrections from x on, of the equations that are looked at now. */
 void lag_newton_measure(LagNewton *newton, const double *p, const int *fixed, const double *x, int way, double *work);
 
 /* Moves x = (q, v) until all equations hold. Returns -1, or the equation that is satisfied worst; g is that of x. */
