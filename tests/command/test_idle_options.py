@@ -77,14 +77,15 @@ def test_what_has_nothing_to_choose_from_is_refused(told, command: str) -> None:
     assert OTHERS[command] in told(command)
 
 
-def test_values_that_a_page_does_not_show_are_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys) -> None:
-    """Symbols stay symbols, whatever the numbers; those of scripts, of --numbers and of structural parameters are there."""
-    monkeypatch.chdir(tmp_path)
-    Path("c.lag").write_text(SCENE)
-    for command, is_vain in {"-p m=2": True, "--form matrix -p m=2 -p n=3": True, "--numbers -p m=2": False, "-p n=3": False,
-                             "--format sympy -p m=2": False}.items():
-        assert main(["equations", "c.lag", *command.split()]) == 0
-        assert ("warning[L0224]: -p m=2 has no effect" in capsys.readouterr().err) is is_vain, command
+@pytest.mark.parametrize("options", ["-p L=2 --numbers", "--numbers -p k=3", "--format sympy -p k=3", "--form linear -p L=2"])
+def test_values_of_parameters_are_taken_without_a_word(tmp_path: Path, options: str, capsys: pytest.CaptureFixture[str]) -> None:
+    """A scene whose own value is none is not derived with it; a value that is the scene's own is no fault."""
+    (tmp_path / "f.lag").write_text("""model F parameter Length L = -1; parameter TorsionStiffness k = 3;
+      Revolute h(a = world, phi(start = 0.3)); Bar b(m = 1, L = L, a = h.b); TorsionSpring s(a = world, b = h.b, k = k);
+      equation assert(L > 0, "no length"); end F;""")
+    given = options if "L=" in options else f"{options} -p L=2"
+    assert main(["equations", str(tmp_path / "f.lag"), *given.split()]) == 0
+    assert not capsys.readouterr().err
 
 
 def test_what_is_usual_may_be_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

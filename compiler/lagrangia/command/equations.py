@@ -1,9 +1,7 @@
 """`lag equations`: options -> Request -> page."""
 
 from argparse import Namespace
-from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
 
 from lagrangia.base.diagnostics import LagError, RunError
 from lagrangia.base.result_files import keep_apart, write_text
@@ -18,9 +16,6 @@ from lagrangia.command.arguments import (
     tell_texts,
 )
 from lagrangia.run.request import Request as Drawn
-
-if TYPE_CHECKING:
-    from lagrangia.paper.sheet import Request
 
 _FORMATS = {".md": "markdown", ".html": "html", ".htm": "html", ".tex": "latex", ".py": "sympy"}  # by the endings of files
 
@@ -44,7 +39,7 @@ def equations_command(options: Namespace) -> int:
     text = write_equations(options.file, request, options.model, structural)
     vain = [f"warning[L0224]: --names {letter}={names[letter]} has no effect: '{letter}' stands nowhere on this page"
             for letter in text.idle]
-    tell_texts(options, [*text.warnings, *vain, *_unseen(options, text, request, structural)])
+    tell_texts(options, [*text.warnings, *vain])
     if options.output in (None, "-"):
         print(text)
     else:
@@ -52,17 +47,6 @@ def equations_command(options: Namespace) -> int:
         write_text(Path(options.output), text + "\n")
         print(f"written to {options.output}")
     return 0
-
-
-def _unseen(options: Namespace, text: str, request: "Request", structural: dict[str, Any]) -> list[str]:
-    """Warnings of values that leave the page as it is without them."""
-    from lagrangia.paper.sheet import write_equations
-
-    plain = replace(request, parameters={})
-    if not request.parameters or write_equations(options.file, plain, options.model, structural) != text:
-        return []
-    given = " ".join(f"-p {name}={value}" for name, value in request.parameters.items())
-    return [f"warning[L0224]: {given} has no effect: parameters are symbols on this page\n   = --numbers puts their values in"]
 
 
 def _figure(options: Namespace, names: dict[str, str]) -> str:
