@@ -277,3 +277,55 @@ def test_equal_numbers(tmp_path: Path) -> None:
     """Of whole numbers, and of what is true or false; what is so at the start comes when it has been false."""
     result = run(tmp_path, EQUAL, "Equal")
     assert [result[f"count[{k}].k"][-1] for k in range(1, 13)] == [1, 1, 1, 1, 3, 2, 2, 2, 3, 2, 2, 1]
+
+
+OF_FUNCTIONS = """
+function twice
+  input Integer n;
+  output Integer y = 2*n;
+end twice;
+function upto "How many of 1, 2, 3 are not above n"
+  input Integer n;
+  input Real x;
+  output Integer y;
+protected
+  Integer s = 0;
+algorithm
+  for i in 1:3 loop
+    if i <= n then s := s + 1; end if;
+  end for;
+  if x > 100 then y := s + integer(x); else y := s; end if;
+end upto;
+function half
+  input Integer n;
+  output Integer y = n/2;
+end half;
+function is_far
+  input Real x;
+  output Boolean y = x > 0.7;
+end is_far;
+model OfFunctions "n = 1, 2, ..., 5 at 0.5, 1, ...; x = t"
+  Block block(m = 1, base = world, v(start = 1));
+  Integer n(start = 0), fours(start = 0), m = twice(n), over(start = 0), three(start = 0), z(start = 0), far(start = 0);
+  Boolean is_up(start = false), is_away = is_far(block.s);
+equation
+  when time > 0.5*(n + 1) then n = pre(n) + 1; is_up = is_far(block.s + 0.1); end when;
+  when twice(n) == 4 then fours = pre(fours) + 1; end when;
+  when m > 4 then over = pre(over) + 1; z = twice(pre(z) + 3); end when;
+  when upto(n, block.s) >= 3 then three = upto(4, pre(z)); end when;
+  when {is_far(block.s), not is_away} then far = twice(pre(far)) + 1; end when;
+  assert(twice(n) <> 6, "six", AssertionLevel.warning);
+  annotation(experiment(StopTime = 2.7));
+end OfFunctions;
+"""
+
+
+def test_results_of_functions(tmp_path: Path) -> None:
+    """Integer and Boolean ones are whole, true or false; a function that divides, or is given what is not whole, is refused."""
+    result = run(tmp_path, OF_FUNCTIONS, "OfFunctions")
+    wanted = {"n": 5, "fours": 1, "over": 1, "z": 6, "three": 3, "far": 1, "is_up": 1}
+    assert {name: float(result[name][-1]) for name in wanted} == wanted
+    assert [said for said in result.warnings if "six" in said and "t = 1.5" in said]
+    for wrong in ("half(pre(z))", "twice(0.5*pre(z))"):
+        with pytest.raises(lagrangia.LagError, match="an Integer takes whole numbers"):
+            run(tmp_path, OF_FUNCTIONS.replace("twice(pre(z) + 3)", wrong), "OfFunctions")

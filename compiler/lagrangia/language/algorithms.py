@@ -253,7 +253,8 @@ class _Builder:
         return Built(inputs, named, functions, tuple(self.asserted), truths)
 
     def _function(self, name: str, inputs: tuple[str, ...], steps: tuple[tuple[str, Flat], ...], output: str) -> FlatFunction:
-        return FlatFunction(name, inputs, self.units, steps, output, self.definition.name_span)
+        whole = frozenset(self.whole - self.truths).intersection(inputs)
+        return FlatFunction(name, inputs, self.units, steps, output, self.definition.name_span, whole)
 
     def _section(self, section: Section, steps: list[tuple[str, Flat]]) -> None:
         if section.kind != "algorithm":

@@ -16,6 +16,7 @@ from lagrangia.language.names import Names
 from lagrangia.language.requirements import require_level
 from lagrangia.language.texts import said_by
 from lagrangia.language.tree import Boolean, Call, Expression, Reference
+from lagrangia.language.whole_numbers import WholeNumbers
 
 _WRITE = 'write: assert(n > 2, "three or more links");'
 _ENDS = 'write: when x > 1 then terminate("it is there"); end when;'
@@ -36,14 +37,14 @@ def read_assertion(call: Call[Expression], scope: Scope, place: Span, names: Nam
     return Assertion(flat, said, kind)
 
 
-def guard_of(call: Call[Expression], scope: Scope, place: Span, names: Names, report: Report, types: Mapping[str, str]
+def guard_of(call: Call[Expression], scope: Scope, place: Span, names: Names, report: Report, whole: WholeNumbers
              ) -> list[Guard]:
     """The guard of an assertion that parameters or the motion decide; of another one, an error or a warning L0238 where it does
-    not hold. `types` are those of discrete variables. Raises LagError L0215, L0225, L0302."""
+    not hold. Raises LagError L0215, L0225, L0302."""
     one = read_assertion(call, scope, place, names)
     flat, said, is_warning = names.without_known(one.condition), one.text, one.kind == "warning"
     if not isinstance(flat, Boolean):
-        flat = compared(flat, types)
+        flat = compared(flat, whole)
         require_level(flat)
         return [Guard(flat, said, one.kind, scope.instance.path, place)]
     if not flat.value and is_warning:

@@ -6,7 +6,7 @@ that the same `when` gives a value, what it is from there on. `when initial()` s
 are the numbers 1 and 0 (truths.py), which are read as conditions.
 """
 
-from collections.abc import Iterable, Mapping, Sequence, Set
+from collections.abc import Mapping, Sequence, Set
 from dataclasses import replace
 from functools import partial
 
@@ -18,6 +18,7 @@ from lagrangia.language.mentions import nodes, read_now, rebuilt
 from lagrangia.language.number_checks import CONDITIONS
 from lagrangia.language.tree import Array, Binary, Boolean, Call, Expression, Flat, IfExpression, Number, Ref, Reference, Unary
 from lagrangia.language.truths import NO, number_of, truth_of
+from lagrangia.language.whole_numbers import WholeNumbers
 
 Bindings = Mapping[str, Flat | None]
 
@@ -41,19 +42,18 @@ def is_condition(node: Flat) -> bool:
         isinstance(node, Binary) and node.operator in CONDITIONS)
 
 
-def compared(condition: Flat, types: Mapping[str, str]) -> Flat:
-    """A condition with comparisons in place of == and <> of what is whole, as n == 3, and of what is true or false; `types` are
-    those of discrete variables."""
+def compared(condition: Flat, whole: WholeNumbers) -> Flat:
+    """A condition with comparisons in place of == and <> of what is whole, as n == 3, and of what is true or false."""
     match condition:
         case Unary("not", operand, span):
-            return Unary("not", compared(operand, types), span)
+            return Unary("not", compared(operand, whole), span)
         case Binary("and" | "or" as operator, left, right, span):
-            return Binary(operator, compared(left, types), compared(right, types), span)
+            return Binary(operator, compared(left, whole), compared(right, whole), span)
         case Binary("==" | "<>" as operator, left, right, span) if is_condition(left) and is_condition(right):
-            one, other = compared(left, types), compared(right, types)
+            one, other = compared(left, whole), compared(right, whole)
             neither = Binary("and", Unary("not", one, one.span), Unary("not", other, other.span), span)
             same = Binary("or", Binary("and", one, other, span), neither, span)
-        case Binary("==" | "<>" as operator, left, right, span) if not any(_broken(x, types, True) for x in (left, right)):
+        case Binary("==" | "<>" as operator, left, right, span) if not any(whole.broken(x, True) for x in (left, right)):
             same = Binary("and", Binary(">=", left, right, span), Binary("<=", left, right, span), span)
         case _:
             return condition
@@ -75,37 +75,6 @@ def _named_truth(side: Flat) -> Flat | None:
     return side.left if isinstance(side, Binary) and isinstance(side.left, Ref) else None
 
 
-def find_broken(values: Iterable[Flat], types: Mapping[str, str], report: Report) -> None:
-    """Of Integer variables; `types` are those of discrete variables. Reports L0302."""
-    for value in values:
-        if (wrong := _broken(value, types)) is not None:
-            report.error("L0302", "an Integer takes whole numbers, this may be any", wrong.span,
-                         "write: integer(x), the greatest below x")
-
-
-def _broken(node: Flat, types: Mapping[str, str], may_divide: bool = False) -> Flat | None:
-    """The first part that may be no whole number, or if it `may_divide` no ratio of some; None where there is none."""
-    parts: Sequence[Flat] = ()
-    match node:
-        case Number(value) if value.is_integer():
-            return None
-        case Ref(name) if types.get(name) == "Integer":
-            return None
-        case Call("floor" | "ceil" | "sign"):
-            return None
-        case Call("abs" | "min" | "max" | "mod" | "sum" | "product" | "pre", parts) | Array(parts):
-            pass
-        case Unary("-", operand):
-            parts = (operand,)
-        case Binary("/", left, right) if may_divide:
-            parts = (left, right)
-        case Binary("+" | "-" | "*", left, right) | IfExpression(_, left, right):
-            parts = (left, right)
-        case _:
-            return node
-    return next((wrong for part in parts if (wrong := _broken(part, types, may_divide)) is not None), None)
-
-
 @dataclass(frozen=True)
 class Discrete:
     """What events give to variables, as events and equations."""
@@ -117,8 +86,8 @@ class Discrete:
 
 
 def find_discrete(events: Sequence[Event], variables: Mapping[str, Variable], equations: Sequence[Equation],
-                  types: Mapping[str, str], report: Report) -> Discrete:
-    """`types` are those of discrete variables. Reports L0231, L0232 for what cannot be given a value at an event, or is so in two
+                  whole: WholeNumbers, report: Report) -> Discrete:
+    """Reports L0231, L0232 for what cannot be given a value at an event, or is so in two
     places, L0212, L0237."""
     bindings: dict[str, Flat | None] = {name: variable.binding for name, variable in variables.items()}
     bound = {side.name for x in equations for side in (x.left if isinstance(x.left, Ref) else x.right,) if isinstance(side, Ref)}
@@ -145,7 +114,7 @@ def find_discrete(events: Sequence[Event], variables: Mapping[str, Variable], eq
             found.initial.extend(Equation(x.rate, _at_start(x.value, variables), x.span, event.component) for x in resets)
             continue
         _warn_of_others(replace(event, resets=resets), given, bindings, report)
-        condition = compared(_opened(event.condition, bindings), types)
+        condition = compared(_opened(event.condition, bindings), whole)
         found.whens.append(When(condition, resets, event.component, event.span))
     for name, event in given.items():
         rate = Call("der", (Ref(name, (), event.span),), (), event.span)

@@ -7,13 +7,14 @@ from typing import Any, TypeGuard
 from lagrangia.base.diagnostics import Report, Span, fail
 from lagrangia.language.assertions import ending_of
 from lagrangia.language.changes import at_change, changed, events_of_changes, variables_of_changes
-from lagrangia.language.discrete import Discrete, Event, compared, find_broken, find_discrete, is_condition
+from lagrangia.language.discrete import Discrete, Event, compared, find_discrete, is_condition
 from lagrangia.language.elsewhen import warn_of_both
 from lagrangia.language.events import level_of
 from lagrangia.language.flat import Equation, Guard, Held, Reset, Sampler, Variable
 from lagrangia.language.instances import Scope
 from lagrangia.language.names import Names
 from lagrangia.language.tree import Array, Call, Clause, Expression, Flat, Ref, Unary, WhenBlock
+from lagrangia.language.whole_numbers import WholeNumbers
 
 _SAMPLED = "write: when sample(0, 0.01) then u = ...; end when;"
 _AT_EVENTS = ("write: reinit(der(x), value);", "a variable of its own, which keeps its value until the next event, is given it: "
@@ -27,7 +28,8 @@ class EventClauses:
         self.names, self.report, self.read = names, report, read
         self.samplers: list[Sampler] = []
         self.types: dict[str, str] = {}  # of Integer and Boolean variables
-        self._whole: list[Flat] = []  # values of Integer variables
+        self.whole = WholeNumbers(self.types, names.made.functions)
+        self._integers: list[Flat] = []  # values of Integer variables
         self._events: list[Event] = []
         self._changing: dict[str, Ref] = {}  # those whose change is an event
         self._chains: dict[int, tuple[WhenBlock, Scope]] = {}  # the `when` that an elsewhen belongs to, by its id
@@ -89,7 +91,7 @@ class EventClauses:
             return [inner, Unary("not", inner, node.span)]
         condition = self.names.without_known(self.names.flatten(node, scope))
         parts = condition.items if isinstance(condition, Array) else (condition,)
-        return [compared(part, self.types) for part in parts]
+        return [compared(part, self.whole) for part in parts]
 
     def _add_event(self, condition: Flat, chain: object, component: str, place: Span) -> None:
         is_start = _is_call(condition, "initial")
@@ -118,7 +120,7 @@ class EventClauses:
     def declare(self, variables: Sequence[Variable]) -> None:
         """Those that are Integer or Boolean."""
         self.types |= {variable.name: variable.type_name for variable in variables}
-        self._whole += (value for variable in variables if variable.type_name == "Integer"
+        self._integers += (value for variable in variables if variable.type_name == "Integer"
                         for value in (variable.binding, variable.start) if value is not None)
 
     def are_of(self, side: Flat) -> bool:
@@ -136,7 +138,7 @@ class EventClauses:
                      f"declare it as discrete Real {left.name}[n], an array of such variables")
             fail("L0222", "what happens at an event to what moves is said by reinit", left.span, *_AT_EVENTS)
         if self.types.get(left.name) == "Integer":
-            self._whole.append(right)
+            self._integers.append(right)
         if kind == "sample":
             self._held.append(Held(left.name, right, place))
         else:
@@ -160,13 +162,13 @@ class EventClauses:
 
     def finish(self, variables: Mapping[str, Variable], equations: Sequence[Equation]) -> Discrete:
         """The events, and what keeps discrete variables. Reports L0212, L0231, L0232, L0237, L0302."""
-        find_broken(self._whole, self.types, self.report)
+        self.whole.find_broken(self._integers, self.report)
         made = variables_of_changes(self._changing, variables, self.types, self._events, self.report)
         if self.report.errors:
             return Discrete({}, [], [], [])
         events = [*self._events, *events_of_changes(self._changing)]
         self.types |= {name: variable.type_name for name, variable in made.items()}
-        found = find_discrete(events, {**variables, **made}, equations, self.types, self.report)
+        found = find_discrete(events, {**variables, **made}, equations, self.whole, self.report)
         return replace(found, variables={**made, **found.variables})
 
 

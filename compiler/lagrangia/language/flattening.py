@@ -389,7 +389,7 @@ class _Flattening:
             fail("L0222", "this is no equation", span, "an equation has a '=' between two expressions")
         if call.function != "connect":
             if call.function == "assert":
-                self.guards += guard_of(call, scope, span, self.names, self.report, self.events.types)
+                self.guards += guard_of(call, scope, span, self.names, self.report, self.events.whole)
                 return
             refuse_call(call, span)
         if len(call.arguments) != 2:

@@ -26,6 +26,7 @@ class FlatFunction:
     steps: tuple[tuple[str, Flat], ...]
     output: str
     span: Span
+    whole_inputs: frozenset[str] = frozenset()  # those that are Integer
 
 
 @dataclass(frozen=True)
