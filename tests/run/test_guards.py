@@ -10,6 +10,7 @@ import pytest
 import lagrangia as lag
 from lagrangia.base.diagnostics import LagError, RunError
 from lagrangia.command.cli import DONE, FAILED, main
+from lagrangia.command.parser import WRONG
 
 Write = Callable[[str], lag.Model]
 FALLING = """
@@ -124,13 +125,13 @@ CHECKED = FALLING.replace("STATED", """assert(h < 3, "too high"); assert(h > 0.2
 
 def test_parameters_are_checked_at_the_start(scene: Write) -> None:
     model = scene(CHECKED)
-    with pytest.raises(RunError, match=r"t = 0: too high .*h = 4"):
+    with pytest.raises(LagError, match=r"an assertion of parameters does not hold: too high .*h = 4"):
         model.simulate(parameters={"h": 4})
     assert "too low" in model.simulate(parameters={"h": 0.1}).warnings[0]
     prepared = model.prepare(parameters={"h": 1.0})
     assert prepared([], [1.0])[-1, 1] == pytest.approx(0, abs=1e-8)
     assert prepared.ended.startswith("ended at t = 0.4515") and "down" in prepared.ended
-    with pytest.raises(RunError, match="too high"):
+    with pytest.raises(LagError, match="too high"):
         prepared([], [4.0])
     assert not prepared.ended
 
@@ -178,8 +179,9 @@ def test_exit_codes_and_the_last_row(tmp_path: Path, monkeypatch: pytest.MonkeyP
     assert main(["simulate", "e.lag"]) == DONE
     assert "ended at t = 0.451523641: down (a.s < 0, e.lag:8:21)" in capsys.readouterr().out
     assert Path("e.csv").read_text().splitlines()[-1].startswith("0.4515236409857")
-    assert main(["simulate", "e.lag", "-p", "h=4"]) == FAILED
-    assert "error: an assertion does not hold at t = 0: too high" in capsys.readouterr().err
+    assert main(["simulate", "e.lag", "-p", "h=4"]) == WRONG
+    told = capsys.readouterr().err
+    assert "error[L0605]: an assertion of parameters does not hold: too high" in told and "^^^" in told
 
 
 LOWER = 'assert(b.s > 1.5, "lower", AssertionLevel.warning);'

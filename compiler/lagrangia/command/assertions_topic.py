@@ -18,7 +18,7 @@ alone knows, String(x), and has its value beside it.
 
 Conditions compare with <, <=, >, >= what moves, accelerations and forces in joints too, parameters and time; and, or, not join
 them. What has no value (NaN) does not hold. Structural ones (Integer, Boolean, constants) are checked by `lag check`, those of
-parameters where a run starts and where one of them is set.
+parameters where a run starts (error L0605, exit code 2) and where one of them is set.
 
 They are looked at after each step, in its dense output, so that the motion is the same with them or without, in every solver
 but islands and CasADi's, which refuse them (runs of sweeps that go on eight at a time may take a method with dense output

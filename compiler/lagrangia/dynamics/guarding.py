@@ -122,5 +122,6 @@ def _named(node: Flat) -> Iterator[Flat]:
 def tell_guards(model: FlatModel, guarding: Guarding) -> list[dict[str, object]]:
     """For people: as text, as the scene outlives the source it points at."""
     return [{"text": guard.text, "place": str(guard.span), "condition": guard.condition.span.text, "kind": guard.kind,
-             "component": guard.component, "seen": list(names)}
-            for guard, names in zip(model.guards, guarding.shown, strict=True)]
+             "component": guard.component, "seen": list(names), "is_of_parameters": kind >= OF_PARAMETERS,
+             "excerpt": guard.span.excerpt}
+            for guard, names, kind in zip(model.guards, guarding.shown, guarding.kinds, strict=True)]

@@ -3,6 +3,7 @@
 from collections.abc import Iterator, Mapping
 from typing import Any
 
+from lagrangia.base.diagnostics import Diagnostic, LagError
 from lagrangia.run.runtime import Failure, Run, Status
 from lagrangia.run.scene import Scene
 
@@ -15,7 +16,16 @@ def of_guard(scene: Scene, failure: Failure) -> str:
         return f"ended at t = {failure.time:.9g}: {told})"
     first = sum(len(before["seen"]) for before in _guards(scene)[: failure.index])
     values = [f"{name} = {value:.9g}" for name, value in zip(guard["seen"], failure.seen[first:], strict=False)]
-    return f"an assertion does not hold at t = {failure.time:.9g}: {told}{': ' if values else ''}{', '.join(values)})"
+    when = "of parameters does not hold" if guard["is_of_parameters"] else f"does not hold at t = {failure.time:.9g}"
+    return f"an assertion {when}: {told}{': ' if values else ''}{', '.join(values)})"
+
+
+def refuse_parameters(scene: Scene, failure: Failure) -> None:
+    """Raises LagError L0605 where it is by its parameters that a run has failed an assertion."""
+    if failure.status is not Status.ASSERTED or not _guards(scene)[failure.index]["is_of_parameters"]:
+        return
+    hint, excerpt = "choose others of the parameters that it compares", str(_guards(scene)[failure.index]["excerpt"])
+    raise LagError([Diagnostic("error", "L0605", of_guard(scene, failure), hints=(hint,), excerpt=excerpt)])
 
 
 def warnings_of(scene: Scene, run: Run) -> Iterator[str]:

@@ -15,7 +15,7 @@ from lagrangia.base.records import dataclass
 from lagrangia.run.engines import Engine
 from lagrangia.run.event_log import log_events
 from lagrangia.run.formulas import zero_directions, zero_masses
-from lagrangia.run.guards import of_guard, warnings_of
+from lagrangia.run.guards import of_guard, refuse_parameters, warnings_of
 from lagrangia.run.request import Experiment, Values, check_parameters
 from lagrangia.run.runtime import GUARDED, Failure, Run, Settings, Statistics, Status
 from lagrangia.run.scene import Scene
@@ -214,8 +214,9 @@ class _Looks:
 
 
 def fail_start(scene: Scene, failure: Failure, parameters: Sequence[float] = (), beside: str = "") -> NoReturn:
-    """Raises LagError where start values miss what they have to satisfy, RunError where there is no start; `beside`: the length
-    that may not be 0."""
+    """Raises LagError where start values or parameters miss what they have to satisfy, RunError where there is no start;
+    `beside`: the length that may not be 0."""
+    refuse_parameters(scene, failure)
     if failure.status is Status.INITIAL_FAILED:
         what, excerpt = scene.initial_places[failure.index]
         unit = "m or rad" if failure.index < scene.sizes["n_initial_positions"] else "m/s or rad/s"
