@@ -45,7 +45,9 @@ void lag_wide_steps_show(LagWideSteps *s, int lane, LagRun *run, LagShown shown)
     m->t_old = s->t_old[lane];
     lag_wide_take(s->y, lane, m->y, s->size);
     lag_wide_attitudes_show(s, lane, run);
-    run->statistics.steps = (int64_t)s->steps[lane];
+    const int64_t steps = (int64_t)s->steps[lane];
+    run->statistics.steps_by[s->solver] += steps - run->statistics.steps;
+    run->statistics.steps = steps;
     run->statistics.tolerance_missed = (int32_t)s->missed[lane];
     if (shown == LAG_SHOWN_STATE)
         return;

@@ -13,6 +13,7 @@
 typedef struct {
     const LagModel *model;
     int n, size;    /* size = 2 n + n_power: what a state has */
+    int32_t solver; /* LAG_SOLVER_...: what makes them */
     double longest; /* that steps may be */
     LagWideScale scale;
     double *y, *carry, *old;   /* present states, and those before the latest steps; `old` without quadratures is what units ask */

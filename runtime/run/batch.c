@@ -216,6 +216,15 @@ static int32_t warned_of(LagRun *run)
     return (int32_t)found;
 }
 
+/* Bits of those that took steps. */
+static int64_t methods_of(const LagStatistics *s)
+{
+    int64_t found = 0;
+    for (int k = 0; k < LAG_SOLVERS; ++k)
+        found |= (int64_t)(s->steps_by[k] > 0) << k;
+    return found;
+}
+
 void lag_batch_conclude(LagBatch *batch, LagFollower *f, int64_t i, LagStatus status)
 {
     LagOutcome *outcome = &batch->outcomes[i];
@@ -229,6 +238,7 @@ void lag_batch_conclude(LagBatch *batch, LagFollower *f, int64_t i, LagStatus st
         tell_failure(f->run, status, outcome);
     if (outcome->kind != LAG_RUN_PARAMETER) {
         outcome->steps = statistics->steps;
+        outcome->methods = methods_of(statistics);
         const double energy = fmax(statistics->energy_scale, statistics->energy_stored);
         outcome->energy = energy > 0 ? statistics->energy_residual / energy : 0;
     }

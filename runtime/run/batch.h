@@ -21,6 +21,7 @@ typedef struct {
     LagFailure failure;
     int64_t steps;
     double energy;      /* residual of the energy account, relative to the largest energy */
+    int64_t methods;    /* bits of LAG_SOLVER_...: what took the steps */
 } LagOutcome;
 
 /* Copies the sweep. NULL: out of memory. The run must outlive the batch and serves nobody else; it has its inputs already. */

@@ -142,6 +142,7 @@ static int open(LagRunLanes *s, const LagSettings *settings)
     arena.used = 0;
     s->method->layout(s->steps, like, &arena);
     lag_wide_roots_layout(&s->roots, like->model, &arena);
+    s->steps->solver = s->method->solver;
     return 1;
 }
 

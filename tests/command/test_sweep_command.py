@@ -1,6 +1,7 @@
 """`lag sweep` as a person uses it: tables, sweeps that are killed and go on, wrong input."""
 
 import csv
+import re
 import signal
 import sys
 import time
@@ -378,3 +379,15 @@ def test_a_simulation_tells_measures_of_its_run(capsys: pytest.CaptureFixture[st
     assert "bar.a.y" in columns
     assert main(["simulate", scene, "--outputs", "maxx(bar.a.y)"]) == 2
     assert "no measure 'maxx'" in capsys.readouterr().err
+
+
+def test_the_methods_that_ran_are_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+                                        ) -> None:
+    """In lanes, which may take others than a run alone, and one by one: nothing told of them."""
+    monkeypatch.chdir(tmp_path)
+    Path("p.lag").write_text("""model P parameter Mass m = 1; Revolute r[2](each phi(start = 1));
+      Bar b[2](each m = m, each L = 1); equation connect(r[1].a, world); connect(b.a, r.b); connect(b[1].b, r[2].a); end P;""")
+    for solver, named in (("auto", "(erk9?|pirk|taylor)"), ("pirk", "pirk"), ("implicit", "implicit"), ("adams", "erk, adams")):
+        command = f"sweep p.lag -p m=1:9:1 --stop 1 --tolerance 1e-9 --solver {solver} -o y.csv"
+        assert main(command.split()) == 0
+        assert re.search(f" steps by {named}; the energy", capsys.readouterr().out)

@@ -89,6 +89,13 @@ def methods_of(statistics: Statistics, asked: str, is_cut: bool) -> str:
     return f"{shown} in place of {asked}{why}"
 
 
+def methods_of_runs(bits: Any) -> list[str]:
+    """What took steps in any of many runs, (runs,) bits by the numbers of solvers; with how many runs where it was not all."""
+    moved = int((bits != 0).sum())
+    found = [(name_of(Solver(k)), int((bits >> k & 1).sum())) for k in sorted(Solver) if (bits >> k & 1).any()]
+    return [name if count == moved else f"{name} (in {count} runs)" for name, count in found]
+
+
 def tell_assembly(scene: Any, experiment: Experiment, row: Sequence[float], out: Any) -> None:
     """Where the loops were closed, when start values were free to choose."""
     free = [k for k in range(scene.n) if scene.fixed[k] != FIXED]

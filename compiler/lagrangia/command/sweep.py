@@ -21,6 +21,7 @@ from lagrangia.command.arguments import (
     tell_warnings,
 )
 from lagrangia.command.chance import ended, told_of_chance
+from lagrangia.command.summary import methods_of_runs
 from lagrangia.model import Model
 from lagrangia.run.batch import Ending
 from lagrangia.run.request import plan
@@ -177,7 +178,8 @@ def _summarise(sweep: Sweep, target: str, now: int, has_stats: bool) -> None:
     energy = float(sweep.ledger.outcomes["energy"][sweep.ok].max(initial=0.0))
     if has_stats:
         say(f"  {_in_lanes(sweep, now)}")
-    say(f"  {steps} steps; the energy accounts close to {energy:.1e} of the largest energy")
+    by = ", ".join(methods_of_runs(sweep.ledger.outcomes["methods"]))
+    say(f"  {steps} steps{f' by {by}' if by else ''}; the energy accounts close to {energy:.1e} of the largest energy")
     if wrong := int((sweep.ledger.outcomes["energy"][sweep.ok] > DOUBTFUL).sum()):
         say(f"  they miss by more than a tenth in {wrong} of {sweep.runs} runs: unless at rest, the motion is probably wrong; "
             "compare with a smaller tolerance, or another solver")

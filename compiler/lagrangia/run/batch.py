@@ -144,7 +144,7 @@ GUARD_BITS = 31  # LAG_GUARD_BITS of batch.h: `warned` is a bit for each guard, 
 # LagOutcome as a NumPy type: one record a run, in memory, on disk and between machines.
 OUTCOME = [
     ("kind", "<i4"), ("warned", "<i4"), ("status", "<i4"), ("index", "<i4"), ("rate", "<i4"), ("padding2", "<i4"),
-    ("time", "<f8"), ("value", "<f8"), ("steps", "<i8"), ("energy", "<f8"),
+    ("time", "<f8"), ("value", "<f8"), ("steps", "<i8"), ("energy", "<f8"), ("methods", "<i8"),
 ]  # fmt: skip
 MIRRORS: Mapping[str, Mirrored] = {
     "LagReduction": _Reduction, "LagSweep": _Sweep, "LagOutcome": OUTCOME, "LagCycle": _Cycle, "LAG_REDUCE": Kind,

@@ -71,7 +71,7 @@ class Journal(Ledger):
     def __init__(self, job: Job, path: Path, restart: bool = False) -> None:
         super().__init__(job)
         self.path = path
-        self.header = json.dumps({**_TITLE, "fingerprint": job.fingerprint(), "runs": job.runs,
+        self.header = json.dumps({**_TITLE, "fingerprint": job.fingerprint(), "runs": job.runs, "record": len(OUTCOME),
                                   "measures": len(job.measures)}).encode() + b"\n"
         try:
             self.stream: IO[bytes] = path.open("r+b" if path.exists() else "x+b")
