@@ -124,8 +124,9 @@ def test_a_joint_follows_another(folder: Path) -> None:
 def test_files_are_included(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     part = SCENE[SCENE.index("  <default>"): SCENE.index("  <worldbody>")]
     whole = imported_text(SCENE)
-    Path("part.xml").write_text(f"<mujoco>{part}</mujoco>", encoding="utf-8")
-    assert imported_text(SCENE.replace(part, '<include file="part.xml"/>')) == whole
+    for root in ("mujoco", "mujocoinclude", "parts"):  # of any name, as MuJoCo's reader takes it
+        Path("part.xml").write_text(f"<{root}>{part}</{root}>", encoding="utf-8")
+        assert imported_text(SCENE.replace(part, '<include file="part.xml"/>')) == whole
     Path("part.xml").write_text('<mujoco><include file="part.xml"/></mujoco>', encoding="utf-8")
     assert main(["import", "scene.xml", "-o", "scene.lag"]) == 2
     assert "these files include each other" in capsys.readouterr().err
@@ -134,11 +135,10 @@ def test_files_are_included(folder: Path, capsys: pytest.CaptureFixture[str]) ->
 def test_of_what_is_included_and_is_no_scene_no_line_is_shown(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """A scene of others names a file of one's own; and files that include others twice are no work without end."""
     Path("scene.xml").write_text('<mujoco><include file="secret"/><worldbody/></mujoco>', encoding="utf-8")
-    for secret in ("account: anna, pass phrase: mountain", "<keys>mountain</keys>"):
-        Path("secret").write_text(secret, encoding="utf-8")
-        assert main(["import", "scene.xml"]) == 2
-        said = capsys.readouterr().err
-        assert "'secret' cannot be included" in said and "scene.xml:1:" in said and "mountain" not in said
+    Path("secret").write_text("account: anna, pass phrase: mountain", encoding="utf-8")
+    assert main(["import", "scene.xml"]) == 2
+    said = capsys.readouterr().err
+    assert "'secret' cannot be included" in said and "scene.xml:1:" in said and "mountain" not in said
     for k in range(12):
         Path(f"s{k}.xml").write_text("<mujoco>" + f'<include file="s{k + 1}.xml"/>' * 2 + "</mujoco>", encoding="utf-8")
     Path("s12.xml").write_text("<mujoco/>", encoding="utf-8")

@@ -311,13 +311,16 @@ end Flat;
 """
 
 
-def test_a_run_from_a_singular_start_says_what_check_says(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_run_from_a_singular_start_says_what_check_says(tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
+                                                          capsys: pytest.CaptureFixture[str]) -> None:
+    """Whether a step misses there is a matter of rounding; what is said then is not."""
     (tmp_path / "flat.lag").write_text(FLAT, encoding="utf-8")
     assert main(["check", str(tmp_path / "flat.lag")]) == 0
     said = next(line for line in capsys.readouterr().out.splitlines() if "the start is a singular position" in line)
     run = ["simulate", str(tmp_path / "flat.lag"), "--stop", "0.5", "-o", str(tmp_path / "o.csv")]
-    assert main(run) == 0
-    told = capsys.readouterr().out
-    assert (said in told.splitlines()) == ("missed the tolerance" in told)  # else nobody looks for it
+    for missed in ([], ["1 step missed the tolerance"]):
+        monkeypatch.setattr("lagrangia.command.summary.shortcomings", lambda progress, missed=missed: missed)
+        assert main(run) == 0
+        assert (said in capsys.readouterr().out.splitlines()) is bool(missed)
     assert main([*run, "--initial", "h1.phi=0.3"]) == 0
     assert "singular position, where" not in capsys.readouterr().out

@@ -192,3 +192,18 @@ def test_parts_follow_where_they_are_dragged(name: str, tmp_path: Path) -> None:
     run = model.simulate(at=[0.0, 0.2], stop=model.scene.stop, initial=initial)
     places = [c.name for c in model.scene.told_positions]
     assert [later[place] for place in places] == pytest.approx([run[place][-1] for place in places], abs=1e-7)
+
+
+def test_springs_along_a_line_are_no_coils_of_torsion(scene: Callable[[str], lag.Model]) -> None:
+    """Where their ends coincide at the start, on a hinge, too."""
+    model = scene("""model Own
+      model Pull Frame a, b; energy potential 5[N/m]*dot(b.r - a.r, b.r - a.r); drawing zigzag(a, b); end Pull;
+      World world(gravity = {0, 0, -9.81}); PointMass p(m = 1, center(r(start = {0, 0, 0}), v(start = {2, 0, 1})));
+      Pull pull(a = world, b = p.center); Ball k(m = 1, r = 0.1, center = h.b);
+      Revolute h(a = world, axis = {0, 1, 0}), h2(a = shift(h.b, {1, 0, 0}), axis = {0, 1, 0});
+      PointMass q(m = 1, center = shift(h2.b, {-1, 0, 0})); Pull far(a = world, b = q.center);
+      TorsionSpring t(a = h.a, b = h.b, k = 1); end Own;""")
+    run = model.simulate(at=[0.0])
+    given = look(model.compilation, figures_of(model), states_of(model, run, check_values(model.scene))).given
+    assert {g.figure.component: g.hinge is not None for g in given if g.figure.word == "zigzag"} == {
+        "pull": False, "far": False, "t": True}

@@ -55,19 +55,16 @@ def _scene(file: Path) -> Imported:
     included = list[Path]()
 
     def read(name: str, span: Span) -> Element:
-        """An included file, beside the first one: of what is none, no line is shown."""
+        """An included file, beside the first one, whose root is of any name: of what is no XML, no line is shown."""
         path = file.parent / name
         included.append(path)
         if not path.is_file():
             fail("L0730", f"there is no file '{name}' to include", span)
         try:
-            found = read_xml(name, read_source(path).text.encode())
+            return read_xml(name, read_source(path).text.encode())
         except LagError as error:
             (first, *_) = error.diagnostics
             fail("L0730", f"'{name}' cannot be included: {first.message}", span, *([f"at {first.span}"] if first.span else []))
-        if found.tag not in ("mujoco", "mujocoinclude"):
-            fail("L0730", f"'{name}' cannot be included: it is no file in MJCF", span, "its root is <mujoco> or <mujocoinclude>")
-        return found
 
     root = read_xml(file.name, read_source(file).text.encode())
     if root.tag == "robot":

@@ -258,7 +258,8 @@ The run time comes with the package; without a C compiler scenes run on tapes.
 
 Environment: LAGRANGIA_CACHE, LAGRANGIA_CC (a C compiler's command, or none), CC, NO_COLOR, LAGRANGIA_TRACEBACK=1; at install
 LAGRANGIA_KINDS=all, for a run time with all widths of registers, and LAGRANGIA_CC=none, for none at all, where there is no C
-compiler and pip finds no ziglang: all but closed loops, events and sweeps then runs by CasADi.
+compiler and pip finds no ziglang: smooth open scenes then run by CasADi; what needs the run time says so (closed loops, events,
+dry friction, cubic tables, sweeps).
 """
 
 _BENCH = """\

@@ -12,13 +12,16 @@ from lagrangia.compile.pipeline import Compilation
 from lagrangia.draw.values import root_of
 from lagrangia.frames.evaluation import scalars_of
 from lagrangia.frames.kinematics import Kinematics
+from lagrangia.language.dimensions import dimension_of_value
 from lagrangia.language.figures import CHOICES, WORDS
-from lagrangia.language.flat import Figure, places_of
+from lagrangia.language.flat import Figure, FlatModel, places_of
 from lagrangia.language.frame_steps import Step
 from lagrangia.language.hinge_angles import Ways
-from lagrangia.language.tree import Call, Flat, FrameRef
+from lagrangia.language.tree import Call, Flat, FrameRef, String
+from lagrangia.language.units import dimension
 
-HINGE = "hinge"  # among the options of a spring or damper that is held by the sides of one: its axis, in the world's axes
+HINGE = "hinge"  # among the options of a spring or damper of torsion: its hinge's axis, in the world's axes
+_TORSION = (dimension(kg=1, m=2, s=-2), dimension(kg=1, m=2, s=-1))  # of stiffnesses and torques, of damping
 
 
 @dataclass(frozen=True)
@@ -110,9 +113,15 @@ def _ask(rows: _Gathered, figure: Figure) -> Asked:
     numbers = [rows.value(node) for node, kind in zip(figure.arguments, kinds, strict=True) if kind not in ("place", "text")]
     options = {name: rows.value(node) for name, node in figure.options.items() if name not in ("label", "of", *CHOICES)}
     places = places_in(figure)
-    axis = rows.hinge(places) if figure.word in ("zigzag", "dashpot") else None
+    axis = rows.hinge(places) if _is_torsion(rows.kinematics.graph.model, figure) else None
     options |= {HINGE: axis} if axis is not None else {}
     return Asked(figure, tuple(rows.place(place) for place in places), tuple(numbers), options)
+
+
+def _is_torsion(model: FlatModel, figure: Figure) -> bool:
+    """Whether it is a spring or damper whose label is a stiffness, damping or torque of turning."""
+    label = figure.options.get("label") if figure.word in ("zigzag", "dashpot") else None
+    return label is not None and not isinstance(label, String) and dimension_of_value(model, label) in _TORSION
 
 
 def places_in(figure: Figure) -> list[Flat]:

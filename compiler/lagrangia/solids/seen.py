@@ -75,12 +75,12 @@ class Given:
     @property
     def hinge(self) -> Vector | None:
         """Of a spring or damper of torsion: unit vectors (T, 3) along the axis of its hinge, in the world's axes."""
-        if self.figure.word not in ("zigzag", "dashpot") or {"of", "along"} & self.figure.options.keys():
+        if HINGE not in self.options or {"of", "along"} & self.figure.options.keys():
             return None
-        (a, turns), (b, _) = self.poses
+        (a, _), (b, _) = self.poses
         if np.nanmax(np.linalg.norm(b - a, axis=1), initial=0.0) > _TOUCHING * self.symbol:
             return None
-        axes = self.options[HINGE] if HINGE in self.options else turns[:, :, 2]
+        axes = self.options[HINGE]
         found: Vector = axes / np.linalg.norm(axes, axis=1, keepdims=True)
         return found
 
