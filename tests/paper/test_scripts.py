@@ -84,3 +84,17 @@ def test_programs_have_the_signs_of_lengths_that_start_positive(tmp_path: Path, 
     pull = space["h"].xreplace(space["values"])[0].subs(space["s"], -0.3)
     assert float(pull) == pytest.approx(9.81 - 3*(0.3 - 0.1))
     assert main(["export", str(file), "--to", "modelica", "-o", "-"]) == 0 and "sign(s)" in capsys.readouterr().out
+
+
+def test_what_turns_over_at_no_length_has_no_pole_and_no_slope_there(tmp_path: Path, capsys) -> None:
+    """|s|' = s s'/|s|, whose rate is 0 beside s = 0: s'^2/|s| - s'^2 sgn s/s was written, no number at s = 0."""
+    file = tmp_path / "m.lag"
+    file.write_text("""model M Prismatic p(a = world, along = {0, 1}, s(start = 0.2)); PointMass q(m = 1, center = p.b);
+      coordinate Length z(start = 0.1);
+      energy kinetic 0.5[kg]*(der(z) + der(distance(world, p.b)))^2; potential 3[N/m]*distance(world, p.b)*z; end M;""")
+    assert main(["export", str(file), "--to", "modelica", "-o", "-"]) == 0
+    assert "z_dd + s/abs(s)*s_dd + 3*abs(s) = 0;" in capsys.readouterr().out
+    assert main(["equations", str(file), "--format", "sympy", "--form", "linear"]) == 2  # it rests at s = 0
+    assert "no slope at the point" in capsys.readouterr().err
+    assert main(["equations", str(file), "--format", "sympy", "--form", "linear", "--about", "p.s=0.2,z=0"]) == 0
+    exec(capsys.readouterr().out, {"__name__": "__main__"})

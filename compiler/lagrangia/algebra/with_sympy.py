@@ -121,12 +121,32 @@ def exact(value: float) -> Expr:
 
 def slope(expression: Expr, x: Expr) -> Expr:
     """d/dx, of minima and maxima by cases, of what jumps zero but at one point."""
-    found = sp.sympify(expression).diff(x)
+    found = with_signs(sp.sympify(expression)).diff(x)
     found = found.replace(lambda e: isinstance(e, sp.Heaviside | sp.DiracDelta | sp.Derivative | sp.Subs), _plain_slope)
     if not found.has(sp.sign):
         return found
     found = found.replace(lambda e: e.is_Pow and isinstance(e.base, sp.sign) and e.exp == -1, lambda e: e.base)  # no 0/0 at 0
     return found.replace(lambda e: e.is_Mul and any(isinstance(y, sp.sign) for y in e.args), _with_sizes)
+
+
+def with_signs(e: Expr) -> Expr:
+    """x/|x| as sgn x, which jumps at 0 and has no slope beside it; sgn^2 x, of these alone, as 1."""
+    if not e.has(sp.Abs):
+        return e
+    found = e.replace(lambda y: y.is_Mul and any(_is_inverse_size(z) for z in y.args), _directed)
+    is_square = lambda y: y.is_Pow and isinstance(y.base, sp.sign) and y.exp == 2  # noqa: E731
+    return found if found == e else found.replace(is_square, lambda y: sp.S.One)
+
+
+def _is_inverse_size(e: Expr) -> bool:
+    return bool(e.is_Pow and isinstance(e.base, sp.Abs) and e.exp.is_number and e.exp.is_negative)
+
+
+def _directed(e: Expr) -> Expr:
+    for size in [z.base for z in e.args if _is_inverse_size(z)]:
+        if e.as_powers_dict().get(size.args[0], sp.S.Zero) == 1:
+            e = e * size / size.args[0] * sp.sign(size.args[0])
+    return e
 
 
 def _plain_slope(e: Expr) -> Expr:

@@ -13,7 +13,7 @@ from collections.abc import Callable, Iterable, Mapping
 import numpy as np
 import sympy as sp
 
-from lagrangia.algebra.with_sympy import Expr, exact, slope
+from lagrangia.algebra.with_sympy import Expr, exact, slope, with_signs
 from lagrangia.base.diagnostics import fail
 from lagrangia.base.records import dataclass
 from lagrangia.paper.equations import Equations
@@ -140,7 +140,9 @@ class _Linearizer:
         C = self._table((at(e.ring.slope(x, v)) for v in scene.v) for x in self.s.force)
         K = self._table((at(e.ring.slope(x, q)) for q in scene.q) for x in balance)
         J = self._table((at(x) for x in row) for row in e.J)
-        if any(x.has(sp.nan, sp.zoo, sp.oo) for row in (*M, *C, *K, *J) for x in row):
+        bends = any(self._jumps(x) for rows in (e.M, e.J, [[e.ring.slope(x, q) for q in scene.q] for x in balance])
+                    for row in rows for x in row)
+        if bends or any(x.has(sp.nan, sp.zoo, sp.oo) for row in (*M, *C, *K, *J) for x in row):
             fail("L0713", "the forces have no slope at the point to linearise about", self.statics.span,
                  "give another: --about NAME=VALUE,...")
         is_still = all(e.ring.is_zero(put(x, self.here)) or self._is_small(put(x, self.here)) for x in balance)
@@ -153,6 +155,15 @@ class _Linearizer:
         reduced = self._reduced(M, C, K, load, J, pushed, begin) if J and scene.holonomic == len(J) else None
         return Linear(self.point.q, self.point.multipliers, self.point.is_numeric, is_still, M, C, K, load, J, pushed,
                       self.s.resting, self._varies(held), reduced)
+
+    def _jumps(self, x: Expr) -> bool:
+        """Whether a sign of places makes a coefficient jump at the point: s/|s| and sgn s at s = 0, but not s sgn s."""
+        x = with_signs(self.s.at_rest(x))
+        zero = {u: sp.Dummy() for u in x.atoms(sp.sign) if put(u.args[0], self.here) == 0}
+        if not zero:
+            return False
+        here = put(x.xreplace(zero), self.here)
+        return any(sp.simplify(here.diff(y)) != 0 for y in zero.values())
 
     def _varies(self, held: list[Expr]) -> bool:
         """Whether supports that do not turn steadily, loads or inputs stand in coefficients at the point."""
