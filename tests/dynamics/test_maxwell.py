@@ -13,12 +13,21 @@ FREE = f"""model Free World world(gravity = {{0, 0}});
 
 def test_its_force_dies_out_as_it_should() -> None:
     """f'' + k/c f' + k/m f = 0 from f = k, f' = -k^2/c; what is lost is all of the spring's energy."""
-    run = lag.loads(FREE).simulate(at=np.linspace(0, 2, 21), tolerance=1e-10)
+    run = lag.loads(FREE).simulate(at=np.linspace(0, 2, 401), tolerance=1e-10)
     a = K / C / 2
     w, t = np.sqrt(K / M - a**2), run.time
     right = K * np.exp(-a * t) * (np.cos(w * t) - a / w * np.sin(w * t))
     assert np.array(run["e.f"]) == pytest.approx(right, abs=1e-7)
     assert abs(run.energy.residual).max() < 1e-8
+    assert np.trapezoid(run["e.loss"], run.time) + run["e.stored"][-1] + run.energy.kinetic[-1] == pytest.approx(K/2, rel=1e-3)
+
+
+@pytest.mark.parametrize("c", [0.0, -1.0])
+def test_a_damper_that_passes_no_force_is_refused(c: float) -> None:
+    with pytest.raises(lag.LagError, match=r"'e\.c' is .* less than its minimum"):
+        lag.loads(FREE).simulate(parameters={"e.c": c})
+    with pytest.raises(lag.LagError, match=r"'e\.c' is .* less than its minimum"):
+        lag.loads(FREE.replace(f"c = {C}", f"c = {c}")).simulate()
 
 
 def test_it_acts_along_the_line_of_its_ends() -> None:

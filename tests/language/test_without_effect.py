@@ -131,6 +131,7 @@ def test_of_the_experiments_of_two_bases_the_first_counts(scene: Write) -> None:
     (told,) = scene(text % "").warnings
     assert "this StopTime has no effect: another model that M extends has one" in told and "scene.lag:2:" in told
     assert scene(text % "annotation(experiment(StopTime = 3));").warnings == []
+    assert scene(text.replace("StopTime = 2", "StopTime = 5.0[s]") % "").warnings == []  # they agree
     assert scene("model A annotation(experiment(StopTime = 2)); end A; model B extends A; end B; model D extends A; end D; "
                  f"model M extends B; extends D; {BODY} end M;").warnings == []
 

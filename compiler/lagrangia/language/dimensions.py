@@ -158,9 +158,10 @@ class _Checker:
 
     def check_constant(self, constant: Variable) -> None:
         """Of what is known when the scene is compiled; only numbers have a dimension."""
-        require_shape(self.model, constant)
         if constant.type_name in ("Real", "Integer"):
             self.check_variable(constant)
+        else:
+            require_shape(self.model, constant)
 
     def check_turns(self, value: Flat, what: str, unit: str) -> None:
         """Hz counts turns and rad/s radians, rpm and deg/s made of them: units that SI takes for the same, 6.28 apart."""

@@ -1,9 +1,9 @@
 """Annotations of a model: the experiment that it declares, and the warnings that it allows."""
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 
-from lagrangia.base.diagnostics import WARNINGS, Span, fail, nearest, suggest
+from lagrangia.base.diagnostics import WARNINGS, Report, Span, fail, nearest, suggest
 from lagrangia.language.classes import BUILTIN_TYPES, ClassTable
 from lagrangia.language.flat import Experiment
 from lagrangia.language.folding import fold
@@ -45,7 +45,7 @@ def experiment_of(table: ClassTable, definition: ClassDefinition, names: Names, 
         if argument.name not in _FIELDS:
             fail("L0208", f"experiment has no '{argument.name}'", argument.name_span, suggest(argument.name, _FIELDS))
         _require_unit(argument)
-        value = fold(names.flatten(argument.value, scope)) if argument.value is not None else None
+        value = _value_of(argument, names, scope)
         if value is None or isinstance(value, bool):
             fail("L0208", f"{argument.name} must be a number known beforehand", argument.span)
         values[_FIELDS[argument.name]], places[argument.name] = float(value), argument.span
@@ -73,12 +73,22 @@ def _checked(experiment: Experiment, places: Mapping[str, Span]) -> Experiment:
     return experiment
 
 
-def find_rivals(table: ClassTable, definition: ClassDefinition) -> Iterator[tuple[Argument, Argument]]:
-    """What two of the models that one extends say of its experiment, the first of which counts, where it says nothing itself."""
+def find_rivals(table: ClassTable, definition: ClassDefinition, names: Names, scope: Scope) -> Report:
+    """A warning (L0224) where two of the models that one extends say other values of its experiment, of which the first counts,
+    and it says none itself."""
+    report, heir = Report(), definition.name
     for name in _FIELDS:
-        found = list({a.value.span.text: a for a in reversed(_stated(table, definition, name)) if a.value is not None}.values())
+        stated = [a for a in reversed(_stated(table, definition, name)) if a.value is not None]
+        found = list({_value_of(a, names, scope): a for a in stated}.values())
         if len(found) > 1:
-            yield found[-1], found[0]
+            first, other = found[-1], found[0]
+            report.warning("L0224", f"this {name} has no effect: another model that {heir} extends has one, at {first.span}",
+                           other.span, f"state it in {heir}: annotation(experiment({name} = ...))")
+    return report
+
+
+def _value_of(argument: Argument, names: Names, scope: Scope) -> float | bool | None:
+    return fold(names.flatten(argument.value, scope)) if argument.value is not None else None
 
 
 def _stated(table: ClassTable, definition: ClassDefinition, name: str) -> list[Argument]:

@@ -21,7 +21,7 @@ from lagrangia.language.discrete import as_numbers
 from lagrangia.language.discrete_arrays import dealt_out, dealt_sides, is_dealt_out
 from lagrangia.language.drawing_words import figure_of
 from lagrangia.language.event_clauses import EventClauses
-from lagrangia.language.experiments import allowed_of, experiment_of
+from lagrangia.language.experiments import allowed_of, experiment_of, find_rivals
 from lagrangia.language.flat import (
     Energy,
     Equation,
@@ -175,7 +175,8 @@ class _Flattening:
         self.report.raise_errors()
         looks = (find_unread, find_idle, find_open_flanges, find_without_effect, find_short_vectors)
         found = (d for look in looks for d in look(model, root, self.table).diagnostics)
-        warnings = (*self.report.diagnostics, *found)
+        rivals = find_rivals(self.table, definition, self.names, Scope(root))
+        warnings = (*self.report.diagnostics, *found, *rivals.diagnostics)
         return with_moving_inputs(with_other_starts(replace(model, warnings=warnings)))
 
     def _require_model(self) -> None:

@@ -117,8 +117,11 @@ def _misfit(node: Flat, wanted: tuple[int, ...], size: Size) -> tuple[Flat, tupl
         return None
     if count != (wanted[0] if wanted else None):
         return node, wanted
-    parts = (_misfit(element(node, k, size), wanted[1:], size) for k in range(1, (count or 0) + 1))
-    return next((part for part in parts if part is not None), None)
+    if count is None:
+        return None
+    parts = node.items if isinstance(node, Array) else (element(node, k, size) for k in range(1, count + 1))
+    misfits = (_misfit(part, wanted[1:], size) for part in parts)
+    return next((misfit for misfit in misfits if misfit is not None), None)
 
 
 def _is_unknown(node: Flat) -> bool:

@@ -9,7 +9,6 @@ from typing import Any
 from lagrangia.base.diagnostics import Report, Source, Span
 from lagrangia.language.classes import ClassTable
 from lagrangia.language.discrete_arrays import variables_of
-from lagrangia.language.experiments import find_rivals
 from lagrangia.language.flat import FlatModel, Reset
 from lagrangia.language.idle import expressions_of
 from lagrangia.language.instances import Instance, Slot
@@ -77,10 +76,6 @@ def find_without_effect(model: FlatModel, root: Instance, table: ClassTable) -> 
     _look_at_parameters(own, table, {id(c) for c in table.lineage(root.definition)}, report)
     for literal in (x for c in table.user.values() for x in c.literals):
         _look_at_annotation(literal.annotation, (), report)
-    for first, other in find_rivals(table, root.definition):
-        heir = root.definition.name
-        report.warning(CODE, f"this {other.name} has no effect: another model that {heir} extends has one, at {first.span}",
-                       other.span, f"state it in {heir}: annotation(experiment({other.name} = ...))")
     called = dict.fromkeys(name.partition("(")[0] for name in model.functions)
     _look_at_functions([table.user[name] for name in called if name in table.user], report)
     _look_at_joints(model, table, report)
