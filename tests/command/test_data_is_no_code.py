@@ -238,3 +238,5 @@ def test_models_and_trajectories_are_pickled() -> None:
     np.testing.assert_array_equal(kept["h.phi"], run["h.phi"])
     np.testing.assert_array_equal(kept["b.b.x"], run["b.b.x"])
     np.testing.assert_array_equal(kept.energy.total, run.energy.total)
+    with pytest.raises(TypeError, match="send the model, and call prepare there"):
+        pickle.dumps(model.prepare())

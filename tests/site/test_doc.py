@@ -153,3 +153,11 @@ def test_names_in_quotes_lead_nowhere_else() -> None:
     files = [package.page(definition) for definition in package.classes]
     assert len(set(files)) == len(names) and files[-1] == "own.Plain.html"
     assert all(re.fullmatch(r"own\.[\w.]{1,170}\.html", file) for file in files)
+
+
+def test_sources_command_no_terminal() -> None:
+    """A description with an escape came into the page as it was, which HTML may not hold."""
+    syntax = parse(Source("own.lag", 'model M "red \x1b[31m"\n  Block b(m = 1, base = world) "\u202e";\nend M;\n'))
+    package = Package("own", (syntax,), build_class_table(drawn_library(), [syntax]), Path("own.lag"))
+    page = dict(site([package], [], lambda definition, scenes, runs: ""))["own.M.html"]
+    assert r"red \x1b[31m" in page and r"\x202e" in page and "\x1b" not in page and "\u202e" not in page

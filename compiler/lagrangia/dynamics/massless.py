@@ -29,7 +29,7 @@ from lagrangia.constraints.initial import build_initial
 from lagrangia.constraints.parameters import at_declared_values
 from lagrangia.constraints.rows import Constraints, Row, derived, reduce_further
 from lagrangia.dynamics.energies import Energies, Term, build_energies, evaluate_energies
-from lagrangia.dynamics.massless_directions import Direction, numbers_at, refuse_attitudes, shared_directions
+from lagrangia.dynamics.massless_directions import Direction, numbers_at, refuse_attitudes, refuse_loose, shared_directions
 from lagrangia.frames.evaluation import scalars_of
 from lagrangia.frames.kinematics import Kinematics
 from lagrangia.language.consequences import speaks_of_contact_forces
@@ -52,6 +52,8 @@ def settle_massless(kinematics: Kinematics, constraints: Constraints, energies: 
     Raises LagError L0504 for a place that nothing holds, or whose balance is none of positions or linear in rates.
     """
     names, held, idle = _massless(kinematics, constraints, energies)
+    if idle and constraints.rows:  # without them motion.py looks at T itself
+        refuse_loose(kinematics, [c for c in kinematics.graph.coordinates if c.name in idle])
     if held:
         _require_held(kinematics, constraints, held)
     alone = [Direction.of_one(c) for c in kinematics.graph.coordinates if c.name in names]
@@ -70,7 +72,7 @@ def settle_massless(kinematics: Kinematics, constraints: Constraints, energies: 
 
 def _massless(kinematics: Kinematics, constraints: Constraints, energies: Energies) -> tuple[list[str], list[str], list[str]]:
     """Coordinates that T does not depend on: those that some force acts on and no constraint holds, those that one does, and
-    those of which nothing speaks (motion.py refuses them)."""
+    those of which nothing speaks."""
     symbols, kinetic = kinematics.symbols, energies.moving
     kept = kinematics.graph.kept_coordinates  # whose own constraints say where they are
     found = [name for name in symbols.positions if name not in kept and _symbols_of(kinematics, name).isdisjoint(kinetic)]

@@ -6,6 +6,7 @@ parameters (a massless differential gear), they follow from M z = 0 as expressio
 """
 
 from collections.abc import Collection, Sequence
+from typing import NoReturn
 
 import casadi as ca
 import numpy as np
@@ -19,6 +20,7 @@ from lagrangia.constraints.rows import Constraints
 from lagrangia.dynamics.energies import Energies
 from lagrangia.frames.graph import Coordinate
 from lagrangia.frames.kinematics import Kinematics
+from lagrangia.language.frame_attributes import component_named
 
 _MOST = 60  # coordinates of scenes whose M is looked at as a whole
 _LOOKS = 3  # general positions
@@ -99,6 +101,32 @@ def refuse_attitudes(moving: Sequence[tuple[Coordinate, float]]) -> None:
     together = f", where it takes {', '.join(others)} with it" if others else ""
     fail("L0504", f"the attitude '{turned.attitude}' moves no mass about {about}{together}", turned.span,
          "give what it turns a moment of inertia about that axis: I = {Ixx, Iyy, Izz}")
+
+
+def refuse_loose(kinematics: Kinematics, massless: Sequence[Coordinate]) -> NoReturn:
+    """Raises LagError L0504 for coordinates that move no mass, and that nothing holds or pushes."""
+    first, *others = massless
+    beside = f" (nor do {', '.join(x.name for x in others[:3])})" if others else ""
+    fail("L0504", f"the coordinate '{first.name}' moves no mass{beside}", first.span, _missing_port(kinematics, first.name))
+
+
+def _missing_port(kinematics: Kinematics, coordinate: str) -> str:
+    """Names the port of the coordinate's component that nobody joined to anything."""
+    component = coordinate.rpartition(".")[0]
+    ends = [edge.parent for edge in kinematics.graph.edges] + [edge.child for edge in kinematics.graph.edges]
+    loose = [name for name in kinematics.graph.model.frames if name.startswith(component + ".") and ends.count(name) == 1]
+    if loose:
+        return f"'{loose[0]}' is joined to nothing: connect a body there"
+    frame, _, name = coordinate.rpartition(".")
+    if frame in kinematics.graph.model.frames and component_named(name).is_angle:
+        return (f"what is placed beside '{frame}' (shift, turn) turns with it, and a mass point has no moment of inertia: make "
+                "it a Disc or a Bar, shift the other port, or measure from the point: gap = p.center.y - 0.1[m]")
+    turned = [edge.child for edge in kinematics.graph.edges
+              if any(step.kind == "turn" and str(step.amount) == coordinate for step in edge.steps)]
+    if turned:
+        return ("give what it turns a moment of inertia about the axis, where a PointMass has none: a Disc, a Bar, or a "
+                f"PointMass beside the axis, its center = shift({turned[0]}, ...)")
+    return "give a body behind it a mass"
 
 
 class _Looks:

@@ -30,6 +30,7 @@ from lagrangia.dynamics.energies import Energies, generalised_force, rate_of_pot
 from lagrangia.dynamics.forces import forces_of_loops
 from lagrangia.dynamics.impacts import Impacts
 from lagrangia.dynamics.loops_in_tree import Granted
+from lagrangia.dynamics.massless_directions import refuse_loose
 from lagrangia.dynamics.regularity import is_even
 from lagrangia.dynamics.schur import FreeTree, prefers
 from lagrangia.frames.evaluation import scalars_of
@@ -37,7 +38,6 @@ from lagrangia.frames.geometry import Inertia, inertial_reaction
 from lagrangia.frames.joints import all_reactions
 from lagrangia.frames.kinematics import Kinematics
 from lagrangia.language.attitudes import parts_of
-from lagrangia.language.frame_attributes import component_named
 
 # A mass matrix with more entries a coordinate than this is not formed when elimination along the tree is possible.
 _DENSEST = 24
@@ -282,29 +282,7 @@ def _require_mass(kinematics: Kinematics, of_bodies: frozenset[int], momentum: L
         return
     massless = [k for k, moves in enumerate(ca.which_depends(momentum.value, v, 1, True)) if not moves]
     if massless:
-        coordinate = kinematics.graph.coordinates[massless[0]]
-        others = f" (nor do {', '.join(kinematics.graph.coordinates[k].name for k in massless[1:4])})" if massless[1:] else ""
-        fail("L0504", f"the coordinate '{coordinate.name}' moves no mass{others}", coordinate.span,
-             _missing_port(kinematics, coordinate.name))
-
-
-def _missing_port(kinematics: Kinematics, coordinate: str) -> str:
-    """Names the port of the coordinate's component that nobody joined to anything."""
-    component = coordinate.rpartition(".")[0]
-    ends = [edge.parent for edge in kinematics.graph.edges] + [edge.child for edge in kinematics.graph.edges]
-    loose = [name for name in kinematics.graph.model.frames if name.startswith(component + ".") and ends.count(name) == 1]
-    if loose:
-        return f"'{loose[0]}' is joined to nothing: connect a body there"
-    frame, _, name = coordinate.rpartition(".")
-    if frame in kinematics.graph.model.frames and component_named(name).is_angle:
-        return (f"what is placed beside '{frame}' (shift, turn) turns with it, and a mass point has no moment of inertia: make "
-                "it a Disc or a Bar, shift the other port, or measure from the point: gap = p.center.y - 0.1[m]")
-    turned = [edge.child for edge in kinematics.graph.edges
-              if any(step.kind == "turn" and str(step.amount) == coordinate for step in edge.steps)]
-    if turned:
-        return ("give what it turns a moment of inertia about the axis, where a PointMass has none: a Disc, a Bar, or a "
-                f"PointMass beside the axis, its center = shift({turned[0]}, ...)")
-    return "give a body behind it a mass"
+        refuse_loose(kinematics, [kinematics.graph.coordinates[k] for k in massless])
 
 
 @dataclass(frozen=True)

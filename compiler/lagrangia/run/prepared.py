@@ -7,7 +7,7 @@ import weakref
 from array import array
 from collections.abc import Sequence
 from ctypes import addressof, c_char, c_double, c_void_p, cast
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NoReturn
 
 from lagrangia.base.diagnostics import RunError, fail
 from lagrangia.run.engines import Engine
@@ -88,6 +88,10 @@ class PreparedRun:
         if self._turned:
             rows[:, self._turned] = math.nan  # numbers that say nothing without what attitudes are counted from
         return rows if count == len(rows) else rows[:count].copy()
+
+    def __reduce__(self) -> NoReturn:
+        """It lies in the memory of its process. Raises TypeError, as pickle and copy expect."""
+        raise TypeError("a prepared run cannot leave its process, nor be copied: send the model, and call prepare there")
 
     def _tell(self) -> None:
         """The engine has the processor time of the runs: not more than this thread had in all, which is asked for once for many

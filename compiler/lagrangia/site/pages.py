@@ -1,16 +1,17 @@
 """Classes of files -> pages: text, schematic, parameters with units and defaults, ports, energies and equations, uses, source."""
 
+import html
 import json
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import cached_property
 from hashlib import sha256
-from html import escape
 from pathlib import Path
 from textwrap import dedent
 
 from lagrangia.base.diagnostics import LIBRARY, Source
 from lagrangia.base.records import dataclass
+from lagrangia.base.spelling import plain_text
 from lagrangia.editor.meanings import Index, class_named
 from lagrangia.editor.telling import unit_of
 from lagrangia.editor.words import COMMENT, pieces_of
@@ -167,6 +168,11 @@ class _Writer:
                 shown = f"<span class={mark}>{shown}</span>"
             written.append(shown)
         return f"<pre>{''.join(written)}{escape(text[at:])}</pre>"
+
+
+def escape(text: str) -> str:
+    """A model's text as HTML, with signs that command a terminal by their codes: HTML may not hold them."""
+    return html.escape(plain_text(text))
 
 
 def _key(definition: ClassDefinition) -> tuple[str, int]:
