@@ -125,6 +125,16 @@ def test_completion_in_texts_that_are_being_written(client: Client) -> None:
     assert "phi" in labels(client.at("completion", uri, half, "bar.center.", 11))
 
 
+def test_texts_that_nobody_writes(client: Client) -> None:
+    """Letters that are half of one ended in an error; words of a million letters took minutes, and names longer than files have
+    one, too."""
+    text = 'model M "\ud800"\n  PointMass p(m = 1) "\udc01"; Real y = p.' + "x" * 200_000 + ".z;\nend M;\n"
+    uri, _ = client.open("odd.lag", text)
+    assert client.at("hover", uri, text, "PointMass")
+    assert "center" in labels(client.at("completion", uri, text, "p.x", 2))
+    assert isinstance(client.at("completion", uri, text, ".z", 0), list)
+
+
 def test_completion_where_the_end_of_a_class_lacks(client: Client) -> None:
     """Nothing was proposed there, after a second."""
     text = SCENE.replace("end Swing;\n", "")

@@ -27,14 +27,15 @@ class Packages:
         self._roots = [folder, *search_path()]
 
     def find(self, name: str) -> Syntax | None:
-        """The file of a class by its full name; None where there is none. Raises LagError for one that is wrong."""
+        """The file of a class by its full name; None where there is none, also of a name that no file can have. Raises LagError
+        for one that is wrong."""
         owner, _, last = name.rpartition(".")
         if not last.isidentifier():
             return None
         inside = self._folders.get(owner) if owner else None
         for folder in (([inside] if inside else []) if owner else self._roots):
             for place in (folder / last / "package.lag", folder / f"{last}.lag"):
-                if place.is_file() and place.resolve() != Path(self.main.source.name).resolve():
+                if os.path.isfile(place) and place.resolve() != Path(self.main.source.name).resolve():
                     return self._taken(name, place)
         return None
 

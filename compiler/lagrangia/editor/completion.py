@@ -20,6 +20,7 @@ Kind = Literal["class", "type", "function", "variable", "port", "property", "key
 _UNIT = re.compile(r"(?:^|[^\w.\])])(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?\s*\[([^\]\n]*)$")
 _UNIT_TEXT = re.compile(r'\b(?:unit|displayUnit)\s*=\s*"([^"\n]*)$')
 _DOTTED = re.compile(r"([^\W\d][\w.]*(?:\[[^\]\n]*\][\w.]*)*)\.\w*$")
+_NEAR = 1_000  # characters before the cursor in which these are looked for: each may begin at any of them
 _BETWEEN_DECLARATIONS = ("parameter", "constant", "input", "output", "coordinate", "discrete", "final", "extends", "equation",
                          "initial equation", "energy", "drawing", "annotation", "public", "protected", "end")
 _IN_SECTIONS = {"equation": ("connect", "for", "if", "when", "initial equation", "energy", "drawing", "annotation", "end"),
@@ -44,14 +45,15 @@ class Proposal:
 def proposals(index: Index, text: str, offset: int) -> list[Proposal]:
     """All that may stand there; what is typed already is for the editor to compare."""
     before = text[text.rfind("\n", 0, offset) + 1 : offset]
-    if _UNIT.search(before) or _UNIT_TEXT.search(before):
+    near = before[-_NEAR:]
+    if _UNIT.search(near) or _UNIT_TEXT.search(near):
         return [Proposal(unit, "unit") for unit in known_units()]
     if before.count('"') % 2 or "//" in before:
         return []
     owner = index.class_around(offset)
     if owner is None:
         return [Proposal(word, "keyword") for word in _OUTSIDE]
-    if dotted := _DOTTED.search(before):
+    if dotted := _DOTTED.search(near):
         return list(_members_of(index, owner, dotted[1]))
     return list(dict.fromkeys(_in_class(index, owner, text, offset)))
 

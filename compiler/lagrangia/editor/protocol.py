@@ -1,5 +1,6 @@
 """What this package knows, in the words of the language server protocol (LSP 3.17): places, diagnostics, proposals, tokens."""
 
+import re
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
@@ -13,6 +14,7 @@ from lagrangia.editor.completion import Proposal
 from lagrangia.editor.outline import MODIFIERS, TOKENS, Token
 from lagrangia.language.tree import ClassDefinition, Declaration
 
+_HALVES = re.compile("[\ud800-\udfff]")
 _SEVERITIES = {"error": types.DiagnosticSeverity.Error, "warning": types.DiagnosticSeverity.Warning,
                "note": types.DiagnosticSeverity.Information}
 _SYMBOLS = {"function": types.SymbolKind.Function, "package": types.SymbolKind.Package, "record": types.SymbolKind.Struct,
@@ -34,7 +36,7 @@ class Places:
         """Of a character of a text."""
         line, column = source.line_and_column(offset)
         before = source.text[offset - column + 1 : offset]
-        return types.Position(line - 1, len(before.encode(self.codec)) // self.bytes_a_unit)
+        return types.Position(line - 1, len(self._encoded(before)) // self.bytes_a_unit)
 
     def offset(self, source: Source, position: types.Position) -> int:
         """Of the character at a position; the end of the line, or of the text, for what is beyond."""
@@ -42,8 +44,12 @@ class Places:
         if position.line >= len(lines):
             return len(source.text)
         start = sum(len(line) + 1 for line in lines[: position.line])
-        before = lines[position.line].encode(self.codec)[: position.character * self.bytes_a_unit]
+        before = self._encoded(lines[position.line])[: position.character * self.bytes_a_unit]
         return start + len(before.decode(self.codec, errors="ignore"))
+
+    def _encoded(self, text: str) -> bytes:
+        """Halves of letters (surrogates without the other half) count as the sign that stands for what is none, U+FFFD."""
+        return _HALVES.sub("\ufffd", text).encode(self.codec)
 
     def range(self, span: Span) -> types.Range:
         """Of a piece of a text."""
