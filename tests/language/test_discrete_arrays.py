@@ -87,9 +87,10 @@ def test_beside_hand(tmp_path: Path, text: str, name: str, wanted: dict[str, flo
 def test_a_variable_bound_to_one_that_events_set(tmp_path: Path) -> None:
     """m = n, as an equation, was told to be n's value."""
     file = tmp_path / "bound.lag"
-    file.write_text(CHANGES.replace("equation\n", "  Integer m, ms(start = 0);\nequation\n  m = n;\n  when m == 2 then ms = 1; "
-                                    "end when;\n", 1), encoding="utf-8")
-    assert lagrangia.load(file).simulate()["ms"][-1] == 1
+    file.write_text(CHANGES.replace("equation\n", "  Integer m, ms(start = 0);\nequation\n  m = n;\n  when change(m) then "
+                                    "ms = 10*m + pre(m); end when;\n", 1), encoding="utf-8")
+    model = lagrangia.load(file)
+    assert model.simulate()["ms"][-1] == 54 and not [said for said in model.warnings if "'ms'" in said or "pre(n)" in said]
 
 
 @pytest.mark.parametrize(("statement", "said"), [

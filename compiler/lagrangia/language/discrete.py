@@ -168,10 +168,11 @@ def _with_new_values(event: Event, bindings: Bindings) -> tuple[Reset, ...]:
 
 def _warn_of_others(event: Event, given: Mapping[str, Event], bindings: Bindings, report: Report) -> None:
     """Of variables that other events give their values: where both come at once they are as before."""
+    settled = {*read_now([Ref(name, (), event.span) for name in event.settled], bindings)}
     for reset in event.resets:
         for name in read_now([reset.value], bindings):
             other = given.get(name)
-            if other is not None and not other.is_start and name not in event.settled and other.chain is not event.chain and (
+            if other is not None and not other.is_start and name not in settled and other.chain is not event.chain and (
                     not exclude(event.condition, other.condition)):
                 report.warning("L0237", f"where this event and that which gives '{name}' its value come at one instant, '{name}' "
                                "is read as it was before", reset.span, f"pre({name}) says so; in Modelica it is the new value")
