@@ -329,3 +329,23 @@ def test_results_of_functions(tmp_path: Path) -> None:
     for wrong in ("half(pre(z))", "twice(0.5*pre(z))"):
         with pytest.raises(lagrangia.LagError, match="an Integer takes whole numbers"):
             run(tmp_path, OF_FUNCTIONS.replace("twice(pre(z) + 3)", wrong), "OfFunctions")
+
+
+@pytest.mark.parametrize(("first", "other", "are_told"), [
+    ("n == 2", "n >= 2", True), ("n >= 2", "n == 2", True), ("n <= 2 and n >= 2", "n >= 2", True), ("n == 2", "n <> 3", True),
+    ("n >= 2", "n <= 2", False), ("n == 2", "n == 3", False), ("n == 2", "n <> 2", False), ("n > 2", "n < 2", False),
+])
+def test_conditions_that_come_true_at_once_are_told(first: str, other: str, are_told: bool, tmp_path: Path) -> None:
+    """The second of a `when` and its elsewhen, and a reading of what another event gives its value."""
+    file = tmp_path / "model.lag"
+    for clauses in (f"equation when {first} then k = pre(k) + 1; elsewhen {other} then k = pre(k) + 10; end when;",
+                    f"Integer j; equation when {first} then k = pre(k) + 1; end when; when {other} then j = k; end when;"):
+        file.write_text(f"""model M Block b(m = 1, base = world, along = {{1, 0}});
+            Spring s(k = 1, stretch = b.s); Integer n(start = 0), k(start = 0); {clauses}
+            when sin(4*pi*time/1[s]) > 0.1 then n = pre(n) + 1; end when; end M;""", encoding="utf-8")
+        assert any("L0237" in told for told in lagrangia.load(file).warnings) is are_told
+
+
+def test_a_condition_that_is_said_to_be_true_is_a_contact(tmp_path: Path) -> None:
+    text = BALL.replace("Boolean low = way.s < 0", "Boolean low = (way.s < 0) == true")
+    assert run(tmp_path, text, "Ball", stop=4.0)["n"][-1] == run(tmp_path, BALL, "Ball", stop=4.0)["n"][-1] > 3

@@ -6,13 +6,13 @@ that the same `when` gives a value, what it is from there on. `when initial()` s
 are the numbers 1 and 0 (truths.py), which are read as conditions.
 """
 
-from collections.abc import Mapping, Sequence, Set
+from collections.abc import Iterable, Mapping, Sequence, Set
 from dataclasses import replace
 from functools import partial
 
 from lagrangia.base.diagnostics import Report, Span, fail
 from lagrangia.base.records import dataclass
-from lagrangia.language.elsewhen import exclude
+from lagrangia.language.elsewhen import come_apart
 from lagrangia.language.flat import Equation, Reset, Variable, When
 from lagrangia.language.mentions import nodes, read_now, rebuilt
 from lagrangia.language.number_checks import CONDITIONS
@@ -49,6 +49,9 @@ def compared(condition: Flat, whole: WholeNumbers) -> Flat:
             return Unary("not", compared(operand, whole), span)
         case Binary("and" | "or" as operator, left, right, span):
             return Binary(operator, compared(left, whole), compared(right, whole), span)
+        case Binary("==" | "<>" as operator, condition, Boolean(value), span) | Binary(
+                "==" | "<>" as operator, Boolean(value), condition, span):
+            same = compared(condition, whole) if value else Unary("not", compared(condition, whole), span)
         case Binary("==" | "<>" as operator, left, right, span) if is_condition(left) and is_condition(right):
             one, other = compared(left, whole), compared(right, whole)
             neither = Binary("and", Unary("not", one, one.span), Unary("not", other, other.span), span)
@@ -58,6 +61,17 @@ def compared(condition: Flat, whole: WholeNumbers) -> Flat:
         case _:
             return condition
     return same if operator == "==" else Unary("not", same, span)
+
+
+def refuse_own_past(conditions: Iterable[Flat]) -> None:
+    """n <> pre(n) and its like say that something changes, which is so at no time but the event's own. Raises LagError L0225."""
+    for condition in conditions:
+        now = set(read_now([condition], {}))
+        for node in nodes(condition):
+            if isinstance(node, Call) and node.function == "pre" and isinstance(n := node.arguments[0], Ref) and n.name in now:
+                fail("L0225", f"'{n.name}' is pre({n.name}) but at the instant of its event: this never comes true",
+                     condition.span, "of what is true or false, change(b) and edge(b) are such events",
+                     "for a number, write what happens in the `when` that gives it its value")
 
 
 def as_numbers(left: Expression, *sides: Flat) -> tuple[Flat, Flat]:
@@ -173,7 +187,7 @@ def _warn_of_others(event: Event, given: Mapping[str, Event], bindings: Bindings
         for name in read_now([reset.value], bindings):
             other = given.get(name)
             if other is not None and not other.is_start and name not in settled and other.chain is not event.chain and (
-                    not exclude(event.condition, other.condition)):
+                    not come_apart(event.condition, other.condition)):
                 report.warning("L0237", f"where this event and that which gives '{name}' its value come at one instant, '{name}' "
                                "is read as it was before", reset.span, f"pre({name}) says so; in Modelica it is the new value")
 

@@ -12,9 +12,17 @@ def warn_of_both(first: Flat, other: Flat, block: WhenBlock, report: Report) -> 
     span = block.condition.span
     if are_alike(first, other):
         report.error("L0225", "this never happens: the condition is that of the branch before", span, "leave the branch out")
-    elif not exclude(first, other):
+    elif not come_apart(first, other):
         report.warning("L0237", "where this and the condition before come true at one instant, both happen", span,
                        "in Modelica the first one alone does; conditions that exclude each other, as x > 1 and x < -1, are safe")
+
+
+def come_apart(a: Flat, b: Flat) -> bool:
+    """Whether two conditions cannot come true at one instant: they exclude or deny each other. n >= 2 and n <= 2 do not, though n
+    may stay on 2, for it gets there from one side; beside others, as n >= 2 and n <= 2 both in one condition, they may."""
+    a, b = without_not(a), without_not(b)
+    are_alone = next(parts_of(a)) is a and next(parts_of(b)) is b
+    return exclude(a, b, stays=not are_alone) or are_alike(a, without_not(b, False))
 
 
 def exclude(a: Flat, b: Flat, stays: bool = False) -> bool:

@@ -7,7 +7,7 @@ from typing import Any, TypeGuard
 from lagrangia.base.diagnostics import Report, Span, fail
 from lagrangia.language.assertions import ending_of
 from lagrangia.language.changes import at_change, changed, events_of_changes, variables_of_changes
-from lagrangia.language.discrete import Discrete, Event, compared, find_discrete, is_condition
+from lagrangia.language.discrete import Discrete, Event, compared, find_discrete, is_condition, refuse_own_past
 from lagrangia.language.elsewhen import warn_of_both
 from lagrangia.language.events import level_of
 from lagrangia.language.flat import Equation, Guard, Held, Reset, Sampler, Variable
@@ -91,6 +91,7 @@ class EventClauses:
             return [inner, Unary("not", inner, node.span)]
         condition = self.names.without_known(self.names.flatten(node, scope))
         parts = condition.items if isinstance(condition, Array) else (condition,)
+        refuse_own_past(parts)
         return [compared(part, self.whole) for part in parts]
 
     def _add_event(self, condition: Flat, chain: object, component: str, place: Span) -> None:
