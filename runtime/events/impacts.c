@@ -33,6 +33,8 @@ void lag_impacts_layout(LagImpacts *s, const LagModel *model, int size, LagArena
     s->has_contact = lag_take_ints(arena, (size_t)model->n_whens);
     s->is_on = lag_take_ints(arena, (size_t)model->n_whens);
     s->before = lag_take(arena, (size_t)model->n_whens);
+    s->met = lag_take(arena, (size_t)model->n_whens);
+    s->rounding = lag_take(arena, resets > 0 ? 2 * (size_t)model->n : 0);
     s->by_time = lag_take(arena, (size_t)model->n_whens);
     s->slack = lag_take(arena, (size_t)model->n_whens);
     s->which = lag_take_ints(arena, resets);
@@ -154,12 +156,29 @@ static int find_contact(LagRun *run, int k, int comes)
     return approaches;
 }
 
-/* Whether a condition is true after resets: by its sign where these have changed it, as they set what it compares exactly; else
- * where nothing moves it, it stays what it is. */
+/* How far conditions may be off after resets, by rounding of the rates that these have changed. */
+static void find_met(LagRun *run)
+{
+    LagSwitches *s = &run->switches;
+    const LagMotion *m = &run->motion;
+    double *met = run->impacts.met, *state = run->impacts.state;
+    memset(met, 0, (size_t)run->model->n_whens * sizeof *met);
+    for (int pattern = 0; pattern < LAG_PATTERNS; ++pattern) {
+        lag_conditions_disturb(run, m->y, run->impacts.rounding, pattern, state);
+        lag_conditions_by(run, m->t, state, state + m->n, s->slope + m->n, s->g_inside, s->rate_inside);
+        for (int k = 0; k < run->model->n_whens; ++k)
+            met[k] = lag_max(fabs(s->g_inside[lag_when(run->model, k)] - s->g[lag_when(run->model, k)]), met[k]);
+    }
+}
+
+/* Whether a condition is true after resets: as it says of its level where its rates meet what they are compared with but for
+ * rounding; else by its sign where these have changed it; else where nothing moves it, it stays what it is. */
 static int has_become_true(const LagRun *run, int k)
 {
     const LagSwitches *s = &run->switches;
-    const int i = lag_when(run->model, k);
+    const int i = lag_when(run->model, k), on_level = run->model->on_level[k];
+    if (on_level >= 0 && fabs(s->g[i]) < run->impacts.met[k])
+        return on_level;
     if (fabs(s->g[i] - run->impacts.before[k]) > s->unknown[i])
         return s->g[i] > 0;
     return fabs(s->g[i]) <= s->unknown[i] && s->rate[i] == 0 ? run->impacts.is_on[k] : is_true(s, i);
@@ -174,9 +193,11 @@ static int find_events(LagRun *run, int is_first)
     const LagModel *model = run->model;
     int found = 0;
     lag_conditions_of_events(run, switches->g, switches->rate);
+    if (!is_first)
+        find_met(run);
     for (int k = 0; k < model->n_whens; ++k) {
-        const int i = lag_when(model, k), turned = switches->turned[i], may_come = is_first && switches->held[i] == 0;
-        const int comes = may_come && (turned == LAG_CHANGES || turned == LAG_JUMPS);
+        const int i = lag_when(model, k), turned = switches->turned[i];
+        const int comes = is_first && (turned == LAG_JUMPS || (turned == LAG_CHANGES && switches->held[i] == 0));
         if (s->has_contact[k]) {
             const double passed = switches->g[lag_gap(model, k)], near = run->sliding.error[lag_gap(model, k)];
             if (comes)
@@ -240,6 +261,8 @@ LagStatus lag_impacts_strike(LagRun *run)
     run->sliding.count = 0; /* accelerations as the shares say: forces that hold give no impulses but by events of their own */
     lag_contacts_find_errors(run);
     memset(s->is_plastic, 0, (size_t)run->model->n_whens * sizeof *s->is_plastic);
+    if (run->model->n_resets > 0)
+        memset(s->rounding, 0, 2 * (size_t)run->model->n * sizeof *s->rounding);
     int fire = find_events(run, 1);
     if (fire)
         lag_sliding_note_impact(run, run->switches.g);

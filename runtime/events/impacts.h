@@ -24,6 +24,8 @@ typedef struct {
     LagDenseLu lu;   /* changes of what is reset by impulses of 1 */
     double coarse;   /* by how much more than one tolerance states may be off, where another integrator finds the events; 0: ours */
     double *before;  /* n_whens: their conditions before a time at which they may jump, or resets; positive: true */
+    double *rounding; /* 2 n: by how much resets may miss rates by rounding; positions stay as they are */
+    double *met;     /* n_whens: how far conditions may be off by that */
     double *by_time; /* n_whens: how much of a gap, or else of the condition, cannot be told since the time cannot */
     double *slack;   /* n_whens: how far what rests may pass, which others hold, without being an event */
     double seen;     /* the time up to which the next step may go, so that a short bounce is seen in it */
@@ -47,9 +49,9 @@ int lag_impacts_striking(const LagRun *run);
 int lag_impacts_press(LagRun *run);
 
 /* At a state and a time: before modes, inputs and rates jump; and afterwards, where the conditions that have come true by that are
- * told of in switches.turned. */
+ * told of in switches.turned: whether there are some. */
 void lag_impacts_await_jump(LagRun *run, double t, const double *y);
-void lag_impacts_note_jump(LagRun *run, double t, const double *y);
+int lag_impacts_note_jump(LagRun *run, double t, const double *y);
 
 /* The places among the switches of event k: of its condition; of the gap of a contact, or the rate that may go one way; and of what
  * rests there: the rate of the gap, or once more that rate. Whether switch i is the first of them. */

@@ -4,6 +4,7 @@
  */
 #include "events/impulses.h"
 
+#include <float.h>
 #include <math.h>
 #include <string.h>
 
@@ -16,7 +17,7 @@
 /* Forces that a way is looked for with are so much larger than all others. */
 static const double LARGE = 1024;
 static const double GAINED = 1e-12; /* of the kinetic energy: by rounding */
-enum { HALVINGS = 50 };
+enum { HALVINGS = 50, ROUNDINGS = 64 };
 
 static double *impulse_in_d(const LagRun *run, int reset) { return &run->d[run->model->n_modes + run->model->n_switches + reset]; }
 
@@ -310,6 +311,21 @@ static int solve_rough(LagRun *run, int count, int presses, double before)
     return is_found;
 }
 
+/* By how much rates may be off that resets change: by rounding of what they were, are, and of what the impulses do. */
+static void note_rounding(LagRun *run, int count)
+{
+    LagImpacts *s = &run->impacts;
+    const int n = run->model->n;
+    const double *v = run->motion.y + n;
+    for (int i = 0; i < n; ++i) {
+        double size = fabs(v[i]) + fabs(s->after[i]);
+        for (int k = 0; k < count; ++k)
+            size += fabs(s->way[i + k * n] * s->impulse[k]);
+        if (s->after[i] != v[i])
+            s->rounding[n + i] = lag_max(ROUNDINGS * DBL_EPSILON * size, s->rounding[n + i]);
+    }
+}
+
 int lag_impulses_reset(LagRun *run, int presses)
 {
     LagImpacts *s = &run->impacts;
@@ -328,6 +344,7 @@ int lag_impulses_reset(LagRun *run, int presses)
     run->switches.is_live = is_live;
     if (!is_found)
         return 0;
+    note_rounding(run, rubs ? 0 : count);
     memcpy(v, s->after, size);
     memset(run->motion.carry + model->n, 0, size);
     count_energy(run, rubs ? before - kinetic_energy(run) : energy_taken(run, count));

@@ -104,6 +104,8 @@ struct LagModel {
     const int *event_kind;      /* n_events */
     const int *reset_places;    /* 3 n_resets: the event of each; LAG_CONTACT, ... of those at which something may rest; and the coordinate
                                  * whose rate itself it is, -1 of any other */
+    const int *on_level;        /* n_whens: whether the event's condition is true where rates meet what they are compared with; -1: by its
+                                 * parts, or there are none */
     const int *rubs;            /* 3 n_rubs: the switch of its slip, the event of the contact, whether no other force has the switch */
     const int *rests;           /* n_rests: the switch of each */
     const int *cones;           /* 2 n_cones: the switches of both components */

@@ -35,3 +35,31 @@ def test_multiples_of_rates(tmp_path: Path, length: float, speed: float) -> None
     file.write_text(KICKS, encoding="utf-8")
     last = lagrangia.load(file).simulate(stop=1.5, parameters={"L": length, "w": speed})
     assert [last[f"der({name})"][-1] for name in ("hinge.phi", "x.s", "z.s")] == pytest.approx([2/length, 2, -3], rel=1e-12)
+
+
+RELATIVE = """
+model Relative "Two masses at rest get a relative speed; one counter asks whether it is above that, the other whether it has come"
+  World world(gravity = {0, 0});
+  parameter Velocity w = 0.3;
+  parameter Mass M = 3;
+  Prismatic x(a = world, along = {1, 0}), y(a = world, along = {1, 0});
+  PointMass a(m = 1, center = x.b), b(m = M, center = y.b);
+  Integer above(start = 0), reached(start = 0), less(start = 0), beyond(start = 0);
+equation
+  when time >= 1 then reinit(der(x.s) - der(y.s), w); end when;
+  when der(x.s) - der(y.s) > w then above = pre(above) + 1; end when;
+  when der(x.s) - der(y.s) >= w then reached = pre(reached) + 1; end when;
+  when not der(x.s) - der(y.s) < w then less = pre(less) + 1; end when;
+  when der(x.s) - der(y.s) > w*(1 - 1e-12) then beyond = pre(beyond) + 1; end when;
+end Relative;
+"""
+
+
+def test_levels_that_resets_meet(tmp_path: Path) -> None:
+    """But for rounding of the rates, which is other for each mass and speed: >= is true there, > is not, nor less than that."""
+    file = tmp_path / "relative.lag"
+    file.write_text(RELATIVE, encoding="utf-8")
+    model = lagrangia.load(file)
+    for mass, speed in ((3, 0.6), (3, 0.7), (7, 0.9), (0.37, 0.1), (0.37, 0.2), (0.37, 0.9), (3, 0.5)):
+        last = model.simulate(stop=1.5, parameters={"M": mass, "w": speed})
+        assert [last[name][-1] for name in ("above", "reached", "less", "beyond")] == [0, 1, 1, 1], (mass, speed)

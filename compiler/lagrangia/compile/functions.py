@@ -105,8 +105,9 @@ def build_functions(
               | _delay_functions(motion, delaying, [*state[:4], full[-2], c], found["delayed"]))
     needs = bool(y.numel()) and ca.depends_on(y, ca.vertcat(a, symbols))
     patterns, refused, pays = _add_linear(table, kinematics, motion)
-    patterns |= {"reset_places": _reset_places(kinematics, motion), **_kept_places(kinematics, motion),
-                 **_patterns(kinematics, jacobian, switches, modes), **delaying.patterns, **guarding.patterns}
+    patterns |= {"reset_places": _reset_places(kinematics, motion), "on_level": motion.impacts.on_level,
+                 **_kept_places(kinematics, motion), **_patterns(kinematics, jacobian, switches, modes),
+                 **delaying.patterns, **guarding.patterns}
     refused |= _refusals(jacobian, bool(len(patterns.get("cones", ()))), bool(delaying.stated))
     return Functions(table, names, tuple(kind for _, kind in events_of(modes)), power.numel(), needs, patterns, refused,
                      {**jacobian.sizes, **guarding.sizes(ca.vertcat(a, symbols)), "n_lengths": switches.lengths,

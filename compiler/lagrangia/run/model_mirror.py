@@ -83,6 +83,7 @@ class ModelMirror(c.Structure):
         ("fixed", Ints),
         ("event_kind", Ints),
         ("reset_places", Ints),
+        ("on_level", Ints),
         ("rubs", Ints),
         ("rests", Ints),
         ("cones", Ints),
