@@ -88,16 +88,24 @@ void lag_impacts_await_jump(LagRun *run, double t, const double *y)
         run->impacts.before[k] = truth(run, k);
 }
 
-void lag_impacts_note_jump(LagRun *run, double t, const double *y)
+/* What a condition has been last, also by events of the same moment. */
+static int holds(const LagSwitches *s, int i) { return s->turned[i] == LAG_TO_1 || (s->turned[i] != LAG_TO_0 && s->held[i] > 0); }
+
+int lag_impacts_note_jump(LagRun *run, double t, const double *y)
 {
+    int some = 0;
     if (run->model->n_whens == 0)
-        return;
+        return 0;
     look_at_events(run, t, y);
     for (int k = 0; k < run->model->n_whens; ++k) {
-        const int i = lag_when(run->model, k);
-        if (run->impacts.before[k] <= 0 && truth(run, k) > 0 && run->switches.held[i] == 0)
+        const int i = lag_when(run->model, k), is_after = truth(run, k) > 0;
+        if (run->impacts.before[k] <= 0 && is_after && !holds(&run->switches, i)) {
             run->switches.turned[i] = LAG_JUMPS;
+            some = 1;
+        } else if (run->switches.turned[i] == LAG_TO_1 && !run->impacts.has_contact[k] && !is_after)
+            run->switches.turned[i] = LAG_TO_0;
     }
+    return some;
 }
 
 /* Whether contact k came where all else came true while it was passed already: its resets are those of any event. */
@@ -206,7 +214,7 @@ static int find_events(LagRun *run, int is_first)
         } else {
             const int is_now = comes || (is_first ? is_true(switches, i) : has_become_true(run, k));
             s->fires[k] = is_first ? comes : is_now && !s->is_on[k];
-            s->is_on[k] = is_first && !comes ? switches->held[i] > 0 : is_now;
+            s->is_on[k] = is_first && !comes ? holds(switches, i) : is_now;
             found |= s->fires[k];
         }
         s->before[k] = switches->g[i];

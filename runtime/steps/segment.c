@@ -148,6 +148,22 @@ LagStatus lag_segment_evaluate(LagRun *run)
     return LAG_OK;
 }
 
+/* What is held takes its values of now, and events come where these make their conditions true. */
+static LagStatus sample(LagRun *run)
+{
+    const double t = run->motion.t;
+    if (run->model->n_samplers == 0)
+        return LAG_OK;
+    lag_impacts_await_jump(run, t, run->motion.y);
+    lag_sampling_take(run, t, run->motion.y);
+    if (!lag_impacts_note_jump(run, t, run->motion.y))
+        return LAG_OK;
+    const LagStatus status = lag_impacts_strike(run);
+    if (status == LAG_OK)
+        lag_project_present(run);
+    return status;
+}
+
 LagStatus lag_segment_next(LagRun *run)
 {
     const double t = run->motion.t;
@@ -163,12 +179,14 @@ LagStatus lag_segment_next(LagRun *run)
     lag_delays_await_kick(run);
     lag_kick(run, t, run->motion.y);
     lag_impacts_note_jump(run, t, run->motion.y);
-    const LagStatus status = lag_impacts_strike(run);
+    LagStatus status = lag_impacts_strike(run);
     if (status != LAG_OK)
         return status;
     lag_delays_look_for_kick(run);
     lag_project_present(run);
-    lag_sampling_take(run, t, run->motion.y);
+    status = sample(run);
+    if (status != LAG_OK)
+        return status;
     lag_account_close(run);
     if (run->logged < run->most_logged)
         run->event_log[run->logged++] = t;

@@ -63,3 +63,33 @@ def test_levels_that_resets_meet(tmp_path: Path) -> None:
     for mass, speed in ((3, 0.6), (3, 0.7), (7, 0.9), (0.37, 0.1), (0.37, 0.2), (0.37, 0.9), (3, 0.5)):
         last = model.simulate(stop=1.5, parameters={"M": mass, "w": speed})
         assert [last[name][-1] for name in ("above", "reached", "less", "beyond")] == [0, 1, 1, 1], (mass, speed)
+
+
+SAMPLED = """
+model Sampled "x = g t^2/2 is read each 0.1 s: above 0.5 from 0.4 s on, where it stops; n counts from 0.1 s on"
+  Prismatic x(a = world, along = {0, -1});
+  PointMass ball(m = 1, center = x.b);
+  Real u(start = 0);
+  Integer n(start = 0), k(start = 0), later(start = 0), both(start = 0), again(start = 0), odd(start = 0);
+  discrete Time third(start = 0);
+equation
+  when sample(0, 0.1) then u = x.s/1[m]; end when;
+  when sample(0.1, 0.1) then n = pre(n) + 1; end when;
+  when u > 0.5 then reinit(der(x.s), 0); k = pre(k) + 1; end when;
+  when n >= 3 then third = time; end when;
+  when n - 2.5 + 1e-9*x.s/1[m] > 0 then later = pre(later) + 1; end when;
+  when x.s > 0.01 and n >= 3 then both = pre(both) + 1; end when;
+  when k >= 1 then again = pre(again) + 1; end when;
+  when mod(n, 2) == 1 then odd = pre(odd) + 1; end when;
+end Sampled;
+"""
+
+
+@pytest.mark.parametrize("solver", ["auto", "erk", "implicit"])
+def test_events_of_what_is_sampled(tmp_path: Path, solver: str) -> None:
+    """They come at the instant, after the sample."""
+    file = tmp_path / "sampled.lag"
+    file.write_text(SAMPLED, encoding="utf-8")
+    last = lagrangia.load(file).simulate(stop=0.95, solver=solver, tolerance=1e-9)
+    assert [last[name][-1] for name in ("n", "k", "later", "both", "again", "odd")] == [9, 1, 1, 1, 1, 5]
+    assert last["third"][-1] == pytest.approx(0.3) and last["der(x.s)"][-1] == pytest.approx(9.81*0.55)

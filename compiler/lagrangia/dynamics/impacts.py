@@ -123,7 +123,7 @@ class _Event:
         self.kinematics, self.when = kinematics, when
         model = kinematics.graph.model
         self.condition = without_not(when.condition)
-        self.moving = ca.vertcat(kinematics.symbols.time, kinematics.algebra.state)
+        self.moving = ca.vertcat(kinematics.symbols.time, kinematics.algebra.state, *kinematics.symbols.held.values())
         self.meetings = set[int]()  # of its comparisons of rates: 1 inclusive, 0 strict, -1 neither
         g = self._level(self.condition)
         self.g = g if ca.depends_on(g, self.moving) else ca.fmax(ca.fmin(g, 1), -1)

@@ -113,6 +113,7 @@ class _Bounding:
         """Whether it compares what stays on a value for a while."""
         bindings = {name: variable.binding for name, variable in self.model.variables.items()}
         kept = {name for name, state in self.model.states.items() if state.is_kept}
+        kept |= {name for name, variable in self.model.variables.items() if variable.kind == "held"}
         return any(isinstance(node, IfExpression) or (isinstance(node, Call) and node.function in _JUMPING)
                    or (isinstance(node, Ref) and node.name in kept) for node in reached([condition], bindings))
 
