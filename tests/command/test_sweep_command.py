@@ -301,7 +301,7 @@ WRONG = {
     "too many values": (["-p", "L=1:2:1e-12"], "at most"),
     "lengths": (["-p", "L=1,2", "-p", "m=1,2,3", "--together"], "L has 2, m has 3"),
     "given twice": (["-p", "L=1,2", "-p", "L=3"], "given twice"),
-    "structural": (["-p", "n=1,2"], "not supported yet"),
+    "structural": (["-p", "n=1,2"], "which is compiled in"),
     "jobs": (["-p", "L=1,2", "--jobs", "0"], "jobs must be positive"),
     "solver": (["-p", "L=1,2", "--solver", "casadi:cvodes"], "L0704"),
     "seconds": (["-p", "L=1,2", "--seconds-per-run", "-1"], "L0702"),

@@ -48,7 +48,7 @@ der(z) = expression        a first-order state, declared as Real z(start = 0): l
 initial equation           where it begins: hinge.phi = 1; or hinge.w = 2; or an equation to be solved, bar.b.y = 0.3; or
                            equilibrium(); at rest under the loads, nearest to the guesses, in each run anew (dry friction aside)
 parameter, constant        numbers that a run may change without compiling, and those it may not; Integer and Boolean parameters
-                           are structural: they decide what the scene consists of
+                           are structural: they may decide what the scene consists of, and are compiled in
 annotation(Evaluate = true)  behind a parameter: where it is 0, 1 or -1 that number is compiled in, and what it is multiplied with
                            falls away. It can be given all the same: another value has the scene compiled once more
 input, output              given from outside (-u), and reported
