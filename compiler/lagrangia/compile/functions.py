@@ -105,9 +105,8 @@ def build_functions(
               | _delay_functions(motion, delaying, [*state[:4], full[-2], c], found["delayed"]))
     needs = bool(y.numel()) and ca.depends_on(y, ca.vertcat(a, symbols))
     patterns, refused, pays = _add_linear(table, kinematics, motion)
-    patterns |= {"reset_places": _reset_places(kinematics, motion), "on_level": motion.impacts.on_level,
-                 **_kept_places(kinematics, motion), **_patterns(kinematics, jacobian, switches, modes),
-                 **delaying.patterns, **guarding.patterns}
+    patterns |= {"reset_places": _reset_places(kinematics, motion), **_kept_places(kinematics, motion),
+                 **_patterns(kinematics, jacobian, switches, modes), **delaying.patterns, **guarding.patterns}
     refused |= _refusals(jacobian, bool(len(patterns.get("cones", ()))), bool(delaying.stated))
     return Functions(table, names, tuple(kind for _, kind in events_of(modes)), power.numel(), needs, patterns, refused,
                      {**jacobian.sizes, **guarding.sizes(ca.vertcat(a, symbols)), "n_lengths": switches.lengths,
@@ -419,10 +418,11 @@ def _reset_places(kinematics: Kinematics, motion: Motion) -> tuple[int, ...]:
 
 
 def _kept_places(kinematics: Kinematics, motion: Motion) -> dict[str, tuple[int, ...]]:
-    """The places of discrete variables among the rates."""
+    """The places of discrete variables among the rates, and of events whether they are true where rates meet their levels."""
     rates, states = kinematics.symbols.rates, kinematics.graph.model.states.values()
     kept = {rates[state.coordinate].__hash__() for state in states if state.is_kept}
-    return {"kept": tuple(k for k, v in enumerate(motion.v.elements()) if v.__hash__() in kept)} if kept else {}
+    places = {"kept": tuple(k for k, v in enumerate(motion.v.elements()) if v.__hash__() in kept)} if kept else {}
+    return places | ({"on_level": motion.impacts.on_level} if motion.impacts.on_level else {})
 
 
 def _patterns(kinematics: Kinematics, jacobian: Jacobian, switches: Switches, modes: list[Mode]) -> dict[str, tuple[int, ...]]:

@@ -275,7 +275,7 @@ def _resolve(scene: Scene, kind: str, name: str) -> _Name:
                      f"declared at {scene.parameters[place[elements[0]]].place}")
             return _Name(name, kind, elements, tuple(place[n] for n in elements), scene.parameters[place[elements[0]]].unit)
         if name.partition("[")[0] in scene.structural:
-            fail("L0901", f"not supported yet: a sweep over '{name}', which is compiled in, as whatever is Integer or Boolean", None,
+            fail("L0901", f"not supported yet: a sweep over '{name}', which is compiled in, as all Integers and Booleans", None,
                  f"run once for each of its values, with -p {name}=...; a parameter Real need not be compiled in")
         fail("L0701", f"the scene has no parameter '{name}'", None, *filter(None, [suggest(name, [*place, *scene.structural])]))
     if name in scene.attitudes:
