@@ -176,7 +176,7 @@ def test_a_slider_rubs_on_a_guide_in_space() -> None:
     way, gravity = np.array([run[f"e[{k}]"][0] for k in (1, 2, 3)]), np.array([0, -9.81, 0])
     along = gravity @ way
     assert run["guide.s"][-1] == pytest.approx((along - 0.2 * np.linalg.norm(gravity - along * way)) / 2, rel=1e-9)
-    with pytest.raises(lag.RunError, match="length"):
+    with pytest.raises(lag.LagError, match="length"):
         lag.loads(text.replace("mu = 0.2,", "mu = 0.2, length = 0.3,")).simulate(stop=1)
 
 

@@ -56,7 +56,7 @@ def test_assertions_hold_for_each_call(scene: Write) -> None:
     assert [text for text in run.warnings if "between" in text and "t = 0.5" in text]
     assert run["w"][-1] == pytest.approx(2*(2*1.9 + 1))
     assert model.simulate(parameters={"begin": 51.0}, stop=0.1).warnings == []
-    with pytest.raises(lag.RunError, match=r"t = 0: u = u is not in the table .*begin = 40"):
+    with pytest.raises(lag.LagError, match=r"u = u is not in the table .*begin = 40"):
         model.simulate(parameters={"begin": 40.0}, stop=0.1)
 
 
