@@ -71,25 +71,14 @@ int lag_newton_evaluate(LagNewton *s, const double *p, const double *x, double *
     return lag_call(&s->model->initial, in, out, work);
 }
 
-/* At first the residuals of the rows alone, where that is less work. */
-static int evaluate_residuals(LagNewton *s, const double *p, const double *x, double *work)
+/* What a slice has of the rows that are looked at: residuals, or gradients with them; all where there are no slices. */
+static int evaluate(LagNewton *s, const LagSlice *slice, const double *p, const double *x, double *work)
 {
     const double *in[] = {x, x + lag_start_size(s->model), p, s->u};
     double *out[] = {s->g, s->jacobian};
     if (!lag_has_slices(&s->model->initial))
         return lag_newton_evaluate(s, p, x, work);
-    lag_tape_run(&s->residuals.tape, in, out, work);
-    return 0;
-}
-
-/* Then their gradients with them. */
-static int evaluate_rows(LagNewton *s, const double *p, const double *x, double *work)
-{
-    const double *in[] = {x, x + lag_start_size(s->model), p, s->u};
-    double *out[] = {s->g, s->jacobian};
-    if (!lag_has_slices(&s->model->initial))
-        return lag_newton_evaluate(s, p, x, work);
-    lag_tape_run(&s->slopes.tape, in, out, work);
+    lag_tape_run(&slice->tape, in, out, work);
     return 0;
 }
 
@@ -388,12 +377,12 @@ static int descend(LagNewton *s, const double *p, double *x, double *work)
     for (double part = 1; part > SHORTEST_STEP; part /= 2) {
         for (int j = 0; j < 2 * lag_start_size(s->model); ++j)
             s->trial[j] = x[j] + part * s->step[j];
-        if (evaluate_residuals(s, p, s->trial, work) == 0 && sum_of_squares(s) < before) {
+        if (evaluate(s, &s->residuals, p, s->trial, work) == 0 && sum_of_squares(s) < before) {
             memcpy(x, s->trial, 2 * (size_t)lag_start_size(s->model) * sizeof *x);
-            return !lag_has_slices(&s->model->initial) || evaluate_rows(s, p, x, work) == 0;
+            return !lag_has_slices(&s->model->initial) || evaluate(s, &s->slopes, p, x, work) == 0;
         }
     }
-    evaluate_rows(s, p, x, work);
+    evaluate(s, &s->slopes, p, x, work);
     return 0;
 }
 
@@ -402,7 +391,7 @@ static void push(LagNewton *s, const double *p, double *x, double *work)
 {
     for (int j = 0; j < lag_start_size(s->model); ++j)
         x[j] += PUSH * s->scale[j] * (fmod((j + 1) * GOLDEN_RATIO, 1) - 0.5);
-    evaluate_rows(s, p, x, work);
+    evaluate(s, &s->slopes, p, x, work);
 }
 
 /* One step nearer to a solution. Returns 0 where none is found. */
@@ -425,7 +414,7 @@ int lag_newton_solve(LagNewton *s, const double *p, int most_iterations, int mos
     int worst = 0, pushes = 0;
     double size = INFINITY;
     s->trusted = LONGEST_STEP;
-    if (evaluate_rows(s, p, x, work) != 0)
+    if (evaluate(s, &s->slopes, p, x, work) != 0)
         return 0;
     for (int i = 0; i < most_iterations; ++i) {
         measure_lengths(s);
