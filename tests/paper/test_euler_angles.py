@@ -50,6 +50,35 @@ def test_the_top_of_lagrange(tmp_path: Path, capsys: pytest.CaptureFixture[str])
         assert line in told
 
 
+@pytest.mark.parametrize(("sequence", "wave"), [("zxz", "sin"), ("zyx", "cos")])
+def test_where_the_angles_are_singular(sequence: str, wave: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """sin theta = 0, also at the point of small motion, or cos theta = 0, where it hangs: no word of a point."""
+    told = " ".join(equations(tmp_path, capsys, TOP, "--angles", sequence, "--form", "linear").split())
+    assert f"These coordinates are singular where {wave} θ = 0: there det 𝐌 = 0, and the equations give no" in told
+    assert ("At this point det 𝐌 = 0: the coordinates are singular there" in told) == (sequence == "zxz")
+
+
+def test_hinges_that_are_angles(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Gimbals without mass: the axes of two hinges agree where the third is at 0 or half a turn; with mass nowhere."""
+    gimbals = """
+model Gimbals
+  World world(gravity = {0, 0, -9.81});
+  Revolute outer(a = world, axis = {0, 0, 1}), inner(a = outer.b, axis = {1, 0, 0}), axle(a = inner.b, axis = {0, 0, 1});
+  Body rotor(m = 2, I = {0.1, 0.1, 0.15}, center = shift(axle.b, {0, 0, 0.1}));
+  FRAME
+end Gimbals;
+"""
+    assert "singular where sin φ_inner = 0" in equations(tmp_path, capsys, gimbals.replace("FRAME", ""))
+    ring = "Body ring(m = 1, I = {0.1, 0.1, 0.15}, center = outer.b);"
+    assert "singular" not in equations(tmp_path, capsys, gimbals.replace("FRAME", ring))
+
+
+def test_numbers_of_the_effective_potential(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Multiplied out: not 2 0.001."""
+    told = equations(tmp_path, capsys, TOP, "--angles", "zxz", "--numbers")
+    assert "V_eff = 0.4905 cos θ + (p_φ − p_ψ cos θ)²/(0.0116 sin² θ) + p_ψ²/0.002\n  E = 0.0029 θ'² + V_eff" in told
+
+
 @pytest.mark.parametrize("form", ["lagrange", "energies", "matrix", "first-order", *NUMBERED])
 def test_every_form_of_the_top(form: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert "θ" in equations(tmp_path, capsys, TOP, "--angles", "zxz", "--form", form)

@@ -25,6 +25,7 @@ from lagrangia.paper.forms import matrix_blocks, opening, title
 from lagrangia.paper.layout import Name, Node, Slope
 from lagrangia.paper.linear_matrices import Linear
 from lagrangia.paper.reduction import constants_and_rest
+from lagrangia.paper.singular import singular_places
 from lagrangia.paper.small_steps import small_motion
 from lagrangia.paper.virtual_steps import positions, principle
 
@@ -136,7 +137,7 @@ def _holder(name: Name, row: Row, kinematics: Kinematics) -> Inline:
 
 
 def _matrices(book: Book, _: Linear | None) -> list[Block]:
-    return [Heading(say("In matrix form"), 2), *matrix_blocks(book), *events_block(book)]
+    return [Heading(say("In matrix form"), 2), *matrix_blocks(book), *singular_places(book), *events_block(book)]
 
 
 def _constants(book: Book, _: Linear | None) -> list[Block]:

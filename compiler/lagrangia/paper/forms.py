@@ -27,6 +27,7 @@ from lagrangia.paper.euler_equations import eulers_equations, kinematic_block, k
 from lagrangia.paper.layout import Grid, Name, Node, Relation, Total, added, product, total
 from lagrangia.paper.presentation import Presentation
 from lagrangia.paper.reduction import constants_and_rest
+from lagrangia.paper.singular import singular_places
 from lagrangia.paper.typeset import line
 
 _LONGEST_QUOTIENT = 90
@@ -44,8 +45,8 @@ def opening(book: Book) -> list[Block]:
 
 
 def page(book: Book, blocks: list[Block]) -> Document:
-    """A page of the model: what it is, its names, the blocks, its events."""
-    return Document(title(book), (*opening(book), *names_block(book), *blocks, *events_block(book)))
+    """A page of the model: what it is, its names, the blocks, where its coordinates are singular, its events."""
+    return Document(title(book), (*opening(book), *names_block(book), *blocks, *singular_places(book), *events_block(book)))
 
 
 # -------------------------------------------------------------------- energies

@@ -12,6 +12,7 @@ from lagrangia.paper.document import Block, Display, Document, Inline, paragraph
 from lagrangia.paper.forms import page
 from lagrangia.paper.layout import Name, Node, Phrase, Relation, product, total
 from lagrangia.paper.linear_matrices import Linear, Table
+from lagrangia.paper.singular import singular_point
 
 
 def linear_form(book: Book, linear: Linear) -> Document:
@@ -27,11 +28,11 @@ def about_point(book: Book, linear: Linear) -> list[Block]:
 def linear_blocks(book: Book, linear: Linear, label: str = "", has_where: bool = True) -> list[Block]:
     """The equation and its matrices, which get a letter of the label, and what it is without multipliers."""
     where_ = _where(deviations(book, linear), linear) if has_where else []
-    prefix = _prefix(linear)
+    told, prefix = singular_point(book, linear), _prefix(linear)
     book = deviations(book, linear)
     if book.equations.n == 1 and not linear.J:
         system = linear.M, linear.C, linear.K, linear.load
-        return [Display((_single(book, system, book.q[0], prefix),), (label,)), *_standstill(linear), *where_]
+        return [Display((_single(book, system, book.q[0], prefix),), (label,)), *_standstill(linear), *told, *where_]
     has_C, has_K = (_is_there(A) for A in (linear.C, linear.K))
     q, names = replace(bold("q"), prefix=prefix), [replace(x, prefix=prefix) for x in book.q]
     lines: list[Node] = [equal(q, column(names)), *_matrices(book, (linear.M, linear.C, linear.K), has_C, has_K)]
@@ -46,7 +47,7 @@ def linear_blocks(book: Book, linear: Linear, label: str = "", has_where: bool =
         whole.append(equal(product([bold("J"), replace(q, marks=int(is_rate))]), bold("e") if has_push else p.sum(sp.S.Zero)))
     blocks: list[Block] = [Display(tuple(whole), (label, *[""] * (len(whole) - 1))), paragraph(say("with")),
                            Display(tuple(lines))]
-    return [*blocks, *_without(book, linear, prefix), *_standstill(linear), *where_]
+    return [*blocks, *_without(book, linear, prefix), *_standstill(linear), *told, *where_]
 
 
 def _prefix(linear: Linear) -> str:

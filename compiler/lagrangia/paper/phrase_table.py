@@ -39,6 +39,17 @@ PHRASES: Mapping[str, tuple[str, str, str, str]] = {
         "real."),
     "Attitudes follow by": ("As orientações seguem de", "Die Drehlagen folgen aus", "Les orientations suivent de",
                             "Las orientaciones se siguen de"),
+    # ---- where coordinates are singular
+    "These coordinates are singular where {0}: there {1}, and the equations give no accelerations.": (
+        "Estas coordenadas são singulares onde {0}: ali {1}, e as equações não dão acelerações.",
+        "Diese Koordinaten sind singulär, wo {0}: Dort ist {1}, und die Gleichungen geben keine Beschleunigungen.",
+        "Ces coordonnées sont singulières là où {0} : on y a {1}, et les équations ne donnent pas d'accélérations.",
+        "Estas coordenadas son singulares donde {0}: allí {1}, y las ecuaciones no dan aceleraciones."),
+    "At this point {0}: the coordinates are singular there, and do not tell all small motions.": (
+        "Neste ponto {0}: ali as coordenadas são singulares e não descrevem todos os pequenos movimentos.",
+        "In diesem Punkt ist {0}: Dort sind die Koordinaten singulär und beschreiben nicht alle kleinen Bewegungen.",
+        "En ce point {0} : les coordonnées y sont singulières et ne décrivent pas tous les petits mouvements.",
+        "En este punto {0}: allí las coordenadas son singulares y no describen todos los pequeños movimientos."),
     # ---- the system
     "System": ("Sistema", "System", "Système", "Sistema"),
     "Assumed: gravity acts": ("Hipóteses: a gravidade atua", "Annahmen: Die Schwerkraft wirkt", "Hypothèses : la pesanteur agit",

@@ -4,7 +4,7 @@ M_cc = L D L^T of the cyclic coordinates; with r = L^-1 p their rates are L^-T D
 Source: E.J. Routh, A Treatise on the Stability of a Given State of Motion (1877).
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from fractions import Fraction
 
@@ -13,7 +13,7 @@ import sympy as sp
 from lagrangia.algebra.with_sympy import Expr
 from lagrangia.paper.book import WIDEST_MATRIX, WIDEST_TYPESET, Book, constants_block, equal
 from lagrangia.paper.document import Block, Display, display, paragraph, say
-from lagrangia.paper.layout import Bracket, Name, Node, Numeral, Power, Quotient, Relation, Total, added, product
+from lagrangia.paper.layout import Bracket, Name, Node, Numeral, Power, Product, Quotient, Relation, Total, added, product
 from lagrangia.paper.presentation import Presentation
 from lagrangia.paper.typeset import text
 from lagrangia.paper.widths import typeset_width
@@ -63,17 +63,19 @@ def _laid_out(book: Book, left: int, order: list[int], L: dict[tuple[int, int], 
     for j in order:
         r[j] = e.ring.tidy(p[j] - sum((L[j, i] * r[i] for i in order if (j, i) in L), sp.S.Zero))
     V = e.ring.tidy(e.V_elastic + e.V_field)
-    moving = product([Numeral(Fraction(1, 2)), book.presentation.coefficient(e.M[left][left]), Power(book.rate(left), _TWO)])
+    moving = product([_scaled(book.presentation.coefficient, e.M[left][left], sp.S.Half), Power(book.rate(left), _TWO)])
 
     def lines(inertia: Mapping[int, Node]) -> list[Node]:
         found: list[Node] = []
         for j in reversed(order):
             others = [known.sum(e.ring.tidy(-L[i, j] * e.scene.v[i])) for i in order if (i, j) in L]
             found.append(equal(book.rate(j), added(Quotient(known.sum(r[j]), inertia[j]), *others)))
-        squares = [Quotient(Power(_bracketed(known.sum(r[j])), _TWO), product([_TWO, _factor(inertia[j])]))
-                   for j in reversed(order)]
+        squares = [Quotient(Power(_bracketed(known.sum(r[j])), _TWO), twice(j, inertia[j])) for j in reversed(order)]
         found.append(equal(effective, added(*([book.sum(V)] if V != 0 else []), *squares)))
         return [*found, equal(book.own("E"), added(moving, effective))]
+
+    def twice(j: int, inertia: Node) -> Node:
+        return product([_TWO, inertia]) if isinstance(inertia, Name) else _scaled(known.sum, D[j], sp.Integer(2))
 
     effective = book.own("V", "eff")
     whole: dict[int, Node] = {j: known.sum(D[j]) for j in order}
@@ -97,6 +99,13 @@ def _terms(line: Node) -> list[Node]:
 
 def _fits(x: Node) -> bool:
     return text(x).width <= WIDEST_MATRIX and typeset_width(x) <= WIDEST_TYPESET
+
+
+def _scaled(shown: Callable[[Expr], Node], x: Expr, by: Expr) -> Node:
+    """A number times x: before it, or multiplied out where x begins with a number."""
+    node = shown(x)
+    first = node.items[0] if isinstance(node, Product) else node
+    return shown(x * by) if isinstance(first, Numeral) else product([Numeral(Fraction(int(by.p), int(by.q))), _factor(node)])
 
 
 def _bracketed(node: Node) -> Node:

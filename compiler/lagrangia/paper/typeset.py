@@ -175,6 +175,8 @@ def is_loose(node: Node) -> bool:
     """Needs brackets before an exponent or under a line."""
     if isinstance(node, Apply) and node.function == "abs":
         return False
+    if isinstance(node, Numeral) and node.digits:
+        return "e" in decimal(node.value, node.digits)
     return isinstance(node, Total | Product | Quotient | Apply) or (isinstance(node, Numeral) and node.value.denominator != 1)
 
 
