@@ -63,6 +63,7 @@ void lag_impacts_reset(LagRun *run)
     run->impacts.coarse = 0;
     run->impacts.at_once = 0;
     run->impacts.seen = INFINITY;
+    run->impacts.struck = NAN;
 }
 
 /* Of event k by the latest conditions inside: positive where it is true. */
@@ -179,14 +180,20 @@ static void find_met(LagRun *run)
     }
 }
 
-/* Whether a condition is true after resets: as it says of its level where its rates meet what they are compared with but for
- * rounding; else by its sign where these have changed it; else where nothing moves it, it stays what it is. */
+/* Whether resets have set the rates of event k to what its condition compares them with, but for rounding. */
+static int is_on_level(const LagRun *run, int k)
+{
+    return run->model->on_level[k] >= 0 && fabs(run->switches.g[lag_when(run->model, k)]) < run->impacts.met[k];
+}
+
+/* Whether a condition is true after resets: on its level as it says of that; else by its sign where these have changed it; else
+ * where nothing moves it, it stays what it is. */
 static int has_become_true(const LagRun *run, int k)
 {
     const LagSwitches *s = &run->switches;
-    const int i = lag_when(run->model, k), on_level = run->model->on_level[k];
-    if (on_level >= 0 && fabs(s->g[i]) < run->impacts.met[k])
-        return on_level;
+    const int i = lag_when(run->model, k);
+    if (is_on_level(run, k))
+        return run->model->on_level[k];
     if (fabs(s->g[i] - run->impacts.before[k]) > s->unknown[i])
         return s->g[i] > 0;
     return fabs(s->g[i]) <= s->unknown[i] && s->rate[i] == 0 ? run->impacts.is_on[k] : is_true(s, i);
@@ -240,13 +247,13 @@ static int calm(LagRun *run)
     return lag_impulses_reset(run, 0);
 }
 
-/* What conditions of events that are no contacts have become. */
+/* What conditions of events that are no contacts have become: on its level, rounding would tell otherwise. */
 static void note_events(LagRun *run)
 {
     LagSwitches *s = &run->switches;
     for (int k = 0; k < run->model->n_whens; ++k) {
         const int i = lag_when(run->model, k), is_on = run->impacts.is_on[k];
-        if (!run->impacts.has_contact[k] && (s->turned[i] || is_on != (s->held[i] > 0)))
+        if (!run->impacts.has_contact[k] && (s->turned[i] || is_on != (s->held[i] > 0) || is_on_level(run, k)))
             s->turned[i] = is_on ? LAG_TO_1 : LAG_TO_0;
     }
 }
@@ -283,6 +290,7 @@ LagStatus lag_impacts_strike(LagRun *run)
         fire = find_events(run, 0);
     }
     if (rounds > 0) {
+        s->struck = run->motion.t;
         is_found = is_found && calm(run);
         note_events(run);
         run->switches.resolved = 0; /* conditions are as quick as the motion is now */

@@ -25,6 +25,7 @@ typedef struct {
     double coarse;   /* by how much more than one tolerance states may be off, where another integrator finds the events; 0: ours */
     double *before;  /* n_whens: their conditions before a time at which they may jump, or resets; positive: true */
     double *rounding; /* 2 n: by how much resets may miss rates by rounding; positions stay as they are */
+    double struck;   /* the time of the latest resets; NaN: of none yet */
     double *met;     /* n_whens: how far conditions may be off by that */
     double *by_time; /* n_whens: how much of a gap, or else of the condition, cannot be told since the time cannot */
     double *slack;   /* n_whens: how far what rests may pass, which others hold, without being an event */

@@ -64,7 +64,14 @@ enum { LAG_KICK, LAG_CONTACT, LAG_ONE_WAY, LAG_KINDS = 3 };
 enum { LAG_SIGNAL = 4, LAG_CHANGE = 8 };
 
 /* A guard that breaks (g < 0) ends the run with a failure, warns, or ends it as it was meant to; with this bit, parameters decide it. */
-enum { LAG_GUARD_ERROR, LAG_GUARD_WARNING, LAG_GUARD_END, LAG_GUARD_OF_PARAMETERS = 4 };
+enum {
+    LAG_GUARD_ERROR,
+    LAG_GUARD_WARNING,
+    LAG_GUARD_END,
+    LAG_GUARD_OF_PARAMETERS = 4,
+    LAG_GUARD_HOLDS_ON_LEVEL = 8, /* where rates that resets have set meet what they are compared with */
+    LAG_GUARD_BREAKS_ON_LEVEL = 16
+};
 
 typedef struct LagModel LagModel;
 

@@ -27,6 +27,8 @@ typedef struct {
     double low, high; /* shares of the step */
 } Part;
 
+typedef enum { INSIDE, BEYOND, SURELY_BEYOND } Side;
+
 void lag_guards_layout(LagGuards *s, const LagModel *model, int size, LagArena *arena)
 {
     const size_t count = (size_t)model->n_guards, state = count > 0 ? (size_t)size : 0;
@@ -64,27 +66,49 @@ static void look_inside(LagRun *run, double t)
     lag_guards_at(run, t, s->state, s->found);
 }
 
-/* By how much guard i may be off at the state that was looked at. */
-static double unsure(LagRun *run, double t, int i)
+/* By how much errors of the state that was looked at may change guard i. */
+static double change_by(LagRun *run, double t, int i, const double *error)
 {
     LagGuards *s = &run->guards;
-    const double share = fmax(SHARE, ROUNDINGS * DBL_EPSILON / run->scale.tolerance), g = s->found[i];
     double most = 0;
-    if (is_of_parameters(run->model, i))
-        return 0;
-    lag_conditions_units(run, s->state, share, s->error);
     for (int pattern = 0; pattern < LAG_PATTERNS; ++pattern) {
-        lag_conditions_disturb(run, s->state, s->error, pattern, s->beside);
+        lag_conditions_disturb(run, s->state, error, pattern, s->beside);
         lag_guards_at(run, t, s->beside, s->other);
-        most = lag_max(fabs(s->other[i] - g), most);
+        most = lag_max(fabs(s->other[i] - s->found[i]), most);
     }
     return most;
 }
 
-static int is_surely_beyond(LagRun *run, double t, int i)
+/* By how much guard i may be off at the state that was looked at: rates that resets have set are known to rounding. */
+static double unsure(LagRun *run, double t, int i)
+{
+    const double share = fmax(SHARE, ROUNDINGS * DBL_EPSILON / run->scale.tolerance);
+    const double *rounding = run->impacts.rounding;
+    double *error = run->guards.error;
+    if (is_of_parameters(run->model, i))
+        return 0;
+    lag_conditions_units(run, run->guards.state, share, error);
+    for (int j = 0; t == run->impacts.struck && j < 2 * run->model->n; ++j)
+        error[j] = rounding[j] > 0 ? rounding[j] : error[j];
+    return change_by(run, t, i, error);
+}
+
+/* Whether resets have just set the rates of guard i, at the state that was looked at, to what it compares them with. */
+static int is_on_level(LagRun *run, double t, int i)
+{
+    const int has_rule = run->model->guard_kinds[i] & (LAG_GUARD_HOLDS_ON_LEVEL | LAG_GUARD_BREAKS_ON_LEVEL);
+    return has_rule && t == run->impacts.struck && fabs(run->guards.found[i]) < change_by(run, t, i, run->impacts.rounding);
+}
+
+/* Whether guard i is beyond at the state that was looked at, and for sure. */
+static Side side_of(LagRun *run, double t, int i)
 {
     const double g = run->guards.found[i];
-    return is_beyond(run->model, i, g) && (isnan(g) || -g > unsure(run, t, i));
+    if (is_on_level(run, t, i))
+        return run->model->guard_kinds[i] & LAG_GUARD_BREAKS_ON_LEVEL ? SURELY_BEYOND : INSIDE;
+    if (!is_beyond(run->model, i, g))
+        return INSIDE;
+    return may_break(run, i) && (isnan(g) || -g > unsure(run, t, i)) ? SURELY_BEYOND : BEYOND;
 }
 
 static void warn(LagGuards *s, int i, double t)
@@ -142,7 +166,7 @@ LagStatus lag_guards_reset(LagRun *run)
     return lag_guards_of_parameters(run);
 }
 
-static void arm(LagGuards *s, int i, double g) { s->is_armed[i] |= g >= 0; }
+static void arm(LagGuards *s, int i, Side side) { s->is_armed[i] |= side == INSIDE && !isnan(s->found[i]); }
 
 LagStatus lag_guards_meet(LagRun *run, double t, const double *y)
 {
@@ -153,12 +177,13 @@ LagStatus lag_guards_meet(LagRun *run, double t, const double *y)
     memcpy(s->state, y, 2 * (size_t)model->n * sizeof *y);
     lag_guards_at(run, t, s->state, s->found);
     for (int i = 0; i < model->n_guards; ++i) {
-        if (may_break(run, i) && is_surely_beyond(run, t, i)) {
+        const Side side = side_of(run, t, i);
+        if (may_break(run, i) && side == SURELY_BEYOND) {
             if (ends(model, i))
                 return end_at(run, i, t);
             warn(s, i, t);
         }
-        arm(s, i, s->found[i]);
+        arm(s, i, side);
     }
     return LAG_OK;
 }
@@ -281,17 +306,21 @@ static double when_broken(LagRun *run, Part part, int i)
 {
     LagGuards *s = &run->guards;
     for (int k = 0; k < PLACES; ++k) {
-        const double g = place(run, k)[i], t = time_at(run, share_of(part, k));
-        if (!is_beyond(run->model, i, g))
+        const double t = time_at(run, share_of(part, k));
+        if (is_beyond(run->model, i, place(run, k)[i]) || t == run->impacts.struck)
+            look_inside(run, t);
+        else
+            s->found[i] = place(run, k)[i];
+        const Side side = side_of(run, t, i);
+        if (side == INSIDE)
             s->passed[i] = NAN;
         else if (may_break(run, i)) {
             if (isnan(s->passed[i]))
                 s->passed[i] = passed_at(run, part, i, k);
-            look_inside(run, t);
-            if (is_surely_beyond(run, t, i))
+            if (side == SURELY_BEYOND)
                 return fmax(s->passed[i], run->motion.t_old);
         }
-        arm(s, i, g);
+        arm(s, i, side);
     }
     return INFINITY;
 }

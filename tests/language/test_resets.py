@@ -1,5 +1,6 @@
 """Events that reset rates, and those that compare them afterwards, beside closed forms."""
 
+import math
 from pathlib import Path
 
 import pytest
@@ -63,6 +64,38 @@ def test_levels_that_resets_meet(tmp_path: Path) -> None:
     for mass, speed in ((3, 0.6), (3, 0.7), (7, 0.9), (0.37, 0.1), (0.37, 0.2), (0.37, 0.9), (3, 0.5)):
         last = model.simulate(stop=1.5, parameters={"M": mass, "w": speed})
         assert [last[name][-1] for name in ("above", "reached", "less", "beyond")] == [0, 1, 1, 1], (mass, speed)
+
+
+def test_levels_that_resets_meet_and_forces_leave(tmp_path: Path) -> None:
+    """Upwards the strict event comes at once, though rounding may have been there before; downwards it does not."""
+    file = tmp_path / "driven.lag"
+    force = "AppliedForce f(at = x.b, force = {if time > 1 then F else 0, 0});"
+    driven = RELATIVE.replace("equation", f"parameter Force F = 1; {force} discrete Time when_above(start = -1);\nequation", 1)
+    file.write_text(driven.replace("above = pre(above) + 1;", "above = pre(above) + 1; when_above = time;"), encoding="utf-8")
+    model = lagrangia.load(file)
+    for mass, speed in ((0.37, 0.9), (0.1, 0.1), (11, 0.3), (11, 0.9)):
+        for force, solver in ((1, "auto"), (1, "implicit"), (-1, "erk")):
+            last = model.simulate(stop=1.2, solver=solver, parameters={"M": mass, "w": speed, "F": force})
+            assert [last[name][-1] for name in ("above", "reached")] == [force > 0, 1], (mass, speed, force)
+            assert last["when_above"][-1] == pytest.approx(1 if force > 0 else -1, abs=1e-9)
+
+
+@pytest.mark.parametrize(("condition", "ends"), [
+    ("when der(x.s) - der(y.s) >= w then terminate", True), ("when der(x.s) - der(y.s) > w then terminate", False),
+    ("assert(der(x.s) - der(y.s) < w,", True), ("assert(der(x.s) - der(y.s) <= w,", False)])
+def test_runs_end_on_levels_that_resets_meet(condition: str, ends: bool, tmp_path: Path) -> None:
+    """As events come there: by the condition's own word, not by a tolerance or by rounding."""
+    file = tmp_path / "ends.lag"
+    said = f'{condition}("there"); end when;' if "when" in condition else f'{condition} "there");'
+    stated = [line for line in RELATIVE.split("  when der", 1)[0].splitlines() if "Integer" not in line]
+    file.write_text("\n".join(stated) + f"\n  {said}\nend Relative;\n", encoding="utf-8")
+    model = lagrangia.load(file)
+    for mass, speed in ((3, 0.6), (7, 0.9), (0.37, 0.9), (11, 0.3)):
+        try:
+            end = model.simulate(stop=1.5, parameters={"M": mass, "w": speed}).time[-1]
+        except lagrangia.RunError as error:
+            end = 1.0 if "does not hold at t = 1:" in str(error) else math.nan
+        assert end == pytest.approx(1 if ends else 1.5), (mass, speed)
 
 
 SAMPLED = """

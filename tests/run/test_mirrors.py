@@ -91,8 +91,9 @@ def test_small_numbers_are_those_of_c() -> None:
     assert numbers([f"LAG_START_{name}" for name in starts]) == list(starts.values())
     assert (moved_starts.GUESS, moved_starts.FIXED, moved_starts.FREE) == (initial.GUESS, initial.FIXED, initial.FREE)
     assert numbers(["LAG_KICK", "LAG_CONTACT", "LAG_ONE_WAY"]) == [impacts.KICK, impacts.CONTACT, impacts.ONE_WAY]
-    kinds = ["ERROR", "WARNING", "END", "OF_PARAMETERS"]
-    assert numbers([f"LAG_GUARD_{name}" for name in kinds]) == [*guarding.KINDS.values(), guarding.OF_PARAMETERS]
+    kinds = ["ERROR", "WARNING", "END", "OF_PARAMETERS", "HOLDS_ON_LEVEL", "BREAKS_ON_LEVEL"]
+    assert numbers([f"LAG_GUARD_{name}" for name in kinds]) == [
+        *guarding.KINDS.values(), guarding.OF_PARAMETERS, guarding.HOLDS_ON_LEVEL, guarding.BREAKS_ON_LEVEL]
     assert numbers([f"LAG_METRIC_{way.name}" for way in metric.Way]) == [way.value for way in metric.Way]
 
 

@@ -19,7 +19,7 @@ from lagrangia.constraints.rows import Constraints
 from lagrangia.constraints.several_starts import find_several_starts
 from lagrangia.constraints.virtual_forces import find_idle_displacements
 from lagrangia.dynamics.double_roots import touching_notes
-from lagrangia.dynamics.guarding import OF_PARAMETERS, tell_guards
+from lagrangia.dynamics.guarding import is_of_parameters, tell_guards
 from lagrangia.dynamics.hamilton import is_separable
 from lagrangia.dynamics.idle_lines import find_idle_lines
 from lagrangia.dynamics.idle_statements import find_idle_equations, find_idle_statements
@@ -118,7 +118,7 @@ def _is_of_one_freedom(motion: Motion) -> bool:
 def divide(scene: Scene, kinematics: Kinematics, motion: Motion, initial: InitialConditions) -> Scene:
     """The scene with its islands, each as a scene of its own, where there are some."""
     reason, groups = _whole(motion, kinematics.graph.model, kinematics.algebra.modes)
-    if any(kind < OF_PARAMETERS for kind in scene.patterns.get("guard_kinds", ())):
+    if not all(is_of_parameters(kind) for kind in scene.patterns.get("guard_kinds", ())):
         reason = "not supported yet: islands of scenes with assertions of the motion, or terminate"
     if reason:
         return replace(scene, refused={**scene.refused, "islands": reason})

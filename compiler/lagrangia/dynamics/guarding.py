@@ -10,7 +10,7 @@ from lagrangia.algebra.with_casadi import operations_in
 from lagrangia.base.diagnostics import fail
 from lagrangia.base.records import dataclass
 from lagrangia.constraints.parameters import scalars
-from lagrangia.dynamics.levels import EDGE, JUMPS, Levels, level_of_parts, with_edge
+from lagrangia.dynamics.levels import EDGE, JUMPS, Levels, Meetings, level_of_parts, with_edge
 from lagrangia.frames.kinematics import Kinematics
 from lagrangia.language.events import level_of, without_not
 from lagrangia.language.flat import FlatModel, Guard
@@ -18,7 +18,8 @@ from lagrangia.language.mentions import children
 from lagrangia.language.tree import Call, Flat, FrameRef, Ref
 
 KINDS: Mapping[str, int] = {"error": 0, "warning": 1, "end": 2}  # LAG_GUARD_ERROR, ...
-OF_PARAMETERS = 4  # LAG_GUARD_OF_PARAMETERS: above it are those that the motion does not decide
+OF_PARAMETERS = 4  # LAG_GUARD_OF_PARAMETERS: the motion does not decide it
+HOLDS_ON_LEVEL, BREAKS_ON_LEVEL = 8, 16  # LAG_GUARD_...: where rates that resets have set meet what they are compared with
 _MOST_SHOWN = 8  # quantities of one condition
 
 
@@ -52,7 +53,8 @@ def find_guarding(kinematics: Kinematics) -> Guarding:
     model, tau = kinematics.graph.model, kinematics.symbols.tau
     values, seen, shown, kinds = [], [], [], []
     for guard in model.guards:
-        g = _level(kinematics, guard)
+        meetings = Meetings(kinematics)
+        g = _level(kinematics, guard, meetings)
         told = dict(_shown(kinematics, guard))
         is_constant = not ca.depends_on(g, _following(kinematics)) and kinematics.algebra.changing.isdisjoint(symbols_in(g))
         if guard.kind == "end" and is_constant:
@@ -61,26 +63,37 @@ def find_guarding(kinematics: Kinematics) -> Guarding:
         values.append(g)
         shown.append(tuple(told))
         seen += [ca.substitute(as_expression(x), tau, ca.SX(1)) for x in told.values()]
-        kinds.append(KINDS[guard.kind] + (OF_PARAMETERS if is_constant else 0))
+        kinds.append(KINDS[guard.kind] + (OF_PARAMETERS if is_constant else 0) + _on_level(guard, meetings))
     return Guarding(ca.densify(ca.vertcat(ca.SX(0, 1), *values, *seen)), tuple(shown), tuple(kinds))
 
 
-def _level(kinematics: Kinematics, guard: Guard) -> ca.SX:
+def _on_level(guard: Guard, meetings: Meetings) -> int:
+    """What it is where rates meet what they are compared with; 0: what its number says."""
+    is_true = meetings.on_level()
+    return 0 if is_true < 0 else BREAKS_ON_LEVEL if is_true == (guard.kind == "end") else HOLDS_ON_LEVEL
+
+
+def _level(kinematics: Kinematics, guard: Guard, meetings: Meetings) -> ca.SX:
     """0 or more as long as the run goes on, also where both sides of a comparison are equal. Raises LagError L0225 where it
     jumps in a way that is not taken apart."""
     sign = -1 if guard.kind == "end" else 1
-    return as_expression(sign * (_level_of_condition(kinematics, guard) - EDGE / 2))
+    return as_expression(sign * (_level_of_condition(kinematics, guard, meetings) - EDGE / 2))
 
 
-def _level_of_condition(kinematics: Kinematics, guard: Guard) -> ca.SX:
+def _level_of_condition(kinematics: Kinematics, guard: Guard, meetings: Meetings) -> ca.SX:
     """Positive where it is true, else 0 or negative."""
     value, tau = kinematics.evaluator.value, kinematics.symbols.tau
 
     def expression(node: Flat) -> ca.SX:
         return as_expression(ca.substitute(as_expression(value(node)), tau, ca.SX(1)))
 
+    def level_of_part(part: Flat) -> ca.SX:
+        difference = expression(level_of(part))
+        meetings.note(part, difference)
+        return with_edge(part, difference)
+
     moving = ca.vertcat(kinematics.symbols.time, kinematics.algebra.state, _following(kinematics))
-    g = level_of_parts(without_not(guard.condition), lambda part: with_edge(part, expression(level_of(part))))
+    g = level_of_parts(without_not(guard.condition), level_of_part)
     if operations_in(g).isdisjoint(JUMPS) or symbols_in(moving).isdisjoint(symbols_in(g)):
         return g
     level = Levels(moving, edge=EDGE).of(expression(guard.condition))
@@ -119,9 +132,14 @@ def _named(node: Flat) -> Iterator[Flat]:
         yield from _named(inner)
 
 
+def is_of_parameters(kind: int) -> bool:
+    """Whether the motion does not decide a guard of that kind."""
+    return bool(kind & OF_PARAMETERS)
+
+
 def tell_guards(model: FlatModel, guarding: Guarding) -> list[dict[str, object]]:
     """For people: as text, as the scene outlives the source it points at."""
     return [{"text": guard.text, "place": str(guard.span), "condition": guard.condition.span.text, "kind": guard.kind,
-             "component": guard.component, "seen": list(names), "is_of_parameters": kind >= OF_PARAMETERS,
+             "component": guard.component, "seen": list(names), "is_of_parameters": is_of_parameters(kind),
              "excerpt": guard.span.excerpt}
             for guard, names, kind in zip(model.guards, guarding.shown, guarding.kinds, strict=True)]

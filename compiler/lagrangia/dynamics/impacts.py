@@ -27,7 +27,7 @@ from lagrangia.base.diagnostics import fail
 from lagrangia.base.records import dataclass
 from lagrangia.constraints.parameters import usual_parameters
 from lagrangia.dynamics.energies import Load, paced
-from lagrangia.dynamics.levels import EDGE, JUMPS, Levels, level_of_parts, with_edge
+from lagrangia.dynamics.levels import EDGE, JUMPS, Levels, Meetings, level_of_parts, with_edge
 from lagrangia.frames.evaluation import scalars_of
 from lagrangia.frames.kinematics import Kinematics
 from lagrangia.language.consequences import contact_forces_in
@@ -113,7 +113,7 @@ def find_impacts(kinematics: Kinematics) -> Impacts:
                 for k, (event, first) in enumerate(zip(found, firsts, strict=False)) if event.kept is not None}
     one_way = tuple(ONE_WAY in event.kinds for event in found)
     return Impacts(conditions, gaps, rates, wanted, forces, impulses, flags, one_way,
-                   tuple(event.on_level() for event in found), tuple(loads), pressing)
+                   tuple(event.meetings.on_level() for event in found), tuple(loads), pressing)
 
 
 class _Event:
@@ -124,7 +124,7 @@ class _Event:
         model = kinematics.graph.model
         self.condition = without_not(when.condition)
         self.moving = ca.vertcat(kinematics.symbols.time, kinematics.algebra.state, *kinematics.symbols.held.values())
-        self.meetings = set[int]()  # of its comparisons of rates: 1 inclusive, 0 strict, -1 neither
+        self.meetings = Meetings(kinematics)
         g = self._level(self.condition)
         self.g = g if ca.depends_on(g, self.moving) else ca.fmax(ca.fmin(g, 1), -1)
         self.positions = [position_of(reset, model) for reset in when.resets]
@@ -158,7 +158,7 @@ class _Event:
         value, level = self.kinematics.evaluator.value, level_of(node)
         g = self._expression(value(level))
         truth = self._expression(value(node)) if _is_comparison(node) else g
-        self._note_meeting(node, g)
+        self.meetings.note(node, g)
         if not _is_comparison(node) or (ca.depends_on(g, self.moving) and operations_in(g).isdisjoint(JUMPS)):
             return with_edge(node, g)
         found = Levels(self.moving, edge=EDGE).of(truth)
@@ -167,18 +167,6 @@ class _Event:
                  node.span.within(self.when.span), "compare with <, <=, > or >= in it, not with == or <>; and join conditions "
                  "with and, or, not, as x > 0 and x < 1")
         return found
-
-    def _note_meeting(self, node: Flat, g: ca.SX) -> None:
-        states = self.kinematics.graph.model.states.values()
-        kept = {state.coordinate for state in states if state.is_kept}
-        rates = [rate for coordinate, rate in self.kinematics.symbols.rates.items() if coordinate not in kept]
-        if ca.depends_on(g, ca.vertcat(_NONE, *rates)):
-            is_plain = isinstance(node, Binary) and _is_comparison(node) and operations_in(g).isdisjoint(JUMPS)
-            self.meetings.add(int(node.operator in ("<=", ">=")) if isinstance(node, Binary) and is_plain else -1)
-
-    def on_level(self) -> int:
-        """Whether it is true where rates meet what they are compared with; -1: by its parts, or there are none."""
-        return min(self.meetings) if len(self.meetings) == 1 else -1
 
     def _add(self, reset: Reset, position: Flat) -> None:
         evaluator = self.kinematics.evaluator

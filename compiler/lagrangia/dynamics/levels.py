@@ -21,6 +21,8 @@ from lagrangia.algebra.numbering import Numbering, rebuilt
 from lagrangia.algebra.scalars import Expression, apply, as_expression, operate, symbol, symbols_in
 from lagrangia.algebra.with_casadi import CORNERS, STEPS, operations_in
 from lagrangia.base.records import dataclass
+from lagrangia.frames.kinematics import Kinematics
+from lagrangia.language.events import COMPARED
 from lagrangia.language.tree import Binary, Flat, Unary
 
 Level: TypeAlias = "ca.SX | bool"  # bool: whatever moves
@@ -222,6 +224,26 @@ def level_of_parts(condition: Flat, level: Callable[[Flat], ca.SX]) -> ca.SX:
 def with_edge(comparison: Flat, difference: ca.SX) -> ca.SX:
     """The level of a comparison of what does not jump."""
     return difference + EDGE if isinstance(comparison, Binary) and comparison.operator in ("<=", ">=") else difference
+
+
+class Meetings:
+    """How the comparisons in a condition are where rates that resets have set meet what they are compared with."""
+
+    def __init__(self, kinematics: Kinematics) -> None:
+        kept = {state.coordinate for state in kinematics.graph.model.states.values() if state.is_kept}
+        moving = [rate for coordinate, rate in kinematics.symbols.rates.items() if coordinate not in kept]
+        self.rates = ca.vertcat(ca.SX(0, 1), *moving)
+        self.kinds = set[int]()  # 1 inclusive, 0 strict, -1 neither
+
+    def note(self, node: Flat, difference: ca.SX) -> None:
+        """One of the comparisons, and the level of it."""
+        if ca.depends_on(difference, self.rates):
+            is_plain = isinstance(node, Binary) and node.operator in COMPARED and operations_in(difference).isdisjoint(JUMPS)
+            self.kinds.add(int(node.operator in ("<=", ">=")) if isinstance(node, Binary) and is_plain else -1)
+
+    def on_level(self) -> int:
+        """Whether the condition is true there; -1: by its parts, or there are none."""
+        return min(self.kinds) if len(self.kinds) == 1 else -1
 
 
 def _decided(found: _Threshold, known: _Known) -> bool | None:
