@@ -11,6 +11,7 @@ from fmpy import read_model_description, simulate_fmu
 from fmpy.validation import validate_fmu
 
 import lagrangia
+from helpers.broken_fmus import described
 from lagrangia.fmu.check import check_fmu
 
 BALL = """
@@ -88,3 +89,46 @@ def test_events_of_discrete_variables(tmp_path: Path, version: str) -> None:
         end = simulate_fmu(str(path), fmi_type=kind, stop_time=9.9, output=[*counted, *told], relative_tolerance=1e-8)[-1]
         assert {name: end[name] for name in counted} == counted, kind
         assert {name: end[name] for name in told} == pytest.approx(told, abs=1e-4), kind
+
+
+OUTPUTS = """
+model Outputs "A ball falls from 1 m and is stopped at 0.451... s; what changes at events alone is told so"
+  Prismatic way(a = world, along = {0, 1}, s(start = 1));
+  PointMass ball(m = 1, center = way.b);
+  input Real u(start = 0.5);
+  Integer n(start = 0);
+  output Integer twice = 2*n + 1, mm = integer(floor(10*way.s/1[m])), pair[2](each start = 0);
+  output Boolean deep = way.s < 0.25, done = n > 0;
+  output Real sampled(start = 0), scaled = 2*sampled + n, moved = sampled + u, chosen = if done then 1 else 2;
+equation
+  when way.s < 0 then reinit(der(way.s), 0); n = pre(n) + 1; pair = pre(pair) + {1, 2}; end when;
+  when sample(0, 0.1) then sampled = way.s/1[m]; end when;
+  annotation(experiment(StopTime = 0.95));
+end Outputs;
+"""
+KINDS = {"twice": "Integer", "mm": "Integer", "pair[1]": "Integer", "pair[2]": "Integer", "deep": "Boolean", "done": "Boolean",
+         "sampled": "Real", "scaled": "Real", "chosen": "Real"}
+
+
+@pytest.mark.parametrize("version", ["2", "3"])
+def test_outputs_that_change_at_events_alone(tmp_path: Path, version: str) -> None:
+    file = tmp_path / "outputs.lag"
+    file.write_text(OUTPUTS, encoding="utf-8")
+    (path,) = lagrangia.load(file).export_fmu(tmp_path / "outputs.fmu", fmi=version)
+    assert not validate_fmu(str(path)) and not check_fmu(path).faults
+    description = read_model_description(str(path))
+    outputs = {v.name: v for v in description.modelVariables if v.causality == "output"}
+    told = {name: v.type for name, v in outputs.items() if v.variability == "discrete"}
+    assert told == ({**KINDS} if version == "2" else {
+        name: {"Integer": "Int32", "Real": "Float64"}.get(kind, kind) for name, kind in KINDS.items()})
+    assert outputs["moved"].variability == "continuous"
+    kinds = {u.variable.name: set(u.dependenciesKind or ()) for u in description.outputs}
+    assert all(kinds[name] <= {"dependent"} for name, kind in KINDS.items() if kind != "Real")
+    reference = outputs["twice"].valueReference if version == "3" else 1 + description.modelVariables.index(outputs["twice"])
+    row = rf'((index|valueReference)="{reference}"[^\n]*Kind=)"dependent"'
+    wrong = described(path, tmp_path / "wrong.fmu", row, r'\1"constant"')
+    assert "'twice' is no real number" in str(check_fmu(wrong).faults)
+    end = simulate_fmu(str(path), fmi_type="CoSimulation", stop_time=0.95, output=[*KINDS])[-1]
+    assert {name: end[name] for name, kind in KINDS.items() if kind != "Real"} == {
+        "twice": 3, "mm": 0, "pair[1]": 1, "pair[2]": 2, "deep": True, "done": True}
+    assert (end["sampled"], end["scaled"], end["chosen"]) == pytest.approx((0, 1, 1), abs=1e-7)

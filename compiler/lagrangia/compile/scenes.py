@@ -38,6 +38,7 @@ from lagrangia.language.flat import FlatModel, Variable, When, rate_of
 from lagrangia.language.folding import numbers_of
 from lagrangia.language.observables import observe
 from lagrangia.language.parameter_readers import find_readers
+from lagrangia.language.stepwise import find_stepwise
 from lagrangia.language.tree import Array, Flat
 from lagrangia.native.c_code import jet_tape, usual_rhs
 from lagrangia.native.narrow import may_be_narrow, may_hide
@@ -304,7 +305,8 @@ def _told(kinematics: Kinematics, constraints: Constraints, initial: InitialCond
             "attitudes": {name: parts_of(name) for name in kinematics.symbols.attitudes},
             "readers": find_readers(model) if len(model.variables) <= _MANY_VARIABLES else None,
             "signals": {state.coordinate: name for name, state in model.states.items()},
-            **({"kept": kept} if (kept := _kept_types(model)) else {})}
+            **({"kept": kept} if (kept := _kept_types(model)) else {}),
+            **({"stepwise": stepwise} if (stepwise := find_stepwise(model, functions.outputs)) else {})}
 
 
 def _kept_types(model: FlatModel) -> dict[str, str]:

@@ -1,5 +1,5 @@
 """Scalars -> the arrays that FMI 3 has them as (FMI 3.0.2, 2.4.7.3): numbers in a row, whose names count through all places of a
-vector or matrix, row by row. FMI 2 has scalars alone.
+vector or matrix, row by row. FMI 2 has scalars alone, and so have Integers and Booleans here.
 
 An array has the value reference of its first element, those of the others are no variables: runtime/fmi/fmu.h.
 """
@@ -56,7 +56,8 @@ def find_arrays(variables: Sequence[Variable], single: Collection[str]) -> tuple
 
 def _array_at(first: int, variables: Sequence[Variable], single: Collection[str]) -> Array | None:
     head = element_of(variables[first].name)
-    if head is None or variables[first].name in single or any(k != 1 for k in head[1]):
+    is_number = variables[first].kind == "Real"
+    if head is None or not is_number or variables[first].name in single or any(k != 1 for k in head[1]):
         return None
     indices = []
     for variable in variables[first:]:
@@ -74,7 +75,7 @@ def _common(v: Variable, index: tuple[int, ...]) -> object:
     """What all elements of an array must share."""
     parts = [element_of(alias) for alias in v.aliases]
     others = [part[0] if part is not None and part[1] == index else alias for part, alias in zip(parts, v.aliases, strict=True)]
-    return v.group, v.causality, v.variability, v.unit, v.display_unit, v.minimum, v.maximum, others
+    return v.group, v.kind, v.causality, v.variability, v.unit, v.display_unit, v.minimum, v.maximum, others
 
 
 def even_nominals(arrays: Sequence[Array], nominal: Sequence[float], first: int) -> tuple[float, ...]:

@@ -145,6 +145,10 @@ def _pointing_rules(element: Element, description: Description) -> Iterator[Diag
 def _known_rules(kind: str, row: Unknown, description: Description) -> Iterator[Diagnostic]:
     """What the unknowns may depend on."""
     kinds = set((row.element.get("dependenciesKind") or "").split())
+    others = kinds - {"dependent"}
+    if others and not row.quantity.is_float:
+        yield row.element.fault(STRUCTURE, f"'{row.quantity.name}' is no real number, and has '{min(others)}' dependencies",
+                                "dependenciesKind", "it has dependent ones alone", severity="warning")
     if kind == "initial" and kinds & _ONLY_WHILE_RUNNING:
         yield row.element.fault(STRUCTURE, f"'{row.quantity.name}' depends on start values in a way that is '{min(kinds)}'",
                                 "dependenciesKind", "initial unknowns have dependent and constant ones", severity="warning")

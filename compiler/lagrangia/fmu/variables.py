@@ -85,7 +85,8 @@ def build_fmu_model(model: Exportable, parameters: Mapping[str, float] | None = 
     variables = tuple(replace(v, nominal=nominal[v.reference - 1]) if v.group == "state" else v for v in variables)
     columns = _columns(names, variables)
     rows = [v.name for v in variables if v.group == "slope"] + [v.name for v in variables if v.group == "output"]
-    dependencies = {row: {columns[k]: kind for k, kind in found.items()}
+    whole = {v.name for v in variables if v.group == "output" and v.kind != "Real"}  # the standards have one kind for these
+    dependencies = {row: {columns[k]: "dependent" if row in whole else kind for k, kind in found.items()}
                     for row, found in zip(rows, derivatives.rows, strict=True)}
     free = [p.name for p, is_free in zip(scene.parameters, settable, strict=True) if is_free]
     for parameter, found in zip(scene.parameters, derivatives.parameter_rows, strict=True):
@@ -177,13 +178,13 @@ def _variables(scene: Scene, names: _Names, kinds: Sequence[str], start: Sequenc
 
 
 def _outputs(scene: Scene, reference: Callable[[], int]) -> Iterator[Variable]:
-    """In their order; discrete variables are of their types."""
-    types = {scene.signals[name]: kept for name, kept in scene.notes.get("kept", {}).items()}
+    """In their order; those that change at events alone are of their types."""
+    types = scene.notes.get("stepwise", {})
     for column in scene.own_outputs:
-        kept = types.get(column.name)
-        unit = ("", "") if kept in ("Integer", "Boolean") else (column.unit, column.display_unit)
-        yield Variable(column.name, "output", reference(), "output", "discrete" if kept else "continuous", "calculated", None,
-                       *unit, column.description, type_name=kept or "")
+        stepwise = types.get(column.name)
+        unit = ("", "") if stepwise in ("Integer", "Boolean") else (column.unit, column.display_unit)
+        yield Variable(column.name, "output", reference(), "output", "discrete" if stepwise else "continuous", "calculated", None,
+                       *unit, column.description, type_name=stepwise or "")
 
 
 def _kept(scene: Scene, names: _Names, groups: Sequence[str], reference: Callable[[], int]) -> Iterator[Variable]:
