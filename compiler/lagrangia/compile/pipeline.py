@@ -46,7 +46,7 @@ if TYPE_CHECKING:
     from lagrangia.frames.kinematics import Kinematics
     from lagrangia.language.classes import ClassTable
     from lagrangia.language.flat import FlatModel
-    from lagrangia.language.kept_components import KeptComponents
+    from lagrangia.language.kept_components import KeptScene
     from lagrangia.language.tree import ClassDefinition, ImportFile, Syntax
     from lagrangia.run.scene import Scene
 
@@ -275,7 +275,7 @@ def flatten_file(path: Path, model: str | None = None, structural: Mapping[str, 
 
 
 def flatten_files(syntax: "Syntax", imported: "list[Syntax]", model: str | None = None,
-                  structural: Mapping[str, Any] | None = None, is_drawn: bool = False, kept: "KeptComponents | None" = None
+                  structural: Mapping[str, Any] | None = None, is_drawn: bool = False, kept: "KeptScene | None" = None
                   ) -> "FlatModel":
     """The same of files that are read; `kept` has what was made of the model before. Raises LagError."""
     packages = Packages(syntax)

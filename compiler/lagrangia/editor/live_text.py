@@ -97,7 +97,10 @@ class LiveText:
             if last < len(places) and (first or change.start > places[0].start):
                 while last + 1 < len(places) and places[last + 1] is places[last]:
                     last += 1
-                return self._with_statements(old, run, first, last, source)
+                return self._with_statements(old, run, first, last, run.places[last].end, source)
+            if places and change.start >= places[-1].end and _NOTHING.fullmatch(old.source.text, places[-1].end, change.end):
+                k = next(k for k, place in enumerate(places) if place is places[-1])
+                return self._with_statements(old, run, k, len(places) - 1, change.end, source)
         return None
 
     def _runs(self, syntax: Syntax) -> list[_Run]:
@@ -110,16 +113,20 @@ class LiveText:
             found += [_Run(c, k, s.clauses, [x.span for x in s.clauses]) for k, s in enumerate(c.sections)]
         return found
 
-    def _with_statements(self, old: Syntax, run: _Run, first: int, last: int, source: Source) -> Syntax | None:
-        """With others in the place of these. What they begin behind is the end of another one, or the first one's first letter,
-        and what they end with a semicolon, all of which is as it was: so words are cut there as before."""
+    def _with_statements(self, old: Syntax, run: _Run, first: int, last: int, end: int, source: Source
+                         ) -> Syntax | None:
+        """With others in the place of these and of what stands behind them, up to `end`. What they begin behind is the end of
+        another one, or the first one's first letter, and what they end with a semicolon, or spaces and comments behind one: all
+        as it was, so that words are cut there as before."""
         was, shift = old.source.text, len(source.text) - len(old.source.text)
-        start, end = run.places[first - 1].end if first else run.places[0].start, run.places[last].end
+        start = run.places[first - 1].end if first else run.places[0].start
         text, gaps, at = source.text[start : end + shift], [], start
         for place in dict.fromkeys(run.places[first : last + 1]):
             gaps.append(was[at : place.start])
             at = place.end
-        if not all(map(_NOTHING.fullmatch, gaps)) or _SAID_OF_ALL.search(text) or "annotation" in was[start:end]:
+        if text[-1:] not in (";", " ", "\n") or not all(map(_NOTHING.fullmatch, gaps)):
+            return None
+        if _SAID_OF_ALL.search(text) or "annotation" in was[start:end]:
             return None
         found = self._statements(text, run)
         if found is None:
@@ -168,14 +175,15 @@ class LiveText:
 
     def _move(self, new: _Recorder, start: int, end: int, shift: int, source: Source) -> None:
         """All places to where they are now; those of the statements between `start` and `end` are forgotten."""
+        last = start + max(span.end for span in new.spans)  # of the last statement, with which what is around may end
         kept = [span for span in self.recorder.spans if span.start < start or span.start >= end]
         for span in kept:
             _put_source(span, source)
             if span.start >= end:
                 _put_start(span, span.start + shift)
                 _put_end(span, span.end + shift)
-            elif span.end >= end and span.end > start:
-                _put_end(span, span.end + shift)
+            elif span.end > start:
+                _put_end(span, span.end + shift if span.end > end else last)
         for span in new.spans:
             _put_source(span, source)
             _put_start(span, span.start + start)

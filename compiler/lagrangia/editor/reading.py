@@ -16,7 +16,7 @@ from lagrangia.language.classes import ClassTable, build_class_table
 from lagrangia.language.component_library import library_classes
 from lagrangia.language.dimensions import check_dimensions
 from lagrangia.language.flat import FlatModel
-from lagrangia.language.kept_components import KeptComponents
+from lagrangia.language.kept_components import KeptScene
 from lagrangia.language.reader import Word
 from lagrangia.language.syntax import _Nodes, parse
 from lagrangia.language.tree import ClassDefinition, Syntax
@@ -50,7 +50,7 @@ class Known:
 
     def __init__(self) -> None:
         self.texts: dict[str, LiveText] = {}
-        self.components: dict[str, KeptComponents] = {}
+        self.components: dict[str, KeptScene] = {}
 
     def tree(self, source: Source) -> Syntax:
         """Of a text as it is now; that of its last one is good no longer. Raises LagError."""
@@ -76,7 +76,7 @@ def read_text(path: Path, read: Read, known: Known | None = None) -> Reading:
         except LagError as error:
             return Reading(source, error.diagnostics, None, lambda: _index_of_mended(path, source, read))
         last = next((c for c in reversed(syntax.classes) if c.kind == "model" and not c.is_partial), None)
-        kept = known.components.setdefault(source.name, KeptComponents()) if known is not None else None
+        kept = known.components.setdefault(source.name, KeptScene()) if known is not None else None
         is_part = last is None or _is_part(last, table)
         try:
             if last is not None:
@@ -85,7 +85,11 @@ def read_text(path: Path, read: Read, known: Known | None = None) -> Reading:
         except LagError as error:
             report.add(found for found in error.diagnostics if not (is_part and found.code == _LACKS_A_VALUE and _is_open(found)))
         told = {diagnostic.render() for diagnostic in report.diagnostics}
-        report.add(found for found in faults_beside(table, syntax) if found.render() not in told)
+        try:
+            beside = faults_beside(table, syntax)
+        except LagError as error:  # as of imports, by which nothing in the file is known
+            beside = list(error.diagnostics)
+        report.add(found for found in beside if found.render() not in told)
         return Reading(source, tuple(report.diagnostics), flat, lambda: Index(syntax, table), is_part)
 
 

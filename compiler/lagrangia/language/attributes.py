@@ -7,7 +7,7 @@ from lagrangia.base.diagnostics import Diagnostic, fail, suggest
 from lagrangia.language.classes import ENUMERATION
 from lagrangia.language.flat import Variable
 from lagrangia.language.instances import Bound, Modification, Slot
-from lagrangia.language.tree import Array, Boolean, Declaration, EnumerationLiteral, Flat, Number, String
+from lagrangia.language.tree import Array, Boolean, Declaration, EnumerationLiteral, Expression, Flat, Number, String
 from lagrangia.language.units_written import read_own_unit, read_unit
 
 Flatten = Callable[[Bound], Flat]
@@ -70,7 +70,12 @@ def _written(name: str, shape: tuple[int, ...], declaration: Declaration, base: 
                     declaration.description, declaration.name_span, type_name=base)
 
 
-def is_bare(value: Flat) -> bool:
+def is_literal(value: Flat | Expression) -> bool:
+    """Whether it is a number, a text, true or false, or an array of such."""
+    return isinstance(value, Number | Boolean | String) or (isinstance(value, Array) and all(map(is_literal, value.items)))
+
+
+def is_bare(value: Flat | Expression) -> bool:
     """Whether it is a literal without a unit, of which there is nothing to look at."""
     return not value.unit if isinstance(value, Number) else isinstance(value, Boolean | String | EnumerationLiteral)
 

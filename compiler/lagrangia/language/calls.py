@@ -51,6 +51,7 @@ class Calls(Loops, Requirements, OwnCalls, Protocol):
     lookups: dict[Lookup, Span]
     delays: dict[str, Call[Flat]]
     turned: dict[str, Call[Flat]]
+    asked: int
 
     def call(self, node: Call[Expression], scope: Scope) -> Flat:
         """A call with its arguments flattened. Raises LagError L0204, L0215."""
@@ -101,7 +102,7 @@ class Calls(Loops, Requirements, OwnCalls, Protocol):
         if not self.space.is_spatial:
             end, begin = (FrameRef(frame.name, ANGLE, (), call.span) for frame in (b, a))
             return Binary("-", end, begin, call.span)
-        name = name_of(a.name, b.name)
+        name, self.asked = name_of(a.name, b.name), self.asked + 1
         self.turned.setdefault(name, call)
         return Ref(name, (), call.span)
 
@@ -174,7 +175,7 @@ class Calls(Loops, Requirements, OwnCalls, Protocol):
         if node.function == "table" and (node.named or len(node.arguments) == 2):
             return self._table(node)
         if node.function == "table2" and len(node.arguments) == 3:
-            self.lookups.setdefault(plane_of(node), node.arguments[2].span)
+            self._look_up(plane_of(node), node.arguments[2].span)
             return node
         if node.named:
             _refuse_named(node)
@@ -212,12 +213,14 @@ class Calls(Loops, Requirements, OwnCalls, Protocol):
         if len(node.arguments) == 3:
             options_of(node)
         elif len(node.arguments) == 2:
-            self.lookups.setdefault(lookup_of(node), node.arguments[1].span)
+            self._look_up(lookup_of(node), node.arguments[1].span)
         else:
             fail("L0215", f"table takes 2 or 3 arguments, not {len(node.arguments)}, and options by name", node.span)
         return node
 
-    # ------------------------------------------------------------ loops
+    def _look_up(self, file: Lookup, span: Span) -> None:
+        self.asked += 1
+        self.lookups.setdefault(file, span)
 
 
 def _by_name(node: Call[Flat]) -> list[Flat]:

@@ -1,6 +1,6 @@
 """Classes -> FlatModel: instances are made, names resolved, loops and ifs unrolled."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -49,7 +49,7 @@ from lagrangia.language.instances import (
     outside,
 )
 from lagrangia.language.instantiation import Instantiation
-from lagrangia.language.kept_components import KeptComponents
+from lagrangia.language.kept_components import KeptComponents, KeptScene
 from lagrangia.language.limits import (
     flag_of,
     has_annotation,
@@ -101,13 +101,14 @@ _MOMENTS = {"initial": "an initial equation", "when": "an event", "sample": "a v
 
 
 def flatten(table: ClassTable, definition: ClassDefinition, structural: Mapping[str, Any] | None = None,
-            kept: KeptComponents | None = None) -> FlatModel:
+            kept: KeptScene | None = None) -> FlatModel:
     """The flat model of one class. `structural` holds values for its structural parameters, `kept` what was made of it before.
 
     Raises LagError with all that is wrong in names, modifications and arrays (L02xx).
     """
     def flattened(found: Found) -> FlatModel:
-        return _Flattening(table, definition, Report(), found).flatten(structural or {}, kept)
+        before = kept.within(found.space) if kept is not None else None
+        return _Flattening(table, definition, Report(), found).flatten(structural or {}, before)
 
     try:
         return flattened(Found())
@@ -152,7 +153,7 @@ class _Flattening:
         root = instantiation.instantiate(definition, "", override_tree(overrides, root), definition.name_span, None)
         self.report.raise_errors()
         self._add_world(root, instantiation)
-        self._visit(root)
+        self._visit(root, self._visit_member if kept is None else self._once(kept))
         delays = declare_delays(self.names.delays, self.report)
         self.report.raise_errors()
         self.variables.update({delay.name: variable_of(delay) for delay in delays.values()})
@@ -203,7 +204,19 @@ class _Flattening:
 
     # ------------------------------------------------------------ members
 
-    def _visit(self, instance: Instance) -> None:
+    def _once(self, kept: KeptComponents) -> Callable[[Member, Instance], None]:
+        """Visits members of the scene, or adds what they brought before."""
+        kept.visits.begin()
+
+        def visit(member: Member, root: Instance) -> None:
+            if (declaration := kept.declared.get(id(member))) is None:
+                self._visit_member(member, root)
+            else:
+                kept.visits.visit(self, root, member, declaration, partial(self._visit_member, member, root))
+
+        return visit
+
+    def _visit(self, instance: Instance, visit: Callable[[Member, Instance], None]) -> None:
         if instance.description:
             self.components[instance.path] = instance.description
         if instance.frame is not None:
@@ -214,7 +227,7 @@ class _Flattening:
             self._guard(lambda: self.connections.extend(bound_to(instance, self.names)), instance)
         for name, member in list(instance.members.items()):
             if name not in instance.outer:
-                self._visit_member(member, instance)
+                visit(member, instance)
         for kind, clause in instance.clauses:
             self._clause(kind, clause, Scope(instance))
 
@@ -224,7 +237,7 @@ class _Flattening:
             for element in stamp(self, member, visit) if isinstance(member, Alike) else member:
                 visit(element)
         elif isinstance(member, Instance):
-            self._visit(member)
+            self._visit(member, self._visit_member)
         elif isinstance(member, FrameSlot):
             self._add_frame(member, owner)
         else:

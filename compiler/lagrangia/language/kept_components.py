@@ -5,12 +5,16 @@ is asked of values outside while it is made. Those that ask nothing are kept, wi
 as long as all other classes are the same.
 """
 
+from lagrangia.base.diagnostics import LIBRARY
 from lagrangia.base.records import dataclass
 from lagrangia.language.alike_elements import First, can_be_copied
+from lagrangia.language.attributes import is_literal
 from lagrangia.language.classes import ClassTable
 from lagrangia.language.frame_attributes import Space
+from lagrangia.language.functions import DIMENSIONS
 from lagrangia.language.instances import Bound, Instance, Member, Scope, StructuralValues
-from lagrangia.language.tree import Boolean, ClassDefinition, Declaration, Expression, Number, Reference
+from lagrangia.language.kept_visits import KeptVisits
+from lagrangia.language.tree import Array, Binary, Boolean, ClassDefinition, Declaration, Expression, Number, Reference, Unary
 
 
 @dataclass(frozen=True)
@@ -21,42 +25,73 @@ class _Kept:
     count: int  # of components in it
 
 
+class KeptScene:
+    """Of a scene, as one in the plane and as one in space."""
+
+    def __init__(self) -> None:
+        self.spaces: dict[bool, KeptComponents] = {}
+
+    def within(self, space: Space) -> "KeptComponents":
+        """What is kept of it as one in this space."""
+        return self.spaces.setdefault(space.is_spatial, KeptComponents())
+
+
 class KeptComponents:
     """Of the last scene that was flattened with these."""
 
     def __init__(self) -> None:
         self.space: Space | None = None
+        self.table: ClassTable | None = None
+        self.files = 0  # in it, when the scene was begun
         self.others: list[ClassDefinition] = []
         self.root: Instance | None = None
         self.last: dict[int, _Kept] = {}  # by the ids of declarations
         self.now: dict[int, _Kept] = {}
+        self.declared: dict[int, Declaration] = {}  # by the ids of components
+        self.visits = KeptVisits()
         self.own: frozenset[int] = frozenset()  # the ids of the scene's own declarations: no other class modifies them
 
     def begin(self, table: ClassTable, root: Instance, space: Space) -> Instance:
         """A scene is flattened: what it lies in from now on."""
-        others = [c for c in table.user.values() if c is not root.definition]
-        is_same = (space is self.space and not table.files and len(others) == len(self.others)
-                   and all(map(lambda a, b: a is b, others, self.others)))
+        classes = (c for file in table.files.values() for c in file.classes) if table.files else table.user.values()
+        others = [c for c in classes if c is not root.definition]
+        is_same = (space is self.space and len(others) == len(self.others) and all(map(lambda a, b: a is b, others, self.others))
+                   and self._has_means_of_its_own())
         self.space, self.others, self.last, self.now = space, others, self.now if is_same else {}, {}
-        self.own = frozenset() if table.files else frozenset(map(id, root.definition.elements))
+        self.declared = {}
+        if not is_same:
+            self.visits = KeptVisits()
+        self.table, self.files = table, len(table.files)
+        self.own = frozenset(map(id, root.definition.elements))
         if self.root is None or not is_same:
             self.root = root
         else:
             self.root.__dict__ |= root.__dict__
         return self.root
 
+    def _has_means_of_its_own(self) -> bool:
+        """Whether the last scene named no class but the library's, those of its files, and all as they are written there."""
+        if self.table is None or not self.table.files:
+            return True
+        taken = list(self.table.files)[self.files :]
+        return not self.table.scopes.copies and all(source.name.startswith(LIBRARY) for source in taken)
+
     def found(self, declaration: Declaration, sizes: tuple[int, ...]) -> _Kept | None:
         """What was made of a declaration."""
         kept = self.last.get(id(declaration))
         if kept is None or kept.declaration is not declaration or kept.sizes != sizes:
             return None
-        self.now[id(declaration)] = kept
+        self._keep(kept)
         return kept
 
     def keep(self, declaration: Declaration, sizes: tuple[int, ...], member: Member, count: int) -> None:
         """For the next time, if it names no component around it."""
         if id(declaration) in self.own and can_be_copied(member, First(1)):
-            self.now[id(declaration)] = _Kept(declaration, sizes, member, count)
+            self._keep(_Kept(declaration, sizes, member, count))
+
+    def _keep(self, kept: _Kept) -> None:
+        self.now[id(kept.declaration)] = kept
+        self.declared[id(kept.member)] = kept.declaration
 
 
 class Asked(StructuralValues):
@@ -67,7 +102,7 @@ class Asked(StructuralValues):
 
     def integer(self, expression: Expression, scope: Scope, what: str, hint: str = "") -> int:
         """The integer that an expression must be. Raises LagError L0210."""
-        self.any |= not isinstance(expression, Number)
+        self.any |= not (isinstance(expression, Number) or _are_dimensions(expression, scope.instance))
         return self.values.integer(expression, scope, what, hint)
 
     def boolean(self, expression: Expression, scope: Scope, what: str, *hints: str) -> bool:
@@ -77,7 +112,8 @@ class Asked(StructuralValues):
 
     def shape(self, bound: Bound) -> tuple[int, ...]:
         """The sizes of what is bound. Raises LagError."""
-        self.any = True
+        is_own = bound.scope.instance.parent is not None and _is_arithmetic(bound.expression)
+        self.any |= bool(bound.selection) or not (is_own or is_literal(bound.expression))
         return self.values.shape(bound)
 
     def known(self, bound: Bound) -> Expression | None:
@@ -92,5 +128,25 @@ class Asked(StructuralValues):
 
     def count_of_literals(self, node: Reference) -> int | None:
         """How many values an enumeration has; None for what is none."""
-        self.any = True
+        self.any |= not _are_dimensions(node)
         return self.values.count_of_literals(node)
+
+
+def _are_dimensions(node: Expression, instance: Instance | None = None) -> bool:
+    """Whether it is how many the space has."""
+    is_name = isinstance(node, Reference) and [(part.name, part.subscripts) for part in node.parts] == [(DIMENSIONS, ())]
+    return is_name and (instance is None or DIMENSIONS not in instance.members)
+
+
+def _is_arithmetic(node: Expression) -> bool:
+    """Whether its shape follows from those of the variables that it names, whatever their values."""
+    match node:
+        case Reference(parts, _):
+            return not any(part.subscripts for part in parts)
+        case Array(items, _):
+            return all(map(_is_arithmetic, items))
+        case Unary(_, operand, _):
+            return _is_arithmetic(operand)
+        case Binary(_, left, right, _):
+            return _is_arithmetic(left) and _is_arithmetic(right)
+    return isinstance(node, Number)

@@ -6,7 +6,7 @@ from typing import Any, cast
 
 from lagrangia.base.diagnostics import Report, Span, fail, suggest
 from lagrangia.base.records import dataclass
-from lagrangia.language.attributes import constant_of, in_declared_unit, is_bare
+from lagrangia.language.attributes import constant_of, in_declared_unit, is_bare, is_literal
 from lagrangia.language.calls import Calls
 from lagrangia.language.classes import ClassTable
 from lagrangia.language.discrete_arrays import referred
@@ -79,6 +79,8 @@ class Names(Calls):
     guards: list[Guard] = field(default_factory=list)  # what has to hold in a run
     written: dict[str, Variable] = field(default_factory=dict)  # constants and limits that are no bare literals
     under: list[Flat] = field(default_factory=list)
+    inside: tuple[str, ...] = ("",)  # how full names begin in the component that is visited
+    asked: int = 0  # how often there was asked for what is not its own alone: values that are put in, and what is made once
     moment: str = ""
     _structural: dict[Slot, Flat] = field(default_factory=dict)
     _pending: list[str] = field(default_factory=list)
@@ -88,6 +90,7 @@ class Names(Calls):
 
     def define_function(self, definition: ClassDefinition, given: Given, span: Span) -> Built:
         """The function for what a call gives it. Raises LagError for one that is wrong."""
+        self.asked += 1
         return self.define(definition, given, span)
 
     def begin(self, root: Instance) -> None:
@@ -130,6 +133,7 @@ class Names(Calls):
 
     def structural_value(self, slot: Slot, span: Span) -> Flat:
         """The folded value of a constant or of an Integer, Boolean or String parameter. Raises LagError L0210 to L0212."""
+        self.asked += not self._is_own(slot)
         if slot in self._structural:
             return self._structural[slot]
         if slot.binding is None:
@@ -151,6 +155,12 @@ class Names(Calls):
             self.written[slot.path] = constant
         self._structural[slot] = value = in_declared_unit(value, constant.unit if slot.base == "Real" else "")
         return value
+
+    def _is_own(self, slot: Slot) -> bool:
+        """Whether its value is a literal in the component that is visited, and noted there if it is to be."""
+        if slot.binding is None or not (slot.path.startswith(self.inside) and is_literal(slot.binding.expression)):
+            return False
+        return slot not in self._structural or slot.path in self.written or is_bare(slot.binding.expression)
 
     # ------------------------------------------------------------ expressions
 

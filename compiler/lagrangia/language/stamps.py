@@ -20,9 +20,9 @@ from lagrangia.language.tree import Array, Binary, Call, Flat, FrameRef, IfExpre
 _MADE = (Ref, FrameRef, Unary, Binary, IfExpression, Call, Array, Variable, Frame, FrameEquation, Equation, Energy, Work, Figure)
 _NAMES = frozenset({"name", "component"})  # of these classes: full names
 _DEEPEST = 40  # nested brackets: Python reads 200
-_LISTS = ("frame_equations", "equations", "energies", "works", "initial", "figures")
-_TABLES = ("variables", "frames", "structural", "components", "flanges")
-_SETS = ("ends", "inputs")
+LISTS = ("frame_equations", "equations", "energies", "works", "initial", "figures")
+TABLES = ("variables", "frames", "structural", "components", "flanges")
+SETS = ("ends", "inputs")
 _CHECKED = ("variables", "frame_equations", "equations", "energies", "works")  # by what looks at dimensions
 _OTHERS = ("joined", "connections", "events", "guards")  # what brings these is flattened one by one
 
@@ -62,19 +62,19 @@ class _TooDeepError(Exception):
 def stamp(flat: Flattening, elements: Alike, visit: Callable[[Member], None]) -> list[Member]:
     """Visits the first element, and adds what the others bring; returns those that have to be visited as well."""
     first, *others = elements
-    told, before = _told(flat), {name: len(getattr(flat, name)) for name in (*_LISTS, *_TABLES)}
-    kept = {name: set(getattr(flat, name)) for name in _SETS}
+    told, before = state_of(flat), {name: len(getattr(flat, name)) for name in (*LISTS, *TABLES)}
+    kept = {name: set(getattr(flat, name)) for name in SETS}
     visit(first)
-    if _told(flat) != told:
+    if state_of(flat) != told:
         return others
     brought = {name: list(islice(_listed(getattr(flat, name)), before[name], None)) for name in before}
-    brought |= {name: sorted(getattr(flat, name) - kept[name]) for name in _SETS}
+    brought |= {name: sorted(getattr(flat, name) - kept[name]) for name in SETS}
     writer = _Writer(first, elements)
     try:
         make = writer.lambda_of(brought)
     except _TooDeepError:
         return others
-    add = {name: getattr(flat, name).extend if name in _LISTS else getattr(flat, name).update for name in brought}
+    add = {name: getattr(flat, name).extend if name in LISTS else getattr(flat, name).update for name in brought}
     are_repeats = writer.all_have_units(x for _, x in brought["variables"])
     repeated = {name: [not own for own in writer.own[name]] for name in _CHECKED} if are_repeats else {}
     for k, element in enumerate(others, 2):
@@ -85,12 +85,12 @@ def stamp(flat: Flattening, elements: Alike, visit: Callable[[Member], None]) ->
         for name, items in zip(brought, found, strict=True):
             add[name](items)
             if name in repeated:
-                new = compress([x[1] for x in items] if name in _TABLES else items, repeated[name])
+                new = compress([x[1] for x in items] if name in TABLES else items, repeated[name])
                 flat.repeats.update([(id(x), x) for x in new])
     return []
 
 
-def _told(flat: Flattening) -> tuple[int, ...]:
+def state_of(flat: Flattening) -> tuple[int, ...]:
     """Grows where something is wrong, or is brought that is not stamped out."""
     return (len(flat.report.diagnostics), len(flat.names.delays), len(flat.names.turned),
             *(len(getattr(flat, name)) for name in _OTHERS), flat.at_rest is not None)
