@@ -7,6 +7,8 @@ import pytest
 
 import lagrangia
 from lagrangia.draw.modes_film import animate_mode
+from lagrangia.study.sweep.measures import usual_measures
+from lagrangia.view.rows import shown
 
 G = 9.81
 BALL = """
@@ -349,3 +351,13 @@ def test_conditions_that_come_true_at_once_are_told(first: str, other: str, are_
 def test_a_condition_that_is_said_to_be_true_is_a_contact(tmp_path: Path) -> None:
     text = BALL.replace("Boolean low = way.s < 0", "Boolean low = (way.s < 0) == true")
     assert run(tmp_path, text, "Ball", stop=4.0)["n"][-1] == run(tmp_path, BALL, "Ball", stop=4.0)["n"][-1] > 3
+
+
+def test_what_events_know_of_changes_is_in_no_table(tmp_path: Path) -> None:
+    """n.before is the event's own, in results, sweeps and FMUs."""
+    file = tmp_path / "ball.lag"
+    counted = "Integer changes(start = 0); equation when change(n) then changes = pre(changes) + 1; end when;"
+    file.write_text(BALL.replace("equation", counted, 1), encoding="utf-8")
+    model = lagrangia.load(file)
+    names = {column.name for column in shown(model.scene)[0].rates} | {m.quantity for m in usual_measures(model.scene)}
+    assert {"n", "changes", "der(way.s)"} <= names and not any("before" in name or "integral" in name for name in names)

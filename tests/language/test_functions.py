@@ -117,3 +117,37 @@ def test_events_of_choices_between_0_and_another_number(scene: Callable[[str], l
     """cos 2t rises through 0.5 three times in 10 s."""
     for solver in ("taylor", "erk", "implicit"):
         assert scene(SWINGS.replace("CONDITION", condition)).simulate(at=[0, 10.0], solver=solver)["c.v"][-1] == 3
+
+
+INTEGERS = """
+function count "whole numbers of a whole number, and a Real of them"
+  input Integer n;
+  input Integer v[3];
+  output Real y;
+protected
+  Integer k = 0, a[3] = {1, 2, 3}, m;
+algorithm
+  m := div(n, 2) + rem(n, 2) + mod(n, 3) + integer(0.4*n) + size(v, 1);
+  for i in 1:3 loop k := k + i*v[i]; a[i] := a[i] + k; end for;
+  for z in v loop k := k + z; end for;
+  if m > 2 then k := k + a[3]; else k := 0; end if;
+  assert(k == 37 or n <> 3, "no 37");
+  y := k + m/10;
+end count;
+model M
+  Block b(m = 1, base = world);
+  output Real y = count(n, {1, 2, 3});
+  parameter Integer n = 3;
+end M;
+"""
+
+
+def test_integers_in_functions_are_whole(scene: Write) -> None:
+    """Modelica has no Integer of a Real; ratios of whole numbers are Reals."""
+    assert scene(INTEGERS).simulate(stop=0.1)["y"][-1] == pytest.approx(37.6)
+    with pytest.raises(LagError, match="no 37"):
+        scene(INTEGERS.replace("k == 37", "k == 36"))
+    for wrong in ("m := n/2;", "a := {1, 2, 3.5};", "if n > 1 then k := n/2; end if;",
+                  "for z in {0.5} loop k := z; end for;"):
+        with pytest.raises(LagError, match="an Integer takes whole numbers"):
+            scene(INTEGERS.replace("  assert", f"  {wrong} assert"))

@@ -126,7 +126,7 @@ def _describe(scene: Any, freedom: Mapping[str, Any]) -> str:
     if scene.flowing:
         lines.append(f"  first-order states {', '.join(scene.flowing.values())}")
     if scene.kept:
-        lines.append(f"  discrete variables {', '.join(scene.signals[name] for name in scene.kept)}")
+        lines.append(f"  discrete variables {', '.join(scene.discrete)}")
     if notes["dependent"]:
         lines.append(f"  given by others: {', '.join(notes['dependent'][:8])}")
     lines += [f"  {text}" for text in filter(None, [singular_start(scene, freedom)])]

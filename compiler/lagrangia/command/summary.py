@@ -22,8 +22,7 @@ _MOST_ROWS = 40  # MOST_ROWS of runtime/run/unsure.c
 
 def _told_states(scene: Scene) -> str:
     """What else than coordinates the state has."""
-    kept = [scene.signals[name] for name in scene.kept]
-    named = (("first-order states", [*scene.flowing.values()]), ("discrete variables", kept))
+    named = (("first-order states", [*scene.flowing.values()]), ("discrete variables", scene.discrete))
     return "".join(f" and {what} ({', '.join(own)})" for what, own in named if own)
 
 

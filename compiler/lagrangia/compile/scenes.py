@@ -30,6 +30,7 @@ from lagrangia.dynamics.switches import corners_remain, counts_whole_numbers
 from lagrangia.frames.graph import ComponentGraph, Coordinate
 from lagrangia.frames.kinematics import Kinematics
 from lagrangia.language.attitudes import parts_of
+from lagrangia.language.changes import is_before
 from lagrangia.language.consequences import place_of_felt_reactions
 from lagrangia.language.dimensions import unit_of
 from lagrangia.language.directions import directions, parameter_places
@@ -306,7 +307,13 @@ def _told(kinematics: Kinematics, constraints: Constraints, initial: InitialCond
             "readers": find_readers(model) if len(model.variables) <= _MANY_VARIABLES else None,
             "signals": {state.coordinate: name for name, state in model.states.items()},
             **({"kept": kept} if (kept := _kept_types(model)) else {}),
+            **({"inner": inner} if (inner := _inner(model)) else {}),
             **({"stepwise": stepwise} if (stepwise := find_stepwise(model, functions.outputs)) else {})}
+
+
+def _inner(model: FlatModel) -> list[str]:
+    """The coordinates of discrete variables that are no one's but their events'."""
+    return [state.coordinate for state in model.states.values() if state.is_kept and is_before(state.name, model.variables)]
 
 
 def _kept_types(model: FlatModel) -> dict[str, str]:

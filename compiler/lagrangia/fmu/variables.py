@@ -193,7 +193,7 @@ def _kept(scene: Scene, names: _Names, groups: Sequence[str], reference: Callabl
     for group in groups:
         for coordinate, type_name in scene.notes.get("kept", {}).items():
             name, column = scene.signals[coordinate], rates[coordinate]
-            if group == f"kept_{type_name.lower()}" and held_of(name) in names.states:
+            if name in scene.discrete and group == f"kept_{type_name.lower()}" and held_of(name) in names.states:
                 unit = (column.unit, column.display_unit) if type_name == "Real" else ("", "")
                 yield Variable(name, group, reference(), "local", "discrete", "calculated", None, *unit, column.description)
 

@@ -55,6 +55,7 @@ from lagrangia.language.tree import (
     Whole,
 )
 from lagrangia.language.truths import number_of, truth_of
+from lagrangia.language.whole_numbers import WholeNumbers, refuse_broken
 
 _MOST_PASSES = 10_000  # of one while loop
 _STATEMENT = 2  # what an assignment costs beside its expression, in operations of Work
@@ -102,6 +103,7 @@ class _Builder:
         self.units: dict[str, str] = {}
         self.whole: set[str] = set()  # leaves of Integer and Boolean variables
         self.truths: set[str] = set()  # of Boolean ones
+        self.numbers = WholeNumbers({}, names.made.functions)
         self.constants: dict[str, Flat] = {}  # of those, while they are known
         # under which name a leaf's value is found; its own, unless branches or arrays gave it
         self.current: dict[str, str] = {}
@@ -198,6 +200,8 @@ class _Builder:
                 self.whole.add(leaf)
             if base.builtin == "Boolean":
                 self.truths.add(leaf)
+            elif base.builtin == "Integer":
+                self.numbers.locals.add(leaf)
         return tree
 
     def _unit(self, declaration: Declaration, base: BaseType) -> str:
@@ -315,7 +319,7 @@ class _Builder:
                 else:
                     self._branch(flat, then, otherwise, iterators, steps, span)
             case CallEquation(Call("assert") as call, span):
-                self._assert(read_assertion(call, scope, span, self._local()))
+                self._assert(read_assertion(call, scope, span, self._local(), self.numbers))
             case _:
                 self._refuse(clause)
 
@@ -328,6 +332,8 @@ class _Builder:
                 is_truth = isinstance(value, Binary) and value.operator in CONDITIONS
                 self.units[name] = ""
                 place = self._fresh(name)
+                if self.numbers.broken(value) is None:
+                    self.numbers.locals.add(place)
                 steps.append((place, number_of(value) if is_truth else value))
                 self.given.add(place)
                 local = Local(place, value.span)
@@ -401,9 +407,17 @@ class _Builder:
             refuse_no_number(value)
         elif not is_merged:  # of numbers already
             value = number_of(value)
+        if leaf in self.whole - self.truths:
+            self._note_whole(place, value)
         steps.append((place, value))
         self.given.add(place)
         self.current[leaf] = place
+
+    def _note_whole(self, place: str, value: Flat) -> None:
+        """Of what an Integer variable is given. Raises LagError L0302."""
+        if (wrong := self.numbers.broken(value)) is not None:
+            refuse_broken(wrong)
+        self.numbers.locals.add(place)
 
     def _fresh(self, name: str) -> str:
         self.count += 1

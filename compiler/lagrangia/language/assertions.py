@@ -23,7 +23,7 @@ _ENDS = 'write: when x > 1 then terminate("it is there"); end when;'
 _LEVELS: Mapping[str, Literal["error", "warning"]] = {"AssertionLevel.error": "error", "AssertionLevel.warning": "warning"}
 
 
-def read_assertion(call: Call[Expression], scope: Scope, place: Span, names: Names) -> Assertion:
+def read_assertion(call: Call[Expression], scope: Scope, place: Span, names: Names, whole: WholeNumbers) -> Assertion:
     """What an assertion says. Raises LagError L0215, L0302."""
     condition, text, level = _parts(call, place)
     said = _text(text, scope, names, "what an assertion says is a text", _WRITE)
@@ -34,17 +34,16 @@ def read_assertion(call: Call[Expression], scope: Scope, place: Span, names: Nam
     holds = fold(flat)
     if holds is not None and not isinstance(holds, bool):
         fail("L0302", "a condition is true or false", condition.span, _WRITE)
-    return Assertion(flat, said, kind)
+    return Assertion(flat if holds is not None else compared(flat, whole), said, kind)
 
 
 def guard_of(call: Call[Expression], scope: Scope, place: Span, names: Names, report: Report, whole: WholeNumbers
              ) -> list[Guard]:
     """The guard of an assertion that parameters or the motion decide; of another one, an error or a warning L0238 where it does
     not hold. Raises LagError L0215, L0225, L0302."""
-    one = read_assertion(call, scope, place, names)
+    one = read_assertion(call, scope, place, names, whole)
     flat, said, is_warning = names.without_known(one.condition), one.text, one.kind == "warning"
     if not isinstance(flat, Boolean):
-        flat = compared(flat, whole)
         require_level(flat)
         return [Guard(flat, said, one.kind, scope.instance.path, place)]
     if not flat.value and is_warning:

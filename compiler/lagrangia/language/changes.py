@@ -3,7 +3,7 @@
 n.before, a variable of its own, is n as it was; the event comes where both differ, and makes them equal.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
 
 from lagrangia.base.diagnostics import Report
@@ -17,6 +17,12 @@ from lagrangia.language.tree import Binary, Call, Flat, Ref
 def before(ref: Ref) -> Ref:
     """What n was when it last changed."""
     return Ref(f"{ref.name}.before", (), ref.span)
+
+
+def is_before(name: str, variables: Collection[str]) -> bool:
+    """Whether it is what one of the variables was."""
+    stem, _, last = name.rpartition(".")
+    return last == "before" and stem in variables
 
 
 def changed(ref: Ref) -> Flat:

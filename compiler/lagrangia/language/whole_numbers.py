@@ -2,11 +2,19 @@
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import field
+from typing import NoReturn
 
-from lagrangia.base.diagnostics import Report
+from lagrangia.base.diagnostics import Report, fail
 from lagrangia.base.records import dataclass
 from lagrangia.language.function_variables import FlatFunction
 from lagrangia.language.tree import Array, Binary, Call, Flat, IfExpression, Local, Number, Ref, Unary
+
+_BROKEN, _WRITE = "an Integer takes whole numbers, this may be any", "write: integer(x), the greatest below x"
+
+
+def refuse_broken(part: Flat) -> NoReturn:
+    """Of what an Integer variable is given. Raises LagError L0302."""
+    fail("L0302", _BROKEN, part.span, _WRITE)
 
 
 @dataclass
@@ -15,14 +23,14 @@ class WholeNumbers:
 
     types: Mapping[str, str]
     functions: Mapping[str, FlatFunction]
+    locals: set[str] = field(default_factory=set)  # variables of the function that is read which are whole
     _made: dict[str, bool] = field(default_factory=dict)  # whether a function gives whole numbers where it is given some
 
     def find_broken(self, values: Iterable[Flat], report: Report) -> None:
         """Of Integer variables. Reports L0302."""
         for value in values:
             if (wrong := self.broken(value)) is not None:
-                report.error("L0302", "an Integer takes whole numbers, this may be any", wrong.span,
-                             "write: integer(x), the greatest below x")
+                report.error("L0302", _BROKEN, wrong.span, _WRITE)
 
     def broken(self, node: Flat, may_divide: bool = False, known: frozenset[str] = frozenset()) -> Flat | None:
         """The first part that may be no whole number, or if it `may_divide` no ratio of some; None where there is none. `known`:
@@ -33,7 +41,7 @@ class WholeNumbers:
                 return None
             case Ref(name) if self.types.get(name) == "Integer":
                 return None
-            case Local(name) if name in known:
+            case Local(name) if name in known or name in self.locals:
                 return None
             case Call(function, arguments) if function in self.functions:
                 if not self._makes_whole(function):

@@ -106,6 +106,18 @@ class Scene:
         return tuple(self.notes.get("kept", ()))
 
     @property
+    def discrete(self) -> tuple[str, ...]:
+        """The names of discrete variables, without those that are no one's but their events' (changes.py)."""
+        return tuple(self.signals[name] for name in self.kept if name not in self.notes.get("inner", ()))
+
+    @property
+    def hidden(self) -> frozenset[str]:
+        """Columns of rows that no table has: the coordinates whose rates are first-order states, on which nothing depends, parts
+        of attitudes, and discrete variables that are no one's."""
+        inner = (self.signals[name] for name in self.notes.get("inner", ()))
+        return frozenset((*self.signals, *(f"der({name})" for name in self.signals), *self.turned, *inner))
+
+    @property
     def flowing(self) -> Mapping[str, str]:
         """`signals` without discrete variables."""
         return {name: state for name, state in self.signals.items() if name not in self.kept}

@@ -20,9 +20,8 @@ def columns(scene: Scene) -> tuple[Column, ...]:
 
 
 def shown(scene: Scene) -> tuple[Scene, Callable[[Sequence[float]], Sequence[float]]]:
-    """The scene of what files have, and what makes rows of it of rows: of first-order states without the coordinates whose rates
-    they are, on which nothing depends."""
-    hidden = {*scene.signals, *(f"der({name})" for name in scene.signals), *scene.turned}
+    """The scene of what files have, and what makes rows of it of rows: without what is hidden."""
+    hidden = scene.hidden
     if not hidden:
         return scene, lambda values: values
     whole = columns(scene)

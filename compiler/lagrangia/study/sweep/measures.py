@@ -142,8 +142,8 @@ def _of_quantity(measure: Measure) -> Measure:
 
 
 def usual_measures(scene: Scene) -> list[Measure]:
-    """Final values of all coordinates, rates and outputs; of attitudes, their quaternions."""
-    told = (c for c in (*scene.coordinates, *scene.rates, *scene.outputs) if c.name not in scene.turned)
+    """Final values of all that tables have of coordinates, rates and outputs; of attitudes, their quaternions."""
+    told = (c for c in (*scene.coordinates, *scene.rates, *scene.outputs) if c.name not in scene.hidden)
     return [Measure(f"final({c.name})", "final", c.name) for c in told]
 
 
