@@ -19,7 +19,7 @@ from lagrangia.base.store import find_kept, keep, key_of, prune
 from lagrangia.command.cli import main
 from lagrangia.language.plain_tree import read_trees, write_trees
 from lagrangia.language.syntax import parse
-from lagrangia.native.build import build, find_compiler
+from lagrangia.native.build import Objects, build, find_compiler
 
 needs_compiler = pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
 SWING = 'model Swing "%s"\n  Revolute h(a = world, phi(start = 1)); Bar b(m = 1, L = 1, a = h.b);\nend Swing;\n'
@@ -189,6 +189,32 @@ def test_a_link_in_the_place_of_a_library_is_replaced(tmp_path: Path, monkeypatc
     folder.symlink_to(elsewhere)
     assert build("one", "int one(void) { return 1; }", level="-O0").parent == folder
     assert not folder.is_symlink() and elsewhere.exists()
+
+
+@needs_compiler
+def test_what_is_kept_is_not_written_through_links(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The digest of an object was, into whatever file the link led to; a link to nowhere in a folder's place ended runs."""
+    monkeypatch.setenv("LAGRANGIA_CACHE", str(tmp_path / "cache"))
+    source, mine, compiler = tmp_path / "one.c", tmp_path / "mine", find_compiler()
+    assert compiler is not None
+    source.write_text("int one(void) { return 1; }\n")
+    mine.write_text("mine")
+    cache_folder().joinpath("objects").symlink_to(tmp_path / "nowhere")
+    for _ in range(2):
+        objects = Objects([source], [], "-O0", compiler)
+        objects.finish()
+        (made,) = objects.paths
+        assert not made.parent.is_symlink() and not made.is_symlink() and len(made.with_suffix(".sha256").read_text()) == 64
+        made.unlink()
+        made.mkdir()
+        made.with_suffix(".sha256").unlink()
+        made.with_suffix(".sha256").symlink_to(mine)
+    assert mine.read_text() == "mine"
+    (tmp_path / "folder").mkdir()
+    (tmp_path / "folder" / "mine").write_text("mine")
+    (cache_folder() / "scenes").symlink_to(tmp_path / "folder")
+    prune(most=0)
+    assert (tmp_path / "folder" / "mine").exists()
 
 
 def test_a_cache_may_be_relative(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -88,6 +88,20 @@ def remove(path: Path) -> None:
             path.unlink()
 
 
+def make_private(folder: Path) -> None:
+    """A folder of the cache; a file there, or a link to nowhere, gives way. Raises OSError."""
+    if not folder.is_dir():
+        remove(folder)
+    folder.mkdir(mode=0o700, exist_ok=True)
+
+
+def put(made: Path, place: Path) -> None:
+    """A file in its place in the cache; a folder there gives way, a link is not followed. Raises OSError."""
+    if place.is_dir() and not place.is_symlink():
+        remove(place)
+    os.replace(made, place)
+
+
 def note_use(path: Path) -> None:
     """What is used stays in the cache, by its time of access: see store.prune. Raises OSError."""
     os.utime(path, ns=(time.time_ns(), path.stat().st_mtime_ns))

@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
 
-from lagrangia.base.folders import cache_folder, data_folder, is_trusted, note_use, remove, stamps
+from lagrangia.base.folders import cache_folder, data_folder, is_trusted, make_private, note_use, put, remove, stamps
 from lagrangia.base.records import dataclass
 
 _KINDS = ("scenes", "syntax", "objects", "texts")  # folders of files
@@ -38,12 +38,12 @@ def keep(kind: str, key: str, content: bytes) -> None:
 
     with contextlib.suppress(OSError):
         folder = cache_folder() / kind
-        folder.mkdir(mode=0o700, exist_ok=True)
+        make_private(folder)
         handle, temporary = tempfile.mkstemp(dir=folder, suffix=".part")
         try:
             with os.fdopen(handle, "wb") as stream:
                 stream.write(_digest(content) + b"\n" + content)
-            os.replace(temporary, folder / key)
+            put(Path(temporary), folder / key)
         except OSError:
             os.unlink(temporary)
 
@@ -56,6 +56,8 @@ def prune(most: int = 1 << 30) -> None:
     with contextlib.suppress(OSError):
         if stamp.exists() and now - stamp.stat().st_mtime < _DAY:
             return
+        if stamp.is_symlink():
+            remove(stamp)
         stamp.touch(mode=0o600)
         found = [entry for path in _entries(folder) if (entry := _Entry.of(path))]
         left = sum(entry.size for entry in found)
@@ -85,9 +87,9 @@ class _Entry:
 
 
 def _entries(folder: Path) -> Iterator[Path]:
-    """Libraries with their folders, and kept files."""
+    """Libraries with their folders, and kept files; nothing that a link leads to."""
     for path in folder.iterdir():
-        if path.name in _KINDS:
+        if path.name in _KINDS and path.is_dir() and not path.is_symlink():
             yield from path.iterdir()
         elif path.name != ".pruned":
             yield path

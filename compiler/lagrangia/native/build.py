@@ -21,7 +21,7 @@ from pathlib import Path
 from sysconfig import get_platform
 
 from lagrangia.base.diagnostics import fail
-from lagrangia.base.folders import cache_folder, has_room, is_trusted, note_use, remove
+from lagrangia.base.folders import cache_folder, has_room, is_trusted, make_private, note_use, put, remove
 from lagrangia.base.records import dataclass
 from lagrangia.native import prebuilt
 
@@ -199,14 +199,14 @@ class Objects:
             self._work.close()
             self._work = None
 
-
     def _keep(self, made: Path) -> None:
-        self._folder.mkdir(mode=0o700, exist_ok=True)
+        """Renamed into their places, never written there: a link in one would lead to what is not the cache's."""
+        make_private(self._folder)
         for file, place in self._places.items():
             if (built := made / f"{file.stem}.o").exists():
-                digest = _digest(built)
-                os.replace(built, place)
-                _digest_file(place).write_text(digest)
+                _digest_file(built).write_text(_digest(built))
+                put(built, place)
+                put(_digest_file(built), _digest_file(place))
 
 
 class Build:
