@@ -1,9 +1,11 @@
 """Joints in space as they are written -> links in axes of their own, in which few operations are left.
 
 A hinge's link has z along the hinge, and its origin on it, mostly nearest to the parent's. From the parent's z to its own a turn
-about z and one about x lead; the first adds to the angle of the parent's hinge, once. Hinges that follow each other about
-parallel axes share axes that turn with none of them, as bodies of the plane do: then their bodies are turned, not all that they
-carry. A slider keeps the axes of its parent. What follows from parameters alone is worked out once, before a run.
+about z and one about x lead; the first adds to the angle of the parent's hinge, once. Where the tilt is a number, not a small
+one, the frame lies where the common perpendicular to the next hinge begins: both shifts are then along axes, and what the joint
+gives way along is 0 where they and the tilt take it. Hinges that follow each other about parallel axes share axes that turn with
+none of them, as bodies of the plane do: then their bodies are turned, not all that they carry. A slider keeps the axes of its
+parent. What follows from parameters alone is worked out once, before a run.
 Source: Denavit and Hartenberg (1955); Craig, Introduction to Robotics (1989), for the frame at the near end of a link.
 """
 
@@ -30,11 +32,13 @@ from lagrangia.frames.spatial_inertia import (
     Vector,
     composed,
     cross,
+    is_nothing,
     product,
     transposed,
 )
 
 _MOST_SLID = 8  # links in a row
+_LEAST_SINE = 0.25  # between two hinges whose common perpendicular is at most four times as far as where they are written
 _EXACT = 4e-16  # what differs less from 0, 1 or -1 is that number: cos(pi/2) is 6e-17
 
 
@@ -112,7 +116,7 @@ class _Layout:
         self.follows = [self._is_parallel(joint) for joint in joints]
         self.seats: list[Seat] = []
         self.links: list[Link] = []
-        self.led: dict[int, Turn] = {}  # the tilts of hinges that their parent's angle is led to
+        self.led: dict[int, _Way] = {}  # to hinges that their parent's angle is led to
 
     def lay(self, k: int) -> None:
         """The next link; those before it are there."""
@@ -181,31 +185,61 @@ class _Layout:
 
     def _tilt(self, k: int, joint: SpatialJoint, seat: Seat) -> tuple[tuple[Move, ...], Seat, Scalar]:
         """Any other hinge: tilted to have z along it, and turned with it where none that follows is parallel."""
-        if k in self.led:
-            lead, tilt = 0.0, self.led[k]
+        way = self.led.get(k) or _way(joint, seat.G, seat.origin)
+        ahead = _turn(2, 0.0, way.lead)
+        W = _along_child(way.tilt, _along_child(ahead, _product(seat.G, joint.R)))
+        if way.foot is not None:
+            origin, slid = [0.0, 0.0, way.beyond], 1
+            found: list[Move] = [Shift(way.foot), way.tilt]
         else:
-            lead, tilt = _way_to(product(_product(seat.G, joint.R), joint.axis))
-        turned = [_turn(2, 0.0, lead), tilt]
-        place, W = added(seat.origin, product(seat.G, joint.origin)), _product(seat.G, joint.R)
-        for turn in turned:
-            place, W = turn.to_child(place), _along_child(turn, W)
-        place, origin, slid = _slid(place, seat)
-        moves: list[Move] = [move for move in (_turn(2, seat.angle, lead), tilt) if not _is_nothing(move)]
-        moves.append(Shift(place))
+            place = way.tilt.to_child(ahead.to_child(added(seat.origin, product(seat.G, joint.origin))))
+            place, origin, slid = _slid(place, seat)
+            found = [way.tilt, Shift(place)]
+        moves = [move for move in (_turn(2, seat.angle, way.lead), *found) if not _is_nothing(move)]
         if any(self.follows[child] for child in self.children[k]):
             return tuple(moves), Seat(k, _about(joint.axis, W), origin, joint.amount, slid), 1.0
-        onward = self._lead_on(k, W)
+        onward, tail = self._lead_on(k, W, origin)
         moves.append(_turn(2, joint.amount, onward))
+        if not is_zero(tail):
+            moves.append(Shift([0.0, 0.0, tail]))
+            origin = [0.0, 0.0, minus(origin[2], tail)]
         return tuple(moves), Seat(k, _about(joint.axis, _along_child(_turn(2, 0.0, onward), W)), origin, slid=slid), 1.0
 
-    def _lead_on(self, k: int, W: Matrix) -> Scalar:
-        """What to add to the angle of a hinge so that the next one is tilted about x or y alone."""
+    def _lead_on(self, k: int, W: Matrix, origin: Vector) -> tuple[Scalar, Scalar]:
+        """What to add to the angle of a hinge so that the next one is tilted about x or y alone, and how far along z its own
+        origin is to be so that the next one's is on the other axis of that tilt."""
         for child in self.children[k]:
             joint = self.joints[child]
             if joint.kind == "turn":
-                lead, self.led[child] = _way_to(product(_product(W, joint.R), joint.axis))
-                return lead
-        return 0.0
+                way = _way(joint, W, origin)
+                x, y, z = way.foot or STILL
+                self.led[child] = replace(way, lead=0.0, foot=[x, y, 0.0] if way.foot is not None else None)
+                return way.lead, z
+        return 0.0, 0.0
+
+
+@dataclass(frozen=True)
+class _Way:
+    """From a hinge to the next: turned about z by `lead`, then to `foot`, the nearest point of the next hinge to this one,
+    which is written `beyond` it, then tilted. None of a foot that may be far away."""
+
+    lead: Scalar
+    tilt: Turn
+    foot: Vector | None = None
+    beyond: Scalar = 0.0
+
+
+def _way(joint: SpatialJoint, G: Matrix, origin: Sequence[Scalar]) -> _Way:
+    """To a hinge that is written in axes G from an origin."""
+    lead, tilt = _way_to(product(_product(G, joint.R), joint.axis))
+    if not isinstance(tilt.s, float) or abs(tilt.s) < _LEAST_SINE:
+        return _Way(lead, tilt)
+    place, along = _turn(2, 0.0, lead).to_child(added(origin, product(G, joint.origin))), tilt.to_parent(SAME[2])
+    across = 1 - tilt.axis
+    beyond = 0.0 if is_zero(place[across]) else place[across] / along[across]
+    foot = [minus(x, times(beyond, n)) for x, n in zip(place, along, strict=True)]
+    foot[across] = 0.0
+    return _Way(lead, tilt, foot, beyond)
 
 
 def _slid(place: Sequence[Scalar], seat: Seat) -> tuple[Vector, Vector, int]:
@@ -282,8 +316,10 @@ def _product(a: Matrix, b: Matrix) -> list[Vector]:
     return [_snapped(row) for row in composed(a, b)]
 
 
-def _is_nothing(turn: Turn) -> bool:
-    return is_zero(turn.s) and isinstance(turn.c, float) and turn.c == 1.0
+def _is_nothing(move: Move) -> bool:
+    if isinstance(move, Shift):
+        return is_nothing(move.ahead)
+    return isinstance(move, Turn) and is_zero(move.s) and isinstance(move.c, float) and move.c == 1.0
 
 
 def _snapped(vector: Sequence[Scalar]) -> Vector:

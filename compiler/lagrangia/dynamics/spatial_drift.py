@@ -66,10 +66,10 @@ def drift_of(links: Sequence[Link], base: Sequence[Scalar] | None = None) -> Dri
         w = found.w[link.parent] if link.parent is not None else STILL
         granted = found.granted[link.parent] if link.parent is not None else [*(base or STILL), *STILL]
         is_reset, shifts = not is_granted and _feels_shift(link), []
-        for move in link.moves:
+        for at, move in enumerate(link.moves):
             shifts.append([*STILL])
             if isinstance(move, Shift):
-                whole = move.acceleration_to_child(w, granted)
+                whole = move.acceleration_to_child(w, granted, is_shared=at == 0)
                 if is_reset:
                     shifts[-1], whole = whole, [*STILL]
                 granted = [*whole, *granted[3:]]

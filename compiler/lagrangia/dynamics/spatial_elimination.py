@@ -107,7 +107,9 @@ class SpatialTree:
     def bias_loads(self, drift: Drift) -> dict[int, Vector]:
         """The wrenches that the bodies ask for where they turn as they do and have the accelerations taken for granted, by their
         places."""
-        return {k: link.body.load(drift.w[k], drift.granted[k]) for k, link in enumerate(self.links) if link.body is not None}
+        leading = {link.parent for link in self.links if link.moves and isinstance(link.moves[0], Shift)}
+        return {k: link.body.load(drift.w[k], drift.granted[k], k in leading)
+                for k, link in enumerate(self.links) if link.body is not None}
 
     def solve(self, r: Sequence[Scalar], loads: Mapping[int, Vector], drift: Drift | None = None,
               base: Sequence[Scalar] = STILL) -> list[Scalar]:

@@ -26,17 +26,18 @@ def cross(a: Sequence[Scalar], b: Sequence[Scalar]) -> Vector:
     return [minus(times(a[i], b[j]), times(a[j], b[i])) for _, i, j in _CYCLE]
 
 
-def carried(w: Sequence[Scalar], turning: Sequence[Scalar], ahead: Sequence[Scalar]) -> Vector:
+def carried(w: Sequence[Scalar], turning: Sequence[Scalar], ahead: Sequence[Scalar], is_shared: bool = False) -> Vector:
     """How a point at d from an origin that rests is accelerated: a x d + w x (w x d) with a = dw/dt; where d is along an axis by
-    sums of products of w that others need, too."""
+    sums of products of w, and where it is along two if others need those, too."""
     along = [k for k, x in enumerate(ahead) if not is_zero(x)]
-    if len(along) != 1:
+    if len(along) > 1 + is_shared:
         return added(cross(turning, ahead), cross(w, cross(w, ahead)))
-    k, i, j = _CYCLE[along[0]]
     found: Vector = [0.0] * 3
-    found[k] = minus(0.0, times(ahead[k], plus(times(w[i], w[i]), times(w[j], w[j]))))
-    found[i] = times(ahead[k], plus(_of_two(w, k, i), turning[j]))
-    found[j] = times(ahead[k], minus(_of_two(w, k, j), turning[i]))
+    for k, i, j in (_CYCLE[k] for k in along):
+        found[i] = plus(found[i], times(ahead[k], plus(_of_two(w, k, i), turning[j])))
+        found[j] = plus(found[j], times(ahead[k], minus(_of_two(w, k, j), turning[i])))
+    for k, i, j in (_CYCLE[k] for k in along):
+        found[k] = minus(found[k], times(ahead[k], plus(times(w[i], w[i]), times(w[j], w[j]))))
     return found
 
 
@@ -125,10 +126,11 @@ class RigidInertia:
         J = self.second_moment
         return is_zero(J[0][1]) and is_zero(J[0][2]) and is_zero(J[1][2])
 
-    def load(self, w: Sequence[Scalar], granted: Sequence[Scalar]) -> Vector:
-        """The wrench (6,) that the body asks for when it turns with w and its frame has the acceleration (6,)."""
+    def load(self, w: Sequence[Scalar], granted: Sequence[Scalar], is_shared: bool = False) -> Vector:
+        """The wrench (6,) that the body asks for when it turns with w and its frame has the acceleration (6,). `is_shared`:
+        whether others need products of w."""
         rest, turning = granted[:3], granted[3:]
-        force = added(scaled(self.mass, rest), carried(w, turning, self.moment))
+        force = added(scaled(self.mass, rest), carried(w, turning, self.moment, is_shared))
         return [*force, *added(cross(self.moment, rest), self._torque(w, turning))]
 
     def _torque(self, w: Sequence[Scalar], turning: Sequence[Scalar]) -> Vector:
@@ -281,10 +283,11 @@ class Shift:
         """That of the child's origin."""
         return [*added(twist[:3], cross(twist[3:], self.ahead)), *twist[3:]]
 
-    def acceleration_to_child(self, w: Sequence[Scalar], acceleration: Sequence[Scalar]) -> Vector:
+    def acceleration_to_child(self, w: Sequence[Scalar], acceleration: Sequence[Scalar],
+                              is_shared: bool = False) -> Vector:
         """Of the child's origin, (3,), where the parent turns with w and has the acceleration (6,): a + dw/dt x d + w x (w x d)
         + 2 w x d' + d''."""
-        found = added(acceleration[:3], carried(w, acceleration[3:], self.ahead))
+        found = added(acceleration[:3], carried(w, acceleration[3:], self.ahead, is_shared))
         if not is_nothing(self.rate):
             found = added(found, scaled(2.0, cross(w, self.rate)))
         return added(found, self.second)
