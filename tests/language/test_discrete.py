@@ -361,3 +361,38 @@ def test_what_events_know_of_changes_is_in_no_table(tmp_path: Path) -> None:
     model = lagrangia.load(file)
     names = {column.name for column in shown(model.scene)[0].rates} | {m.quantity for m in usual_measures(model.scene)}
     assert {"n", "changes", "der(way.s)"} <= names and not any("before" in name or "integral" in name for name in names)
+
+
+GEARS = """
+model Gears "x = cos(t); the gear goes 1, 2, 3, 1 at pi/3, 2 pi/3 and 2 pi - acos(0.9)"
+  Block b(m = 1, base = world, s(start = 1));
+  Spring spring(k = 1, stretch = b.s);
+  parameter Integer last = 9;
+  Integer gear(start = 1), shifts(start = 0), sum(start = 0), late(start = 0);
+  discrete Real level(start = 0);
+  discrete Time third(start = 0);
+equation
+  when b.s < 0.5 and gear == 1 then gear = 2;
+  elsewhen b.s < -0.5 and pre(gear) == 2 then gear = 3; third = time;
+  elsewhen b.s > 0.9 and gear >= 3 then gear = 1;
+  end when;
+  when change(gear) then shifts = pre(shifts) + 1; level = 0.5; end when;
+  when shifts > 0 then sum = pre(sum) + shifts; end when;
+  when not (level < 0.5 or b.s > -0.9) then late = pre(late) + 1; end when;
+  when b.s < -0.7 and gear == last then terminate("there"); end when;
+  annotation(experiment(StopTime = 7));
+end Gears;
+"""
+
+
+@pytest.mark.parametrize("solver", ["auto", "erk", "pirk", "implicit"])
+def test_what_moves_beside_what_is_on_its_level(solver: str, tmp_path: Path) -> None:
+    """gear == 1 holds on its level alone, so that x < 0.5 beside it is what comes; and what is added up is no one-way rate."""
+    result = run(tmp_path, GEARS, "Gears", solver=solver)
+    assert [result[name][-1] for name in ("gear", "shifts", "sum", "late")] == [1, 3, 1, 1]
+    assert result["third"][-1] == pytest.approx(2*math.pi/3, abs=1e-7)
+
+
+def test_runs_end_where_what_moves_comes_beside_a_counter(tmp_path: Path) -> None:
+    result = run(tmp_path, GEARS.replace("last = 9", "last = 3"), "Gears")
+    assert result.time[-1] == pytest.approx(math.acos(-0.7), abs=1e-7)

@@ -10,7 +10,7 @@ from lagrangia.algebra.with_casadi import operations_in
 from lagrangia.base.diagnostics import fail
 from lagrangia.base.records import dataclass
 from lagrangia.constraints.parameters import scalars
-from lagrangia.dynamics.levels import EDGE, JUMPS, Levels, Meetings, level_of_parts, with_edge
+from lagrangia.dynamics.levels import EDGE, JUMPS, Levels, Meetings, Steps, level_of_parts
 from lagrangia.frames.kinematics import Kinematics
 from lagrangia.language.events import level_of, without_not
 from lagrangia.language.flat import FlatModel, Guard
@@ -52,9 +52,10 @@ def find_guarding(kinematics: Kinematics) -> Guarding:
     """Raises LagError L0225 for what is never decided anew: what is neither a parameter nor moves."""
     model, tau = kinematics.graph.model, kinematics.symbols.tau
     values, seen, shown, kinds = [], [], [], []
+    steps = Steps(kinematics)
     for guard in model.guards:
         meetings = Meetings(kinematics)
-        g = _level(kinematics, guard, meetings)
+        g = _level(kinematics, guard, meetings, steps)
         told = dict(_shown(kinematics, guard))
         is_constant = not ca.depends_on(g, _following(kinematics)) and kinematics.algebra.changing.isdisjoint(symbols_in(g))
         if guard.kind == "end" and is_constant:
@@ -73,14 +74,14 @@ def _on_level(guard: Guard, meetings: Meetings) -> int:
     return 0 if is_true < 0 else BREAKS_ON_LEVEL if is_true == (guard.kind == "end") else HOLDS_ON_LEVEL
 
 
-def _level(kinematics: Kinematics, guard: Guard, meetings: Meetings) -> ca.SX:
+def _level(kinematics: Kinematics, guard: Guard, meetings: Meetings, steps: Steps) -> ca.SX:
     """0 or more as long as the run goes on, also where both sides of a comparison are equal. Raises LagError L0225 where it
     jumps in a way that is not taken apart."""
     sign = -1 if guard.kind == "end" else 1
-    return as_expression(sign * (_level_of_condition(kinematics, guard, meetings) - EDGE / 2))
+    return as_expression(sign * (_level_of_condition(kinematics, guard, meetings, steps) - EDGE / 2))
 
 
-def _level_of_condition(kinematics: Kinematics, guard: Guard, meetings: Meetings) -> ca.SX:
+def _level_of_condition(kinematics: Kinematics, guard: Guard, meetings: Meetings, steps: Steps) -> ca.SX:
     """Positive where it is true, else 0 or negative."""
     value, tau = kinematics.evaluator.value, kinematics.symbols.tau
 
@@ -90,7 +91,7 @@ def _level_of_condition(kinematics: Kinematics, guard: Guard, meetings: Meetings
     def level_of_part(part: Flat) -> ca.SX:
         difference = expression(level_of(part))
         meetings.note(part, difference)
-        return with_edge(part, difference)
+        return steps.level(part, difference)
 
     moving = ca.vertcat(kinematics.symbols.time, kinematics.algebra.state, _following(kinematics))
     g = level_of_parts(without_not(guard.condition), level_of_part)

@@ -27,7 +27,7 @@ from lagrangia.base.diagnostics import fail
 from lagrangia.base.records import dataclass
 from lagrangia.constraints.parameters import usual_parameters
 from lagrangia.dynamics.energies import Load, paced
-from lagrangia.dynamics.levels import EDGE, JUMPS, Levels, Meetings, level_of_parts, with_edge
+from lagrangia.dynamics.levels import EDGE, JUMPS, Levels, Meetings, Steps, level_of_parts
 from lagrangia.frames.evaluation import scalars_of
 from lagrangia.frames.kinematics import Kinematics
 from lagrangia.language.consequences import contact_forces_in
@@ -93,7 +93,8 @@ def find_impacts(kinematics: Kinematics) -> Impacts:
     whens = kinematics.graph.model.whens
     if not whens:
         return Impacts()
-    found = [_Event(kinematics, when) for when in whens]
+    steps = Steps(kinematics)
+    found = [_Event(kinematics, when, steps) for when in whens]
     kept = [event.kept_position for event in found]
     for asked in contact_forces_in(kinematics.graph.model):
         event = contact_of(kept, asked.arguments[0])
@@ -119,8 +120,8 @@ def find_impacts(kinematics: Kinematics) -> Impacts:
 class _Event:
     """One `when`, evaluated."""
 
-    def __init__(self, kinematics: Kinematics, when: When) -> None:
-        self.kinematics, self.when = kinematics, when
+    def __init__(self, kinematics: Kinematics, when: When, steps: Steps) -> None:
+        self.kinematics, self.when, self.steps = kinematics, when, steps
         model = kinematics.graph.model
         self.condition = without_not(when.condition)
         self.moving = ca.vertcat(kinematics.symbols.time, kinematics.algebra.state, *kinematics.symbols.held.values())
@@ -129,6 +130,7 @@ class _Event:
         self.g = g if ca.depends_on(g, self.moving) else ca.fmax(ca.fmin(g, 1), -1)
         self.positions = [position_of(reset, model) for reset in when.resets]
         self.places, self.rates, self.wanted = list[Flat](), list[ca.SX](), list[ca.SX]()  # of each scalar that is reset
+        self.may_rest = list[bool]()  # likewise: no discrete variable, which nothing moves
         for reset, position in zip(when.resets, self.positions, strict=True):
             self._add(reset, position)
         self._check()
@@ -160,7 +162,7 @@ class _Event:
         truth = self._expression(value(node)) if _is_comparison(node) else g
         self.meetings.note(node, g)
         if not _is_comparison(node) or (ca.depends_on(g, self.moving) and operations_in(g).isdisjoint(JUMPS)):
-            return with_edge(node, g)
+            return self.steps.level(node, g)
         found = Levels(self.moving, edge=EDGE).of(truth)
         if found is None:
             fail("L0225", "this comes true where something in it jumps, in a way that is not taken apart",
@@ -174,6 +176,7 @@ class _Event:
         if len(moving) != len(wanted):
             fail("L0303", f"{_counted(len(wanted))} for {_counted(len(moving))}", reset.span)
         self.places += [position] * len(moving)
+        self.may_rest += [not reset.is_kept] * len(moving)
         self.rates += [self._expression(value_of(rate_of(x))) for x in moving]
         self.wanted += [self._expression(x) for x in wanted]
 
@@ -217,8 +220,8 @@ class _Event:
         value = self.kinematics.evaluator.value
         comparisons = [node for node in parts_of(self.condition) if _is_comparison(node)]
         parts = [(node, self._expression(value(level_of(node)))) for node in comparisons]
-        return [next((node for node, g in parts if is_end(g, rate, wanted)), None)
-                for rate, wanted in zip(self.rates, self.wanted, strict=True)]
+        return [next((node for node, g in parts if may_rest and is_end(g, rate, wanted)), None)
+                for rate, wanted, may_rest in zip(self.rates, self.wanted, self.may_rest, strict=True)]
 
     def _turns_back(self, g: ca.SX, rate: ca.SX, wanted: ca.SX) -> bool:
         """By numbers: at two states, with parameters beside those that are declared."""
@@ -244,6 +247,8 @@ class _Event:
         """A rate comes to the place where its condition changes without a jump: there, it has to be set to something else."""
         v = ca.vertcat(_NONE, *self.kinematics.symbols.rates.values())
         for reset, rate, wanted in zip(self.when.resets, self.rates, self.wanted, strict=False):
+            if reset.is_kept:
+                continue
             slopes = [ca.densify(ca.gradient(x, v)) for x in (self.g, rate)]
             look, numbers = self._numbers_of([self.g, rate - wanted, *slopes])
             if len(self.rates) == len(self.when.resets) and all(_stays(look, numbers, np.random.default_rng(k)) for k in (3, 4)):

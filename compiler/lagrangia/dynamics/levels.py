@@ -21,6 +21,7 @@ from lagrangia.algebra.numbering import Numbering, rebuilt
 from lagrangia.algebra.scalars import Expression, apply, as_expression, operate, symbol, symbols_in
 from lagrangia.algebra.with_casadi import CORNERS, STEPS, operations_in
 from lagrangia.base.records import dataclass
+from lagrangia.constraints.parameters import parameter_symbols
 from lagrangia.frames.kinematics import Kinematics
 from lagrangia.language.events import COMPARED
 from lagrangia.language.tree import Binary, Flat, Unary
@@ -224,6 +225,26 @@ def level_of_parts(condition: Flat, level: Callable[[Flat], ca.SX]) -> ca.SX:
 def with_edge(comparison: Flat, difference: ca.SX) -> ca.SX:
     """The level of a comparison of what does not jump."""
     return difference + EDGE if isinstance(comparison, Binary) and comparison.operator in ("<=", ">=") else difference
+
+
+class Steps:
+    """Comparisons of what changes at events and samples alone, which may come true on their very level: n >= 3 beside x > 1."""
+
+    def __init__(self, kinematics: Kinematics) -> None:
+        kept = {state.coordinate for state in kinematics.graph.model.states.values() if state.is_kept}
+        held = [*kinematics.symbols.held.values(), *(kinematics.symbols.rates[name] for name in sorted(kept))]
+        self.held = symbols_in(ca.vertcat(ca.SX(0, 1), *held))
+        self.known = self.held | symbols_in(parameter_symbols(kinematics)) if held else frozenset()
+
+    def level(self, comparison: Flat, difference: ca.SX) -> ca.SX:
+        """That of a comparison of what does not jump otherwise: of what steps 1 where it is true, else -1, so that what moves
+        beside it in a condition says where that comes true."""
+        found = symbols_in(difference)
+        is_of_steps = bool(found & self.held) and found <= self.known
+        if not (is_of_steps and isinstance(comparison, Binary) and comparison.operator in COMPARED):
+            return with_edge(comparison, difference)
+        edge = EDGE if comparison.operator in ("<=", ">=") else -EDGE
+        return ca.fmax(ca.fmin((difference + edge)/EDGE, 1), -1)
 
 
 class Meetings:
