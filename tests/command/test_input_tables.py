@@ -1,5 +1,6 @@
 """-u NAME=FILE: inputs as columns of files, each with its own times and units."""
 
+import contextlib
 from pathlib import Path
 
 import numpy as np
@@ -68,3 +69,9 @@ def test_tables_of_inputs_as_spreadsheets_write_them(folder: Path, capsys: pytes
     assert main(["simulate", "in.lag", "-u", "T.csv", "-o", "out.csv"]) == 2
     assert "T.csv:4: '1_0' is no number" in capsys.readouterr().err
     assert main(["simulate", "in.lag", "-u", "F=1_0", "-o", "out.csv"]) == 2
+    capsys.readouterr()
+    for option, text in (("--stop", "1_0"), ("--stop", "١٠"), ("--max-steps", "1_0"), ("--at", "0,1_0"), ("--interval", "1_0")):
+        with contextlib.suppress(SystemExit):
+            assert main(["simulate", "in.lag", option, text, "-o", "out.csv"]) == 2
+        told = capsys.readouterr()
+        assert text.removeprefix("0,") in told.err and not told.out

@@ -11,6 +11,7 @@ from typing import Any
 
 from lagrangia.base.cutting import cut_list
 from lagrangia.base.diagnostics import LagError
+from lagrangia.base.spelling import read_number
 
 SEQUENCES = tuple(a + b + c for a in "xyz" for b in "xyz" for c in "xyz" if b not in (a, c))
 # Of a product of quaternions, part by part: which parts of the first and of the second one, and with which sign.
@@ -95,7 +96,7 @@ def _quaternion(arguments: Sequence[str]) -> Quaternion:
 
 def _number(text: str) -> float:
     try:
-        return float(text)
+        return read_number(text)
     except ValueError:
         raise ValueError(f"'{text.strip()}' is no number") from None
 

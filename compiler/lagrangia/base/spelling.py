@@ -62,3 +62,20 @@ def plain_text(text: str) -> str:
 def python_text(text: str) -> str:
     """Text for the inside of a docstring, which ends neither it nor is read as escapes."""
     return text.replace("\\", "\\\\").replace('"', '\\"')
+
+
+def read_number(text: str) -> float:
+    """A number as tables and command lines of any program have it; Python alone takes 1_000, and digits of other scripts. Raises
+    ValueError."""
+    return float(_plain(text))
+
+
+def read_whole(text: str) -> int:
+    """Likewise without a point. Raises ValueError."""
+    return int(_plain(text))
+
+
+def _plain(text: str) -> str:
+    if "_" in text or not text.strip().isascii():
+        raise ValueError(f"'{text.strip()}' is no number")
+    return text

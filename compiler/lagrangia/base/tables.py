@@ -4,6 +4,7 @@ from pathlib import Path
 
 from lagrangia.base.diagnostics import fail
 from lagrangia.base.result_files import open_with_care
+from lagrangia.base.spelling import read_number
 
 
 def read_table(path: Path) -> tuple[list[float], dict[str, list[float]]]:
@@ -32,7 +33,7 @@ def read_table(path: Path) -> tuple[list[float], dict[str, list[float]]]:
 
 def _number(path: Path, line: int, cell: str) -> float:
     try:
-        return float("" if "_" in cell else cell)  # Python's 1_000 is nobody else's
+        return read_number(cell)
     except ValueError:
         fail("L0703", f"{path}:{line}: '{cell}' is no number")
 

@@ -14,6 +14,7 @@ from lagrangia.base.cutting import split_list
 from lagrangia.base.diagnostics import WARNINGS, fail, suggest
 from lagrangia.base.memory import keep_freed_memory
 from lagrangia.base.result_files import keep_apart, require_kind
+from lagrangia.base.spelling import read_number
 from lagrangia.base.tables import read_input_table
 from lagrangia.command.input_tables import named_tables, path_of, read_input, together
 from lagrangia.compile.sources import refuse_others
@@ -170,7 +171,7 @@ def named_pairs(text: str, option: str) -> dict[str, str]:
 def number(text: str, option: str) -> float:
     """A number after an option. Raises LagError L0706."""
     try:
-        return float(text)
+        return read_number(text)
     except ValueError:
         fail("L0706", f"'{text}' after {option} is no number")
 

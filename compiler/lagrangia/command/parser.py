@@ -11,6 +11,7 @@ from importlib import import_module
 from typing import Any, NoReturn
 
 from lagrangia.base.records import dataclass
+from lagrangia.base.spelling import read_number, read_whole
 from lagrangia.base.version import VERSION
 
 WRONG = 2  # the exit code
@@ -99,6 +100,8 @@ class _Parser(argparse.ArgumentParser):
         self.command: _Command | None = None
         for action in (None, "store"):
             self.register("action", action, _Once)
+        self.register("type", float, read_number)
+        self.register("type", int, read_whole)
 
     def _get_formatter(self) -> argparse.HelpFormatter:
         """Each option that is added asks for one; how wide the terminal is counts where help is printed."""

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 from lagrangia.base.diagnostics import fail
 from lagrangia.base.records import dataclass
+from lagrangia.base.spelling import read_number
 from lagrangia.fmu.xmltree import Element
 from lagrangia.language.syntax import tables
 
@@ -33,7 +34,7 @@ def read_numbers(element: Element, name: str, count: int, text: str | None = Non
     """The numbers of an attribute; `text` is it where the element does not say it itself. Raises LagError L0730."""
     text = element.get(name) or "" if text is None else text
     try:
-        found = [float(part) for part in text.split()]
+        found = [read_number(part) for part in text.split()]
     except ValueError:
         found = []
     if len(found) != count or not all(map(math.isfinite, found)):

@@ -2,6 +2,7 @@
 
 import math
 
+from lagrangia.base.spelling import read_number
 from lagrangia.language.units import ONE, parse_unit, spell
 
 
@@ -18,7 +19,7 @@ def read_value(text: str, unit: str) -> float | list[float]:
 def _scalar(text: str, unit: str) -> float:
     number, bracket, given = text.strip().partition("[")
     try:
-        value = float("" if "_" in number else number)  # Python's 1_000 is nobody else's
+        value = read_number(number)
     except ValueError:
         raise ValueError(f"'{text.strip()}' is no number") from None
     if not math.isfinite(value):
