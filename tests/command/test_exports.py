@@ -310,3 +310,28 @@ def test_modelica_has_the_inherited_experiment(tmp_path: Path) -> None:
                                     "end Q; model R extends Q; annotation(experiment(Tolerance = 1e-5)); end R;")
     text = exported_text(lag.Model(tmp_path / "q.lag", "R"), "modelica")
     assert "experiment(StartTime = 0.0, StopTime = 3.0, Tolerance = 1e-05, Interval = 0.5)" in text
+
+
+def test_outputs_of_the_modelica_model(tmp_path: Path) -> None:
+    """They were left out without a word: now by their formulas, of rates and accelerations too; a matrix is named above."""
+    file = tmp_path / "scene.lag"
+    file.write_text("""model Outs
+  World world(gravity = {0, 0, -9.81});
+  Revolute r(a = world, axis = {0, 1, 0}, w(start = 2));
+  PointMass p(m = 2, center = shift(r.b, {0.5, 0, 0}));
+  output Real y[3](each unit = "m") = p.center.r "where";
+  output Real up(unit = "m/s2") = der(p.center.v[3]);
+  output Real turned[3, 3] = r.b.R;
+end Outs;
+""", encoding="utf-8")
+    assert main(["export", str(file), "--to", "modelica", "-o", str(tmp_path / "scene.mo")]) == 0
+    text = (tmp_path / "scene.mo").read_text(encoding="utf-8")
+    assert "// outputs are not written: turned" in text
+    assert 'output Real y[3](each unit = "m") = {cos(phi)/2, 0, -sin(phi)/2} "where";' in text
+    assert 'output Real up(unit = "m/s2") = phi_d^2*sin(phi)/2 - phi_dd*cos(phi)/2;' in text
+    rumoca = pytest.importorskip("rumoca")
+    compiled = rumoca.Session().loads(text, model="Outs")
+    result = compiled.simulate(t=(0.0, 0.5), dt=0.5, config=rumoca.SimConfig(rtol=1e-9, atol=1e-9))
+    wanted = lag.load(file).simulate(at=[0.5])
+    found = [float(result[name][-1]) for name in ("y[1]", "y[3]", "up")]
+    assert np.allclose(found, [wanted[name][0] for name in ("y[1]", "y[3]", "up")], atol=1e-6)

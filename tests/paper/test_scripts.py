@@ -93,8 +93,20 @@ def test_what_turns_over_at_no_length_has_no_pole_and_no_slope_there(tmp_path: P
       coordinate Length z(start = 0.1);
       energy kinetic 0.5[kg]*(der(z) + der(distance(world, p.b)))^2; potential 3[N/m]*distance(world, p.b)*z; end M;""")
     assert main(["export", str(file), "--to", "modelica", "-o", "-"]) == 0
-    assert "z_dd + s/abs(s)*s_dd + 3*abs(s) = 0;" in capsys.readouterr().out
+    assert "z_dd + sign(s)*s_dd + 3*abs(s) = 0;" in capsys.readouterr().out
     assert main(["equations", str(file), "--format", "sympy", "--form", "linear"]) == 2  # it rests at s = 0
     assert "no slope at the point" in capsys.readouterr().err
     assert main(["equations", str(file), "--format", "sympy", "--form", "linear", "--about", "p.s=0.2,z=0"]) == 0
     exec(capsys.readouterr().out, {"__name__": "__main__"})
+
+
+def test_a_linear_form_without_parameters(tmp_path: Path, capsys) -> None:
+    """Its script asserted by values that it had not."""
+    file = tmp_path / "m.lag"
+    file.write_text("""model M coordinate Real x(start = 1), y, z;
+      energy kinetic 0.5*(der(x)^2 + 2*der(y)^2 + der(z)^2); potential x^2/2 + y^2 + x*z; equation x + y + z = 1; end M;""")
+    assert main(["equations", str(file), "--format", "sympy", "--form", "linear"]) == 0
+    script = capsys.readouterr().out
+    exec(script, {"__name__": "__main__"})
+    with pytest.raises(AssertionError):
+        exec(re.sub(r"^K_0 = .*$", "K_0 = sp.eye(2)", script, flags=re.MULTILINE), {"__name__": "__main__"})

@@ -13,14 +13,17 @@ Attitudes are unit quaternions Q, their rates angular velocities w along the tur
 
 import re
 import unicodedata
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 
 import sympy as sp
 from sympy.printing.precedence import PRECEDENCE, precedence
 from sympy.printing.str import StrPrinter
 
-from lagrangia.algebra.with_sympy import Expr, exact_throughout, slope
+from lagrangia.algebra.with_sympy import Expr, exact_throughout, slope, with_signs
+from lagrangia.base.diagnostics import LagError
 from lagrangia.base.spelling import in_ascii
+from lagrangia.frames.evaluation import scalars_of
+from lagrangia.language.flat import FlatModel, Variable
 from lagrangia.language.frame_attributes import component_named
 from lagrangia.paper.book import Book
 from lagrangia.paper.symbolic import SymbolicScene
@@ -57,9 +60,11 @@ def write_modelica(book: Book, starts: Mapping[str, float], remarks: Iterable[st
     printer = Printer()
 
     def code(x: Expr) -> str:
-        x = _without_given_rates(scene, exact_throughout(x))
+        x = _without_given_rates(scene, with_signs(exact_throughout(x)))
         return str(printer.doprint(x.xreplace({s: sp.Symbol(names[s], real=True) for s in x.free_symbols if s in names})))
 
+    told, lost = _outputs(book, names, code)
+    remarks = [*([f"outputs are not written: {', '.join(lost)}"] if lost else []), *remarks]
     lines = [f"model {identifier(model.name)}{quoted(model.description)}", *(f"  // {remark}" for remark in remarks)]
     for p in (p for p in scene.parameters if p.symbol in names):
         value = code(p.formula) if p.formula is not None else repr(book.values[p.name])
@@ -73,7 +78,7 @@ def write_modelica(book: Book, starts: Mapping[str, float], remarks: Iterable[st
     closing = _free_name("closing", names)
     if e.rows or scene.turnings:
         lines.append(f'  parameter Real {closing}(unit = "1/s") = {_CLOSING!r} "how fast gaps of constraints close";')
-    lines.append("equation")
+    lines += [*told, "equation"]
     lines += [f"  {names[g.symbol]} = {code(g.value)};" for g in scene.given if g.symbol in names]
     steps = [sum((sp.Symbol(x, real=True) * row[k] for x, row in zip(closers, e.J, strict=False)), sp.S.Zero) for k in range(e.n)]
     for k, (q, v, a, step) in enumerate(zip(scene.q, scene.v, scene.a, steps, strict=True)):
@@ -82,11 +87,7 @@ def write_modelica(book: Book, starts: Mapping[str, float], remarks: Iterable[st
     lines += _turns(scene, names, steps, sp.Symbol(closing, real=True), code)
     lines += _motion(book, names, code)
     lines += _constraints(book, steps, sp.Symbol(closing, real=True), code)
-    run = model.experiment
-    interval = "" if run.interval is None else f", Interval = {run.interval!r}"
-    lines.append(f"  annotation(experiment(StartTime = {run.start!r}, StopTime = {run.stop!r}, Tolerance = {run.tolerance!r}"
-                 f"{interval}));")
-    return "\n".join([*lines, f"end {identifier(model.name)};"])
+    return "\n".join([*lines, experiment_line(model), f"end {identifier(model.name)};"])
 
 
 def _states(scene: SymbolicScene, names: Mapping[Expr, str], starts: Mapping[str, float]) -> list[str]:
@@ -146,6 +147,39 @@ def _constraints(book: Book, steps: list[Expr], closing: Expr, code: Callable[[E
             across = sp.Add(*(slope * step for slope, step in zip(e.J[k], steps, strict=True)))
             lines.append(f"  {code(rate + across)} = -{closing}*({code(row)});")
     return lines
+
+
+def _outputs(book: Book, names: Mapping[Expr, str], code: Callable[[Expr], str]) -> tuple[list[str], list[str]]:
+    """Declarations of the outputs by what the model has symbols of, and the names of those that are of other quantities."""
+    scene = book.equations.scene
+    taken, lines, lost = dict(names), list[str](), list[str]()
+    for v in (v for v in scene.kinematics.graph.model.variables.values() if v.is_output):
+        try:
+            values = [exact_throughout(x) for x in scalars_of(scene.kinematics.evaluator.variable(v.name, 0, v.span))]
+        except LagError:
+            values = []
+        known = values and len(v.shape) <= 1 and all({*_without_given_rates(scene, x).free_symbols} <= {*names} for x in values)
+        if not known:
+            lost.append(v.name)
+            continue
+        name = taken[sp.Dummy()] = _free_name(identifier(v.name), taken)
+        lines.append(f"  {output_line(v, name, [code(x) for x in values])}")
+    return lines, lost
+
+
+def experiment_line(model: FlatModel) -> str:
+    """The annotation that says for how long it is run."""
+    run = model.experiment
+    interval = "" if run.interval is None else f", Interval = {run.interval!r}"
+    settings = f"StartTime = {run.start!r}, StopTime = {run.stop!r}, Tolerance = {run.tolerance!r}{interval}"
+    return f"  annotation(experiment({settings}));"
+
+
+def output_line(v: Variable, name: str, values: Sequence[str]) -> str:
+    """The declaration of an output, a number or a vector, by its values."""
+    unit, value = unit_of(v.unit), f"{{{', '.join(values)}}}" if v.shape else values[0]
+    size, unit = (f"[{len(values)}]", unit.replace("(", "(each ", 1)) if v.shape else ("", unit)
+    return f"output Real {name}{size}{unit} = {value}{quoted(v.description)};"
 
 
 def _free_name(wanted: str, names: Mapping[Expr, str]) -> str:

@@ -19,7 +19,7 @@ from lagrangia.frames.kinematics import Kinematics
 from lagrangia.language.flat import Variable
 from lagrangia.language.frame_attributes import ANGLE
 from lagrangia.language.frame_steps import between
-from lagrangia.paper.modelica import identifier, quoted, unit_of
+from lagrangia.paper.modelica import experiment_line, identifier, output_line, quoted, unit_of
 from lagrangia.paper.multibody_forces import Reading, read_statements, refuse
 from lagrangia.paper.multibody_joints import ALONG, Piece, merged, pieces_of
 from lagrangia.paper.multibody_loads import write_loads
@@ -45,10 +45,7 @@ def write_multibody(kinematics: Kinematics, starts: Starts, numbers: Mapping[str
         if p.name in writing.names:
             value = writing.code(p.formula) if p.formula is not None else repr(numbers[p.name])
             lines.append(f"  parameter Real {writing.names[p.name]}{unit_of(p.unit)} = {value}{quoted(p.description)};")
-    run = model.experiment
-    interval = "" if run.interval is None else f", Interval = {run.interval!r}"
-    return "\n".join([*lines, *body, f"  annotation(experiment(StartTime = {run.start!r}, StopTime = {run.stop!r}, "
-                      f"Tolerance = {run.tolerance!r}{interval}));", f"end {name};"])
+    return "\n".join([*lines, *body, experiment_line(model), f"end {name};"])
 
 
 def _told(reading: Reading, output: Variable) -> list[Expr] | None:
@@ -69,15 +66,9 @@ def _outputs(writing: Writing, outputs: Mapping[str, Sequence[Expr]]) -> list[st
             told = [writing.code(x) for x in values]
         except LagError:
             continue
-        value, size = (f"{{{', '.join(told)}}}", f"[{len(told)}]") if v.shape else (told[0], "")
-        lines.append(f"  output Real {writing.name(name)}{size}{_each(unit_of(v.unit), size)} = {value}{quoted(v.description)};")
+        lines.append(f"  {output_line(v, writing.name(name), told)}")
         writing.told.add(name)
     return lines
-
-
-def _each(modification: str, size: str) -> str:
-    """Of all entries, where there are several."""
-    return modification.replace("(", "(each ", 1) if size else modification
 
 
 def _lines(writing: Writing, outputs: Mapping[str, Sequence[Expr]]) -> list[str]:

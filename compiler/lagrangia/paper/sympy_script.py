@@ -11,7 +11,7 @@ from keyword import kwlist
 import sympy as sp
 from sympy.printing.str import StrPrinter
 
-from lagrangia.algebra.with_sympy import Expr, exact_throughout, slope
+from lagrangia.algebra.with_sympy import Expr, exact_throughout, slope, with_signs
 from lagrangia.base.spelling import python_text
 from lagrangia.paper.book import Book
 from lagrangia.paper.layout import Name
@@ -36,7 +36,7 @@ def write_script(book: Book, word: str = "lagrange", linear: Linear | None = Non
     names = identifiers(book, {NUMBERED[word].function} if word in NUMBERED else set())
 
     def code(x: Expr) -> str:
-        x = exact_throughout(x)
+        x = with_signs(exact_throughout(x))
         renamed = x.xreplace({s: sp.Symbol(names[s], real=True) for s in x.free_symbols if s in names})
         return str(_Printer().doprint(renamed))
 
@@ -93,11 +93,12 @@ def _small_motion(book: Book, linear: Linear, names: Mapping[Expr, str], code: C
     lines += ["at_rest = {**point_of_rest, " + ", ".join(f"{name}: 0" for name in still) + "}",
               f"force = h - f{' + J.T*multipliers' if e.rows else ''}"]
     tables = ["(M, M_0)", "(force.jacobian(v), C_0)", "(force.jacobian(q), K_0)", *(["(J, J_0)"] if e.rows else [])]
-    given = "formulas, values" if any(p.formula is not None for p in scene.parameters) else "values"
+    has_formulas = any(p.formula is not None and p.symbol in names for p in scene.parameters)
+    known = ["formulas"] * has_formulas + ["values"] * any(p.symbol in names for p in scene.parameters)
     return lines, [f"    for full, small in ({', '.join(tables)}):",
                    "        for x in full.subs(at_rest) - small:",
-                   f"            for known in ({given},):", "                x = x.subs(known)",
-                   "            largest = max(abs(sp.N(y, 30)) for y in small.subs(values))",
+                   *([f"            for known in ({', '.join(known)},):", "                x = x.subs(known)"] if known else []),
+                   f"            largest = max(abs(sp.N(y, 30)) for y in small{'.subs(values)' if known else ''})",
                    "            assert abs(sp.N(x, 30)) < 1e-9*(1 + largest)"]
 
 
