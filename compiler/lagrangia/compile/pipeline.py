@@ -3,7 +3,6 @@
 Heavy libraries are imported by the phases that need them, when they are needed.
 """
 
-import gc
 import os
 import sys
 import time
@@ -15,6 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from lagrangia.base.diagnostics import Report, Source, fail, suggest
+from lagrangia.base.memory import without_collections
 from lagrangia.base.records import dataclass
 from lagrangia.compile.packages import Packages, enclosing
 from lagrangia.compile.sources import read_source, refuse_others
@@ -363,22 +363,6 @@ def _choose(syntax: "Syntax", table: "ClassTable", name: str | None) -> Any:
 
 def _either(models: "list[ClassDefinition]") -> str:
     return " or ".join(c.name for c in models)
-
-
-@contextmanager
-def without_collections() -> Iterator[None]:
-    """What is made here is kept or freed at once: looking for cycles, over and over, takes a tenth of compiling a large scene,
-    and once at the end as much again, were it not among the old objects then, where freeze and unfreeze leave it."""
-    was_enabled = gc.isenabled()
-    gc.disable()
-    try:
-        yield
-    finally:
-        if was_enabled:
-            if gc.get_freeze_count() == 0:
-                gc.freeze()
-                gc.unfreeze()
-            gc.enable()
 
 
 @contextmanager

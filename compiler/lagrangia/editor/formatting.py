@@ -1,7 +1,7 @@
 """A text in the one layout of the language: indents, spaces, ends of lines. Words and comments stay, in their order."""
 
 from lagrangia.base.diagnostics import Source
-from lagrangia.compile.pipeline import without_collections
+from lagrangia.base.memory import without_collections
 from lagrangia.editor.alignment import align_names, align_values, comment_spaces
 from lagrangia.editor.layout import lines_of, prepare
 from lagrangia.editor.statements import statements_of

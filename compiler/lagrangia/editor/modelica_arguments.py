@@ -11,13 +11,15 @@ from lagrangia.language.tree import ClassDefinition, Declaration, Extends
 
 WAY = "@"  # stands before the ways in which blocks start
 # Those start values are ours, too; those of outputs but where states are told from them.
+_OF_TABLES = frozenset({f"{WAY}Extrapolation.LastTwoPoints", f"{WAY}Smoothness.LinearSegments"})
 _AS_OURS = frozenset({"NoInit", "InitialState", "InitialOutput"})
 _PREFIXES = frozenset({"each", "final", "redeclare", "replaceable"})
 _USUAL = {("Translational.ElastoGap", "n"): 1.0}  # the power of how far it is compressed
+_WITHOUT = frozenset({"withFeedForward", "useReset", "useSet", "tableOnFile"})  # inputs that there are where these are true
 _OPENING, _CLOSING = ("(", "[", "{"), (")", "]", "}")
 # Arguments of the library's components without a meaning here:
 _IDLE = frozenset("useHeatPort stateSelect animation smoothness phi_nominal s_nominal nominal startForward startBackward mode "
-                  "stuck locked vReg exact f_crit w_small v_small".split())
+                  "stuck locked vReg exact f_crit w_small v_small strict limiter homotopyType".split())
 _RENAMED = {"freqHz": "f", "mue_pos": "mu_pos"}  # arguments, as they were called before version 4
 _Span = tuple[int, int]  # of an argument: its first word, and the comma or bracket behind it
 
@@ -84,6 +86,10 @@ def _is_usual(name: str, argument: Sequence[str]) -> bool:
     if argument[0] == "initType" and argument[2].startswith(WAY):
         way = argument[2].rpartition(".")[2]
         return way in _AS_OURS and not (name == "Blocks.PI" and way == "InitialOutput")
+    if argument[2] in _OF_TABLES:
+        return True
+    if argument[0] in _WITHOUT:
+        return argument[2] == "false"
     try:
         return float(argument[2]) == _USUAL.get((name, argument[0]))
     except ValueError:

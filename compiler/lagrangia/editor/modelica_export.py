@@ -33,9 +33,14 @@ _SOURCES = frozenset("""Torque Torque2 ConstantTorque TorqueStep LinearSpeedDepe
     EddyCurrentTorque EddyCurrentForce""".split())
 _OWN = frozenset(("FreeWheel", "HingeFlange", "SliderFlange"))  # which Modelica's library has not
 _BLOCKS = {name: part for part, names in {
-    "Sources": "Constant RealExpression Step Ramp Sine Cosine Pulse Trapezoid", "Nonlinear": "Limiter",
-    "Math": "Gain Add Add3 Feedback Product Division Abs Sin Cos", "Continuous": "Integrator FirstOrder SecondOrder PI PID",
+    "Sources": """Constant RealExpression Step Ramp Sine Cosine Pulse Trapezoid ExpSine TimeTable CombiTimeTable BooleanConstant
+        BooleanStep BooleanPulse""",
+    "Nonlinear": "Limiter DeadZone VariableLimiter", "Continuous": "Integrator FirstOrder SecondOrder PI PID Derivative LimPID",
+    "Math": "Gain Add Add3 Feedback Product Division Abs Sin Cos Max Min Sqrt Sign Tan Exp Log BooleanToReal",
+    "Logical": """Switch And Or Not Greater GreaterEqual Less LessEqual GreaterThreshold GreaterEqualThreshold LessThreshold
+        LessEqualThreshold""",
     }.items() for name in names.split()}
+_CONTROLLERS = "Blocks.SimpleController."
 _TYPES = {own: f"Modelica.Units.SI.{name}" for name, own in reversed(UNITS.items())}
 _FUNCTIONS = frozenset("""sin cos tan asin acos atan atan2 sinh cosh tanh exp log log10 abs sqrt sign min max sum floor ceil mod
     div rem der noEvent smooth fill zeros ones size pre connect assert initial edge change sample reinit terminate
@@ -186,6 +191,8 @@ def _inside(part: Any, has_pi: bool) -> Iterator[tuple[tuple[int, int], str]]:
             yield (part.span.start, part.span.end), repr(in_si(part).value)
     elif isinstance(part, Reference) and str(part) == "pi" and not has_pi:
         yield (part.span.start, part.span.end), "Modelica.Constants.pi"
+    elif isinstance(part, Reference) and str(part).startswith(_CONTROLLERS):
+        yield (part.span.start, part.span.end), f"Modelica.Blocks.Types.{str(part).removeprefix('Blocks.')}"
     elif is_dataclass(part) and not isinstance(part, Span):
         if isinstance(part, Call) and part.function not in _FUNCTIONS:
             _refuse(f"{part.function}(...)", part.span)

@@ -43,7 +43,8 @@ _INTERFACES = {"Flange_a": "Flange", "Flange_b": "Flange", "Support": "Flange", 
                "PartialCompliant": "Compliant", "PartialCompliantWithRelativeStates": "Compliant"}
 _PACKAGES = frozenset("Rotational Translational Components Sources Sensors Interfaces Blocks Thermal Math Icons".split())
 _OF_MECHANICS = ("Components", "Sources", "Sensors", "Interfaces")
-_OF_BLOCKS = ("Sources", "Math", "Continuous", "Nonlinear")
+_OF_BLOCKS = ("Sources", "Math", "Continuous", "Nonlinear", "Logical")
+_SIGNALS = {"RealInput": "input Real", "RealOutput": "output Real"}  # of Modelica.Blocks.Interfaces
 _SECTIONS = ("equation", "algorithm", "public", "protected")
 _CLASSES = ("model", "class", "package", "block", "connector", "record")
 
@@ -108,7 +109,8 @@ _INSTEAD = {  # what a statement names that has no counterpart, and what to writ
     "lossPower, as damper.lossPower; the account of energies counts it as dissipated, or as work",
     r"\bMultiBody\b": "frames, bodies and joints in space have names of their own here: lag help space",
     r"\bElectrical\b": "currents are not of this language: a torque or a force acts as a formula says, as Torque m(tau = k*i)",
-    r"\bCombiTimeTable\b": "a formula with table(time, ...) is a signal: lag help tables",
+    r"\bCombi(Time)?Table\w*": "a formula with table(time, ...), of points or a file, is a signal: lag help tables",
+    r"\bHysteresis\b": "write: when u > high then y = true; elsewhen u < low then y = false; end when; (lag help assertions)",
 }
 
 
@@ -293,8 +295,12 @@ def _of_library(name: str) -> str | None:
     last = parts[-1]
     if parts[-2] == "Conversions" and parts[1] in ("Units", "SIunits"):
         return _CONVERTED + _CONVERSIONS[last] if last in _CONVERSIONS else None
-    if parts[1:4] == ["Blocks", "Types", "Init"]:
-        return f"{WAY}Init.{last}" if len(parts) == 5 else None
+    if parts[1:3] == ["Blocks", "Types"] and parts[3:4] and parts[3] in ("Init", "Extrapolation", "Smoothness"):
+        return f"{WAY}{parts[3]}.{last}" if len(parts) == 5 else None
+    if parts[1:4] == ["Blocks", "Types", "SimpleController"] and len(parts) == 5:
+        return f"Blocks.SimpleController.{last}"
+    if parts[1:3] == ["Blocks", "Interfaces"]:
+        return _SIGNALS.get(last)
     if parts[1:3] == ["Units", "SI"] or parts[1] == "SIunits":
         return UNITS.get(last, "Real")
     if parts[1] == "Math":

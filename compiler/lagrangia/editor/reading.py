@@ -6,9 +6,10 @@ from functools import cached_property
 from pathlib import Path
 
 from lagrangia.base.diagnostics import Diagnostic, LagError, Report, Source, Span
+from lagrangia.base.memory import without_collections
 from lagrangia.compile.elsewhere import faults_beside
 from lagrangia.compile.packages import Packages
-from lagrangia.compile.pipeline import deep_recursion, flatten_files, read_files, without_collections
+from lagrangia.compile.pipeline import deep_recursion, flatten_files, read_files
 from lagrangia.editor.live_text import LiveText
 from lagrangia.editor.meanings import Index, members
 from lagrangia.editor.surroundings import statement_start, without_texts

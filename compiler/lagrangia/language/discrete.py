@@ -81,6 +81,15 @@ def as_numbers(left: Expression, *sides: Flat) -> tuple[Flat, Flat]:
     return (first, second) if named is None else (named, number_of(second, NO))
 
 
+def signals_of(nodes: Sequence[Expression], ends: Sequence[Flat], span: Span) -> list[Flat]:
+    """What the ends of a connection stand for; of Boolean variables, their numbers. Raises LagError L0221 where one alone is."""
+    named = [_named_truth(end) if isinstance(node, Reference) else None for node, end in zip(nodes, ends, strict=True)]
+    if any(truth is not None for truth in named) and None in named:
+        fail("L0221", "connect joins what is alike: one of these is true or false", span,
+             "a number of it is if b then 1 else 0, or Blocks.BooleanToReal; a truth value of a number x > 0")
+    return [end if truth is None else truth for truth, end in zip(named, ends, strict=True)]
+
+
 def _named_truth(side: Flat) -> Flat | None:
     """The Boolean variable that a condition is, or the array of some."""
     if isinstance(side, Array) and side.items:

@@ -17,7 +17,7 @@ from lagrangia.language.chosen_equations import chosen_of
 from lagrangia.language.classes import ClassTable
 from lagrangia.language.connections import Bindings, Connection, bound_to, connected, flanges_of, require_bindings
 from lagrangia.language.delays import check_delays, declare_delays, variable_of, with_delays
-from lagrangia.language.discrete import as_numbers
+from lagrangia.language.discrete import as_numbers, signals_of
 from lagrangia.language.discrete_arrays import dealt_out, dealt_sides, is_dealt_out
 from lagrangia.language.drawing_words import figure_of
 from lagrangia.language.event_clauses import EventClauses
@@ -419,7 +419,7 @@ class _Flattening:
             if (between := connected(call, scope, span, self.names)) is not None:
                 self.connections += between
                 return
-        a, b = (self.names.flatten(argument, scope) for argument in call.arguments)
+        a, b = signals_of(call.arguments, [self.names.flatten(argument, scope) for argument in call.arguments], span)
         if all(isinstance(end, Ref) for end in (a, b)):
             self.joined.append(Equation(a, b, span, scope.instance.path))
             return
