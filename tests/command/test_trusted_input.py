@@ -58,7 +58,7 @@ def test_files_of_others_are_kept(capsys: pytest.CaptureFixture[str]) -> None:
     measured = "x,measured\n0,0.02\n1,0.03\n"
     write(measured, "road.csv")
     assert main(["simulate", "road.lag", "--quiet"]) == 2
-    assert "holds no results of this scene" in capsys.readouterr().err
+    assert "holds none of these results" in capsys.readouterr().err
     assert Path("road.csv").read_text() == measured
     assert main(["simulate", "road.lag", "--quiet", "-o", "road.csv"]) == 0  # it was named
     assert main(["simulate", "road.lag", "--quiet", "--stop", "2"]) == 0  # results of this scene

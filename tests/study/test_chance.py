@@ -12,9 +12,11 @@ import lagrangia as lag
 from lagrangia.base.diagnostics import LagError
 from lagrangia.command.cli import main
 from lagrangia.native.build import find_compiler
+from lagrangia.study.sweep.journal import Journal
 from lagrangia.study.sweep.statistics import mean, quantile, statistics_of
 from lagrangia.study.sweep.until import looks
 
+remove = Journal.remove
 pytestmark = pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
 # T. Ishigami, T. Homma (1990): sin x + 7 sin^2 y + 0.1 z^4 sin x, of three angles that are uniform.
 ISHIGAMI = """model Ishigami
@@ -87,6 +89,25 @@ def test_it_ends_after_the_same_runs_however_it_is_computed(scene: Scene, tmp_pa
     assert scipy.stats.sem(one["block.s"]) < 1e-3 < scipy.stats.sem(one["block.s"][:before])
 
 
+@pytest.mark.parametrize("until", ["se(mean(block.s)) < 2[mm]", "se(quantile(max(block.s, from=0.5), 0.9)) < 2[mm]"])
+def test_it_ends_after_the_same_runs_wherever_it_was_killed(until: str, scene: Scene, tmp_path: Path,
+                                                            monkeypatch: pytest.MonkeyPatch) -> None:
+    """A journal as a kill leaves it, cut anywhere, within an entry too: the same command makes the same table, byte by byte."""
+    path, journals = tmp_path / "x.csv", []
+    monkeypatch.setattr(Journal, "remove", lambda self: (journals.append(self.path.read_bytes()), remove(self)))
+    asked = {"parameters": {"k": "normal(8, 0.5)"}, "samples": 10_000, "until": until, "path": path,
+             "outputs": "max(block.s, from=0.5), block.s"}
+    model = scene(OSCILLATOR)
+    whole = model.simulate_many(**asked, jobs=1)
+    table, journal = path.read_bytes(), journals[0]
+    assert 200 < whole.runs < 10_000
+    for jobs, kept in enumerate((0.01, 0.3, 0.7, 0.999, 1.0), 1):
+        path.unlink()
+        path.with_name("x.csv.part").write_bytes(journal[: int(kept * len(journal))])
+        assert model.simulate_many(**asked, jobs=1 + jobs % 3).runs == whole.runs
+        assert path.read_bytes() == table
+
+
 @pytest.mark.parametrize("until", ["se(quantile(max(block.s, from=0.5), 0.9)) < 2[mm]", "se(deviation(block.s)) < 0.001"])
 def test_other_ends(until: str, scene: Scene) -> None:
     found = scene(OSCILLATOR).simulate_many(parameters={"k": "normal(8, 0.5)"}, samples=100_000, until=until,
@@ -150,3 +171,22 @@ def test_the_command_tells_and_draws(tmp_path: Path, capsys: pytest.CaptureFixtu
     assert "Sobol' indices: k 1.0" in capsys.readouterr().out
     assert main([*command, "--plot", "x.doc"]) == 2
     assert main([*command, "--samples", "9", "--plot", "scene.lag"]) == 2
+
+
+def test_no_results_are_told(tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("scene.lag").write_text(OSCILLATOR)
+    command = ["sweep", "scene.lag", "-p", "k=normal(8,0.5)", "--outputs", "max(block.s)", "--plot", "x.svg"]
+    assert main([*command, "--samples", "1", "-o", "one.csv"]) == 0
+    told = capsys.readouterr().out
+    assert "mean 0.5" in told and "nan" not in told  # 'deviation nan' of one run
+    assert main([*command, "--samples", "3", "--max-steps", "1", "--solver", "erk", "-o", "none.csv"]) == 1
+    told = capsys.readouterr().out
+    assert "max(block.s): none" in told and "nan" not in told and "accounts" not in told
+
+
+def test_a_picture_of_nothing_says_so(scene: Scene) -> None:
+    figure = scene(ISHIGAMI).simulate_many(parameters=UNIFORM, samples=3, outputs="f", max_steps=1, solver="erk").plot()
+    assert len(figure.axes) == 3 + 1 + 1
+    assert "3 runs, 3 without results" in figure.get_suptitle()
+    assert all(axes.texts[0].get_text() == "no run has a value" and not len(axes.get_xticks()) for axes in figure.axes)

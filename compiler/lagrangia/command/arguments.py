@@ -326,7 +326,7 @@ def keep_foreign(options: Namespace, target: str, names: Sequence[str]) -> None:
     except (OSError, UnicodeDecodeError, csv.Error):
         head = ["?"]
     if head and not set(names) <= set(head):
-        fail("L0004", f"'{target}' is there already, and holds no results of this scene: it is kept", None,
+        fail("L0004", f"'{target}' is there already, and holds none of these results: it is kept", None,
              f"-o {target} writes over it; another name after -o keeps it")
 
 

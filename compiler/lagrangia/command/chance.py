@@ -18,9 +18,12 @@ def told_of_chance(sweep: Sweep, measure: Measure) -> Iterator[str]:
     elif job.sampling:
         column = job.measures.index(measure)
         found = statistics_of(sweep.ledger.results[sweep.ok, column])
+        if not found.count:
+            return
         shares = ", ".join(f"{100 * share:g} % below {_told(x, job.sampling)}" for share, x in found.quantiles.items())
         missing = f"; {found.missing} runs have none" if found.missing else ""
-        yield f"mean {_told(found.mean, job.sampling)}, deviation {_told(found.deviation, job.sampling)}; {shares}{missing}"
+        spread = f", deviation {_told(found.deviation, job.sampling)}" if found.count > 1 else ""
+        yield f"mean {_told(found.mean, job.sampling)}{spread}; {shares}{missing}"
 
 
 def ended(sweep: Sweep, until: Until) -> str:

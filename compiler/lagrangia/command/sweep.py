@@ -179,7 +179,8 @@ def _summarise(sweep: Sweep, target: str, now: int, has_stats: bool) -> None:
     if has_stats:
         say(f"  {_in_lanes(sweep, now)}")
     by = ", ".join(methods_of_runs(sweep.ledger.outcomes["methods"]))
-    say(f"  {steps} steps{f' by {by}' if by else ''}; the energy accounts close to {energy:.1e} of the largest energy")
+    accounts = f"; the energy accounts close to {energy:.1e} of the largest energy" if sweep.ok.any() else ""
+    say(f"  {steps} steps{f' by {by}' if by else ''}{accounts}")
     if wrong := int((sweep.ledger.outcomes["energy"][sweep.ok] > DOUBTFUL).sum()):
         say(f"  they miss by more than a tenth in {wrong} of {sweep.runs} runs: unless at rest, the motion is probably wrong; "
             "compare with a smaller tolerance, or another solver")

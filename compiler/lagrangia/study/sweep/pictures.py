@@ -58,19 +58,42 @@ def draw_sweep(sweep: Table, path: str | os.PathLike[str] | None = None) -> Any:
         for column, name in enumerate(names):
             panel = figure.add_subplot(grid[row, column])
             _scatter(panel, sweep, name, measure)
+            _tell_empty(panel, sweep, measure)
             panel.set_xlabel(_literal(name, units.get(name, "")) if row == len(measures) - 1 else "", fontsize=9)
             panel.set_ylabel(_literal(measure, units[measure]) if column == 0 else "", fontsize=9)
         if job.sampling:
-            _histogram(figure.add_subplot(grid[row, columns - 1]), sweep[measure])
+            panel = figure.add_subplot(grid[row, columns - 1])
+            _histogram(panel, sweep[measure])
+            _tell_empty(panel, sweep, measure)
     if has_lines:
-        _parallel(figure, figure.add_subplot(grid[len(measures), :]), sweep, [*names], measures[0], units)
+        panel = figure.add_subplot(grid[len(measures), :])
+        _parallel(figure, panel, sweep, [*names], measures[0], units)
+        _tell_empty(panel, sweep, measures[0])
     left = len(job.measures) - len(measures), len(job.variations.names) - len(names)
     more = [f"{count} {what} more" for count, what in zip(left, ("measures", "values"), strict=True) if count > 0]
     said = f" ({', '.join(more)})" if more else ""
-    figure.suptitle(f"{_literal(job.scene.name)}: {sweep.runs} runs{said}", fontsize=11)
+    figure.suptitle(f"{_literal(job.scene.name)}: {_counted(sweep, measures)}{said}", fontsize=11)
     if path is not None:
         save(figure, Path(path))
     return figure
+
+
+def _counted(sweep: Table, measures: list[str]) -> str:
+    """How many runs, and how many of them have nothing to be drawn."""
+    import numpy as np
+
+    without = int(np.all([~np.isfinite(sweep[measure]) for measure in measures], axis=0).sum()) if measures else 0
+    return f"{sweep.runs} run{'s' if sweep.runs != 1 else ''}{f', {without} without results' if without else ''}"
+
+
+def _tell_empty(panel: Any, sweep: Table, measure: str) -> None:
+    """Axes around nothing would have ticks that mean nothing."""
+    import numpy as np
+
+    if not np.isfinite(sweep[measure]).any():
+        panel.text(0.5, 0.5, "no run has a value", ha="center", va="center", transform=panel.transAxes, fontsize=9)
+        panel.set_xticks([])
+        panel.set_yticks([])
 
 
 def _literal(name: str, unit: str = "") -> str:
