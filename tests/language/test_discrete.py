@@ -396,3 +396,21 @@ def test_what_moves_beside_what_is_on_its_level(solver: str, tmp_path: Path) -> 
 def test_runs_end_where_what_moves_comes_beside_a_counter(tmp_path: Path) -> None:
     result = run(tmp_path, GEARS.replace("last = 9", "last = 3"), "Gears")
     assert result.time[-1] == pytest.approx(math.acos(-0.7), abs=1e-7)
+
+
+STEPPED = """
+model Stepped "pushed from 1 s on by 1 N"
+  Block b(m = 1, base = world);
+  input Real on(start = 0);
+  Integer n(start = 0);
+  AppliedForce f(at = b.center, force = {if on > 0.5 then 1 else 0, 0});
+equation
+  when on > 0.5 then n = pre(n) + 1; end when;
+end Stepped;
+"""
+
+
+def test_inputs_that_step_bring_events(tmp_path: Path) -> None:
+    """As the message of a Boolean input says (L0219)."""
+    result = run(tmp_path, STEPPED, "Stepped", stop=2.0, inputs=([0, 1, 1, 2], {"on": [0, 0, 1, 1]}))
+    assert [result[name][-1] for name in ("n", "b.s")] == [1, pytest.approx(0.5, abs=1e-9)]

@@ -94,6 +94,9 @@ def kind_of(slot: Slot) -> Kind:
         what = f"the {slot.base} {kind}" if not slot.enumeration else f"the {kind} of the enumeration {slot.enumeration},"
         if slot.dimensions and not slot.enumeration:
             what = f"the array of {slot.base} {kind}s"
-        fail("L0219", f"not supported yet: {what} '{slot.declaration.name}'", slot.declaration.name_span,
-             "Integer, Boolean, String and enumeration parameters are supported, and Integer and Boolean variables")
+        name = slot.declaration.name
+        steps = (f"declare it as input Real {name}, which steps where a table has two lines at one time; {name} > 0.5 is then "
+                 "true or false, and an event where it changes",) if kind == "input" and not slot.enumeration else ()
+        fail("L0219", f"not supported yet: {what} '{name}'", slot.declaration.name_span,
+             "Integer, Boolean, String and enumeration parameters are supported, and Integer and Boolean variables", *steps)
     return kind
