@@ -127,3 +127,24 @@ def test_energies_that_rounding_may_miss_are_told_with_the_tolerance_that_is_pos
     told = remedy(1e-9, 8.9e-8)
     assert "another solver; or, where rounding decides" in told and told.endswith("a tolerance of no less than 9e-08")
     assert remedy(1e-6, 1e-4) == "a smaller tolerance, or another solver"
+
+
+POWERS = (  # errors were 261 and 63 tolerances and more, untold
+    "1/(1 + z^2)^6",
+    "cos(2*z/300)^400",
+)
+
+
+@pytest.mark.parametrize("shape", POWERS)
+def test_high_powers_are_narrow_places_too(shape: str) -> None:
+    """Beside a spring, passed at 2 m/s."""
+    scene = lagrangia.loads(f"""model Powers World world(gravity = {{0, 0}}); Block b(m = 1, base = world, s(start = 1));
+      Spring k(k = 4, stretch = b.s); Real z = (b.s - 0.3)/0.003; energy potential -0.3[J]*({shape}); end Powers;""")
+    scene.native = False
+    times = np.linspace(0, 3, 13)
+    right = scene.simulate(solver="erk9", tolerance=1e-12, max_step=0.003, at=times)["b.s"]
+    assert np.abs(right - np.cos(2 * times)).max() > 1e-4
+    for solver in ("auto", "erk", "pirk"):
+        for tolerance in (1e-4, 1e-6, 1e-8):
+            found = scene.simulate(solver=solver, tolerance=tolerance, at=times)
+            assert np.abs(found["b.s"] - right).max() < 10 * tolerance

@@ -2,21 +2,93 @@
 
 A bump exp(-(x/w)^2), 1/(1 + (x/w)^2) or 1/cosh(x/w), a step tanh(x/w) or x/sqrt(w^2 + x^2) is a smooth function, so that no
 step is cut there; but what is 2 mm wide lies between all stages of a step of decimetres. What stands inside tells where to look:
-g = -(x/w)^2, -log(1 + (x/w)^2), x/w; it passes through 0 there, or turns round.
+g = -(x/w)^2, -log(1 + (x/w)^2), x/w; it passes through 0 there, or turns round. High powers are exponentials of logarithms:
+cos(x)^n is as narrow as exp(-n x^2/2), 1/(1 + (x/w)^2)^n as exp(-n (x/w)^2), however they are multiplied out.
 """
 
 from collections.abc import Sequence
+from dataclasses import field
 
 import casadi as ca
 
 from lagrangia.algebra.numbering import Numbering, rebuilt
 from lagrangia.algebra.scalars import Expression, as_expression, symbols_in
+from lagrangia.base.records import dataclass
 from lagrangia.dynamics.motion import Motion
 from lagrangia.dynamics.switches import Switches
 
 _FADING = frozenset({ca.OP_EXP, ca.OP_TANH, ca.OP_COSH, ca.OP_ATAN, ca.OP_ERF, ca.OP_ASINH})
-_UNDER = {ca.OP_DIV: 1, ca.OP_INV: 0, ca.OP_SQRT: 0, ca.OP_LOG: 0, ca.OP_POW: 0, ca.OP_CONSTPOW: 0}  # which operand it is
+_ROOTS = frozenset({ca.OP_SQRT, ca.OP_LOG, ca.OP_POW, ca.OP_CONSTPOW})
+_WAVES = frozenset({ca.OP_COS, ca.OP_SIN})
+_EVEN = _WAVES | {ca.OP_SQ}
 _ASKED = frozenset({"exp", "tanh", "cosh", "sinh", "atan", "erf", "asinh", "sqrt", "log", "pow", "ratio"})
+_HIGH = 6  # power from which on a factor that turns makes something narrow
+_FEW = 8  # factors of a product that are looked at
+_FAINT = 37.0  # logarithm of what is rounding beside 1
+
+
+@dataclass
+class _Products:
+    """The powers of what moves that stand in products, quotients and roots, by the numbers of values."""
+
+    numbering: Numbering
+    moving: set[int]  # values that do
+    straight: set[int]  # values that are linear in what moves
+    powers: dict[int, dict[int, float]] = field(default_factory=dict)
+    factors: dict[int, Expression] = field(default_factory=dict)
+    highest: dict[int, float] = field(default_factory=dict)  # those of each factor: the largest and ...
+    lowest: dict[int, float] = field(default_factory=dict)  # ... the smallest
+
+    def note(self, op: int, numbers: list[int], operands: list[Expression]) -> None:
+        """An instruction, after those that it is made of."""
+        if self.moving.isdisjoint(numbers):
+            return
+        made = self.numbering.of(op, numbers)
+        self.moving.add(made)
+        if self._is_straight(op, numbers):
+            self.straight.add(made)
+            return
+        found: dict[int, float] = {}
+        for k, power in enumerate(_exponents(op, operands)):
+            for factor, inner in self._powers_of(numbers[k], operands[k]).items():
+                found[factor] = found.get(factor, 0.0) + power * inner
+        if not 0 < len(found) <= _FEW:
+            return
+        self.powers[made] = found
+        for factor, power in found.items():
+            self.highest[factor] = max(power, self.highest.get(factor, 0.0))
+            self.lowest[factor] = min(power, self.lowest.get(factor, 0.0))
+
+    def _powers_of(self, number: int, value: Expression) -> dict[int, float]:
+        if number not in self.moving:
+            return {}
+        if number not in self.powers:
+            self.powers[number] = {number: 1.0}
+            self.factors[number] = value
+        return self.powers[number]
+
+    def _is_straight(self, op: int, numbers: list[int]) -> bool:
+        moving = [number for number in numbers if number in self.moving]
+        if not self.straight.issuperset(moving):
+            return False
+        is_scaled = len(moving) == 1 and (op == ca.OP_MUL or (op == ca.OP_DIV and moving[0] == numbers[0]))
+        return is_scaled or op in (ca.OP_ADD, ca.OP_SUB, ca.OP_NEG)
+
+    def place(self, factor: int, moving: frozenset[int]) -> Expression | None:
+        """What turns where its powers do within little; None where they do not."""
+        value, low, high = self.factors[factor], self.lowest.get(factor, 0.0), self.highest.get(factor, 0.0)
+        if low < 0 and (least := _least(value, moving)) is not None:
+            return as_expression(low * ca.log(ca.fabs(value / least)))
+        if high < _HIGH or factor in self.straight:
+            return None
+        return as_expression(high / 2 * ca.log(value * value + ca.exp(-2 * _FAINT / high)))
+
+
+def _exponents(op: int, operands: list[Expression]) -> tuple[float, ...]:
+    """Of the operands, in a product, a quotient, a power or a root."""
+    if op in (ca.OP_POW, ca.OP_CONSTPOW):
+        return (float(operands[1]),) if operands[1].is_constant() else ()
+    return {ca.OP_MUL: (1.0, 1.0), ca.OP_DIV: (1.0, -1.0), ca.OP_INV: (-1.0,), ca.OP_SQ: (2.0,), ca.OP_SQRT: (0.5,)}.get(op, ())
 
 
 def find_narrow_places(motion: Motion, switches: Switches) -> ca.SX:
@@ -28,29 +100,31 @@ def find_narrow_places(motion: Motion, switches: Switches) -> ca.SX:
     if known.felt is not None:
         rest = rest | symbols_in(known.felt.reactions)
     rates, numbering, found = symbols_in(motion.v), Numbering(), dict[tuple[bool, int], Expression]()
+    coordinates = ca.symvar(ca.vertcat(motion.t, motion.q, motion.v))
+    starts = {numbering.of_symbol(symbol) for symbol in coordinates}
+    products = _Products(numbering, starts, set(starts))
 
     def note(op: int, numbers: list[int], operands: list[Expression]) -> None:
-        if op in _FADING:
-            inner, key = operands[0], (False, numbers[0])
-        elif op in _UNDER:
-            inner, key = operands[_UNDER[op]], (True, numbers[_UNDER[op]])
-        else:
+        products.note(op, numbers, operands)
+        inner, key = operands[0], (op in _ROOTS, numbers[0])
+        if key in found or op not in _FADING | _ROOTS or moving.isdisjoint(symbols := symbols_in(inner)):
             return
-        if op == ca.OP_SQRT and rates.isdisjoint(symbols_in(inner)):
+        if op == ca.OP_SQRT and rates.isdisjoint(symbols):
             return  # of positions: find_roots has them
-        if key in found or moving.isdisjoint(symbols := symbols_in(inner)) or not rest.isdisjoint(symbols):
-            return
         if op in _FADING:
             found[key] = inner
         elif (least := _least(inner, moving)) is not None:
-            found[key] = as_expression(-ca.log(inner / least))
+            found[key] = as_expression(-ca.log(ca.fabs(inner / least)))
 
     rebuilt(switches.hold([known.h]), numbering, note)
-    return ca.vertcat(ca.SX(0, 1), *found.values())
+    for factor in products.factors:
+        if (place := products.place(factor, moving)) is not None:
+            found[True, factor] = place
+    return ca.vertcat(ca.SX(0, 1), *(g for g in found.values() if rest.isdisjoint(symbols_in(g))))
 
 
 def _least(x: Expression, moving: frozenset[int]) -> Expression | None:
-    """w^2 of w^2 + what is even in a difference that may be 0; None of anything else."""
+    """w^2 of w^2 + what is even in a difference that may be 0, or swings; None of anything else."""
     steady, others = as_expression(0.0), list[Expression]()
     waiting = [x]
     while waiting:
@@ -59,21 +133,23 @@ def _least(x: Expression, moving: frozenset[int]) -> Expression | None:
             steady = steady + term
         elif term.op() == ca.OP_ADD:
             waiting += _operands(term)
+        elif term.op() == ca.OP_SUB and _has(_WAVES, _operands(term)[1], moving):
+            waiting.append(_operands(term)[0])
         else:
             others.append(term)
-    is_sum = bool(others) and all(_is_square(term, moving) for term in others)
+    is_sum = all(_has(_EVEN, term, moving) for term in others)
     return steady if is_sum and not steady.is_zero() else None
 
 
-def _is_square(x: Expression, moving: frozenset[int]) -> bool:
-    """Whether it is one, or a multiple of one, of what moves."""
-    if x.op() == ca.OP_SQ:
+def _has(operations: frozenset[int], x: Expression, moving: frozenset[int]) -> bool:
+    """Whether it is one of these, or a multiple of one, of what moves."""
+    if x.op() in operations:
         return True
     factors: Sequence[Expression] = _operands(x) if x.op() in (ca.OP_MUL, ca.OP_DIV) else []
     steady = [moving.isdisjoint(symbols_in(factor)) for factor in factors]
     if x.op() == ca.OP_MUL and any(steady):
-        return _is_square(factors[steady.index(False)], moving)
-    return x.op() == ca.OP_DIV and steady[1] and _is_square(factors[0], moving)
+        return _has(operations, factors[steady.index(False)], moving)
+    return x.op() == ca.OP_DIV and steady[1] and _has(operations, factors[0], moving)
 
 
 def _operands(x: Expression) -> list[Expression]:
