@@ -26,6 +26,8 @@ static double dot(const double *a, const double *b, int n)
 static void reflect(const double *u, double length2, double *x, int n)
 {
     const double factor = 2 * dot(u, x, n) / length2;
+    if (factor == 0) /* as of gradients that have no value in common */
+        return;
     for (int i = 0; i < n; ++i)
         x[i] -= factor * u[i];
 }
