@@ -266,3 +266,15 @@ def test_models_and_trajectories_are_pickled() -> None:
     np.testing.assert_array_equal(kept.energy.total, run.energy.total)
     with pytest.raises(TypeError, match="send the model, and call prepare there"):
         pickle.dumps(model.prepare())
+
+
+def test_brackets_of_names_are_no_index_of_inputs(tmp_path: Path) -> None:
+    """They were, in quotes and of arrays of components: equations and exports (Modelica, SymPy, FMU) ended with a bug."""
+    file = tmp_path / "pushed.lag"
+    file.write_text("model Pushed\n  Revolute h(a = world, phi(start = 1)); Bar b(m = 1, L = 1, a = h.b);\n  World world;\n"
+                    "  input Force 'u [1]x'(start = 0); AppliedForce F(at = b.b, force = {'u [1]x', 0});\nend Pushed;\n")
+    page = tmp_path / "page.txt"
+    assert main(["equations", str(file), "-o", str(page)]) == 0 and "[1]x" in page.read_text(encoding="utf-8")
+    file.write_text("model Two\n  World world;\n  model P\n    outer World world; Block b(m = 1, base = world); input Force u;\n"
+                    "    AppliedForce F(at = b.center, force = {u, 0});\n  end P;\n  P c[2];\nend Two;\n")
+    assert main(["equations", str(file), "--form", "lagrange", "-o", str(page)]) == 0

@@ -5,6 +5,7 @@ import re
 from lagrangia.base.diagnostics import fail
 
 QUOTED = re.compile(r"(?<![\w'\])])'[^'\n]+'")  # a name; the sign behind a name, or behind another prime, is a prime
+_INDEX = re.compile(r"\[[\d, ]+\]$")
 
 
 def split_list(text: str) -> list[str]:
@@ -25,3 +26,8 @@ def cut_list(text: str) -> list[str]:
     if depth:
         fail("L0711", f"'{text}': a parenthesis or bracket is {'missing' if depth > 0 else 'too many'}")
     return [item.strip() for item in (*items, text[begin:])]
+
+
+def stem(label: str) -> str:
+    """The variable of which a label names an element: c[2].u of c[2].u[1]. Brackets in quotes are of its name."""
+    return _INDEX.sub("", label)

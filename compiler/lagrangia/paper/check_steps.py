@@ -11,6 +11,7 @@ from fractions import Fraction
 import sympy as sp
 
 from lagrangia.algebra.with_sympy import Expr
+from lagrangia.base.cutting import stem
 from lagrangia.language.frame_attributes import component_named
 from lagrangia.language.units import ONE, Dimension, divide, multiply, parse_unit, power, spell
 from lagrangia.paper.book import Book, bold, equal, time_derivative
@@ -73,11 +74,11 @@ def dimensions_of(book: Book) -> dict[Expr, Dimension]:
     for p in scene.parameters:
         keep((p.symbol,), p.unit)
     for g in scene.given:
-        variable = model.variables.get(g.name.partition("[")[0])
+        variable = model.variables.get(stem(g.name))
         if variable is not None:
             keep(g.moving, variable.unit)
     for label, x in scene.inputs.items():
-        keep((x,), model.variables[label.partition("[")[0]].unit)
+        keep((x,), model.variables[stem(label)].unit)
     return found
 
 

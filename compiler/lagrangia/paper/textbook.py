@@ -7,6 +7,7 @@ from itertools import count
 import sympy as sp
 
 from lagrangia.algebra.with_sympy import Expr, exact_throughout
+from lagrangia.base.cutting import stem
 from lagrangia.paper.equations import ACCELERATION, Equations
 from lagrangia.paper.grouping import Rank, Symbols
 from lagrangia.paper.layout import Name
@@ -99,7 +100,7 @@ def _kind(name: str, unit: str) -> int:
 def loads_of(scene: SymbolicScene) -> frozenset[Expr]:
     """The symbols of given forces and torques, and of inputs that are."""
     variables = scene.kinematics.graph.model.variables
-    inputs = {x for label, x in scene.inputs.items() if variables[label.partition("[")[0]].unit in ("N", "N.m")}
+    inputs = {x for label, x in scene.inputs.items() if variables[stem(label)].unit in ("N", "N.m")}
     return frozenset(inputs | {x for g in scene.given if g.what == "load" for x in g.moving})
 
 
