@@ -178,10 +178,19 @@ def _hints(stop: Stop) -> Iterator[str]:
     return (hint for hint in [next(_guesses(stop), "")] if hint)
 
 
+def _of_other_languages(stop: Stop) -> Iterator[str]:
+    if stop.word in _FOREIGN:
+        yield _FOREIGN[stop.word]
+    if stop.last(2) == ("CLASS_KIND", "NAME") and stop.word == "(" and stop.before[-2] == "function":
+        name = stop.before[-1]
+        yield f"inputs are declared: function {name} input Real x; output Real y; algorithm y := 2*x; end {name};"
+    if stop.last(2) == ("EQUAL", "NAME") and stop.before[-1] == "new":
+        yield f"a component is made by its declaration: {stop.word} name(parameter = value);"
+
+
 def _guesses(stop: Stop) -> Iterator[str]:
     word, accepted = stop.word, stop.accepted
-    if word in _FOREIGN:
-        yield _FOREIGN[word]
+    yield from _of_other_languages(stop)
     if stop.before and stop.before[-1].type == "STRING" and "\n" in stop.before[-1]:
         line, column = stop.source.line_and_column(stop.before[-1].start_pos)
         yield f"the text that ends before it begins at {line}:{column}: is a quote missing?"

@@ -25,6 +25,8 @@ def refuse_name(node: Reference, scope: Scope) -> NoReturn:
                  "declaration: let a parameter say how many there are, parameter Integer n = 3"]
     elif scope.instance.parent is not None and first.name in scope.instance.parent.members:
         hints.append(f"'{first.name}' belongs to {scope.instance.parent.definition.name}: pass it in a modification")
+    elif first.name.startswith("'"):
+        hints = [f'a text stands in double quotes: "{first.name[1:-1]}"']
     elif first.name == "Modelica":
         hints = ["of the Modelica Standard Library Constants, Units.SI, functions of Math, Mechanics and Blocks are here, and "
                  "lag import FILE.mo makes a .lag file of a Modelica one"]
