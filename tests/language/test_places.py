@@ -13,7 +13,7 @@ Write = Callable[[str], lag.Model]
     ("Rope r(n = 0, L = 2, a = world, b = b.center);", "L0214", "it is read at library/constraints.lag"),
     ("Rope r(n = -1, L = 2, a = world, b = b.center);", "L0209", "negative size"),
     ("Rope r(n = 100000000, L = 2, a = world, b = b.center);", "L0209", "elements"),
-    ("Rope r(n = 1000000, L = 2, a = world, b = b.center);", "L0209", "components"),
+    ("Rope r(n = 1000000, L = 2, a = world, b = b.center);", "L0209", "elements"),
     ("Stop s(a = world, b = shift(world, {1, 0}), along = {1, 0});", "L0225", "true or false for good"),
 ])
 def test_errors_stand_where_people_wrote(text: str, code: str, said: str, scene: Write) -> None:

@@ -199,14 +199,19 @@ class ClassTable:
                     found[argument.name] = replace(found[argument.name], binding=argument.value)
         return found
 
-    def refuse_circle(self, definition: ClassDefinition, heirs: tuple[ClassDefinition, ...] = ()) -> None:
-        """Raises LagError L0206 for a class that extends itself."""
+    def refuse_circle(self, definition: ClassDefinition, heirs: tuple[ClassDefinition, ...] = (),
+                      clear: dict[int, ClassDefinition] | None = None) -> None:
+        """Raises LagError L0206 for a class that extends itself; `clear` are those that do not, by their ids."""
+        clear = {} if clear is None else clear
+        if id(definition) in clear:
+            return
         if any(definition is heir for heir in heirs):
             fail("L0206", f"{definition.name} extends itself", definition.name_span,
                  " > ".join(heir.name for heir in (*heirs, definition)))
         for element in definition.elements:
             if isinstance(element, Extends) and element.type_name not in BUILTIN_TYPES:
-                self.refuse_circle(self.lookup(element.type_name, element.span), (*heirs, definition))
+                self.refuse_circle(self.lookup(element.type_name, element.span), (*heirs, definition), clear)
+        clear[id(definition)] = definition
 
     def lineage(self, definition: ClassDefinition) -> list[ClassDefinition]:
         """The class and all it extends, each once, though it may extend itself."""

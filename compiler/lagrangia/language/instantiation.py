@@ -9,6 +9,7 @@ from lagrangia.base.records import dataclass
 from lagrangia.language.alike_elements import FEWEST, Alike, First, can_be_copied, copies_of
 from lagrangia.language.attributes import unknown_attributes
 from lagrangia.language.classes import ClassTable
+from lagrangia.language.foreseen import Foreseen
 from lagrangia.language.frame_attributes import OF_ANY_FRAME, SPATIAL_ONLY
 from lagrangia.language.instances import (
     NOTHING,
@@ -54,8 +55,9 @@ from lagrangia.language.tree import (
 )
 
 _ROLES = frozenset({"parameter", "constant", "input", "output", "coordinate"})
-_MOST_ELEMENTS = 1_000_000
+_MOST_ELEMENTS = 100_000  # some 50 us each
 _MOST_COMPONENTS = 100_000
+_MOST_CLASSES = 10_000  # that one inherits
 
 
 @dataclass
@@ -72,6 +74,9 @@ class Instantiation:
     is_package: bool = False  # of which constants alone are made
     before: KeptComponents | None = None  # what was made of the scene as it was
 
+    def __post_init__(self) -> None:
+        self.foreseen = Foreseen(self.table)
+
     def instantiate(
         self, definition: ClassDefinition, path: str, modification: Modification, span: Span, parent: Instance | None,
         roles: frozenset[str] = frozenset()
@@ -87,6 +92,9 @@ class Instantiation:
             self.report.error("L0207", f"{definition.name} contains itself", span,
                               " > ".join(outer.name for outer in (*self.stack, definition)))
             return instance
+        if self.foreseen.classes_of(definition) > _MOST_CLASSES:
+            fail("L0209", f"{definition.name} inherits more than {_MOST_CLASSES} classes, each counted as often as it does", span,
+                 "extend each class once")
         self.stack.append(definition)
         members = list(self._members(definition, modification, Scope(instance)))
         self._check_names(instance, members, modification)
@@ -300,7 +308,7 @@ class Instantiation:
             return
         self._refuse_roles(declaration)
         sizes = self._dimensions(declaration, scope)
-        if self.count + prod(sizes) > _MOST_COMPONENTS:
+        if self.count + prod(sizes) * max(1, self.foreseen.components_of(declaration)) > _MOST_COMPONENTS:
             fail("L0209", f"more than {_MOST_COMPONENTS} components", outside(self.table, declaration.name_span, instance))
         if self.before is not None and instance.parent is None:
             instance.members[key_of(declaration)] = self._kept(self.before, instance, declaration, change, sizes)

@@ -4,25 +4,32 @@ from collections.abc import Iterable, Sequence
 from math import floor, prod
 from typing import Any, Protocol
 
-from lagrangia.base.diagnostics import Diagnostic, Span, TooMuchError, fail
+from lagrangia.base.diagnostics import Diagnostic, LagError, Span, TooMuchError, fail
 from lagrangia.base.records import dataclass
 from lagrangia.language.elements import element, length
 from lagrangia.language.enumerations import Enumerations, from_to
 from lagrangia.language.folding import fold
 from lagrangia.language.implied_ranges import sizes_asked
 from lagrangia.language.instances import Scope, StructuralValues
+from lagrangia.language.mentions import children
 from lagrangia.language.tree import (
+    Assignment,
+    Binary,
+    Call,
     Comprehension,
     EnumerationLiteral,
     Expression,
     Flat,
     ForBlock,
+    IfBlock,
     Iterator,
     Number,
     Range,
     Ref,
     Reference,
+    Results,
     Unary,
+    WhileBlock,
 )
 from lagrangia.language.units import name_of_unit, parse_unit
 from lagrangia.language.units_written import dimension_of_known
@@ -77,20 +84,29 @@ class Loops(Enumerations, StructuralValues, Protocol):
                 if len(passes) > _MOST_ITERATIONS:
                     fail("L0209", f"a loop of more than {_MOST_ITERATIONS} passes", iterator.span)
             scopes = passes
-        self.work.foresee(len(scopes) * sum(self._foreseen(part, scope) for part in body), iterators[0].span)
+        names = frozenset(iterator.name for iterator in iterators) | _given(body)
+        ahead = sum(self._foreseen(part, scopes[0], names) for part in body) if scopes else 0
+        self.work.foresee(len(scopes) * ahead, iterators[0].span)
         self.work.spend(len(scopes) * len(body), iterators[0].span)
         return scopes
 
-    def _foreseen(self, node: Any, scope: Scope) -> int:
-        """At least how many clauses or terms one inside a loop is unrolled to, by ranges in it that are written in numbers."""
+    def _foreseen(self, node: Any, scope: Scope, names: frozenset[str]) -> int:
+        """At least how many clauses or terms one inside a loop is unrolled to, by ranges in it that do not follow from `names`,
+        of the iterators around it."""
+        if isinstance(node, Binary | Unary | Call):
+            return max(1, sum(self._foreseen(part, scope, names) for part in children(node) if _may_unroll(part)))
         if not isinstance(node, ForBlock | Comprehension):
             return 1
         ranges = [iterator.range for iterator in node.iterators]
-        if not all(isinstance(r, Range) and r.step is None and _is_literal(r.start) and _is_literal(r.stop) for r in ranges):
+        inside = names.union(iterator.name for iterator in node.iterators)
+        if not all(isinstance(r, Range) and all(_is_free(end, inside) for end in (r.start, r.stop, r.step)) for r in ranges):
             return 1
-        passes = prod(len(self._range(r, scope)) for r in ranges if isinstance(r, Range))
+        try:
+            passes = prod(len(self._range(r, scope)) for r in ranges if isinstance(r, Range))
+        except LagError:  # told at its place
+            return 1
         body = node.body if isinstance(node, ForBlock) else (node.body,)
-        return passes * sum(self._foreseen(part, scope) for part in body)
+        return passes * sum(self._foreseen(part, scope, inside) for part in body)
 
     def _passes(self, iterator: Iterator, scope: Scope, body: Sequence[Any]) -> Sequence[int | Flat]:
         if iterator.range is not None:
@@ -156,6 +172,33 @@ def _unit_of(parts: Sequence[Expression], ends: Sequence[Flat], span: Span) -> s
     if not dimensions:
         return None
     return next(iter(written)) if len(written) == 1 else name_of_unit(next(iter(dimensions)))
+
+
+def _given(body: Sequence[Any]) -> frozenset[str]:
+    """Names of variables that clauses of an algorithm give values."""
+    found = set[str]()
+    for clause in body:
+        if isinstance(clause, Assignment):
+            targets = clause.target.items if isinstance(clause.target, Results) else (clause.target,)
+            found |= {target.parts[0].name for target in targets if isinstance(target, Reference)}
+        elif isinstance(clause, ForBlock | WhileBlock):
+            found |= _given(clause.body)
+        elif isinstance(clause, IfBlock):
+            found |= _given((*clause.then, *clause.otherwise))
+    return frozenset(found)
+
+
+def _may_unroll(node: Any) -> bool:
+    return isinstance(node, Comprehension | Binary | Unary | Call)
+
+
+def _is_free(node: Any, names: frozenset[str]) -> bool:
+    """Whether an end of a range is a number, or follows from plain names that are none of these."""
+    if isinstance(node, Binary | Unary):
+        return all(_is_free(part, names) for part in children(node))
+    if isinstance(node, Reference):
+        return len(node.parts) == 1 and not node.parts[0].subscripts and node.parts[0].name not in names
+    return node is None or isinstance(node, Number)
 
 
 def _is_literal(node: Expression) -> bool:

@@ -3,6 +3,7 @@
 from collections.abc import Callable, Mapping, Sequence
 from functools import reduce
 from itertools import chain
+from math import prod
 
 from lagrangia.base.diagnostics import Span, fail
 from lagrangia.language.elements import Size, element, length
@@ -150,9 +151,13 @@ def _integer(value: int, span: Span) -> Number:
 def _fill(call: Call[Flat], size: Size) -> Flat:
     value, *sizes = call.arguments
     counts = [_count(n) for n in sizes]
-    if reduce(lambda a, b: a * b, counts, 1) > _MOST_ELEMENTS:
-        fail("L0209", f"an array of more than {_MOST_ELEMENTS} elements", call.span)
+    _refuse_many(counts, call.span)
     return reduce(lambda inner, n: Array((inner,) * n, call.span), reversed(counts), value)
+
+
+def _refuse_many(counts: Sequence[int], span: Span) -> None:
+    if prod(counts) > _MOST_ELEMENTS:
+        fail("L0209", f"an array of more than {_MOST_ELEMENTS} elements", span)
 
 
 def _filled(value: float) -> Callable[[Call[Flat], Size], Flat]:
@@ -160,6 +165,7 @@ def _filled(value: float) -> Callable[[Call[Flat], Size], Flat]:
 
 
 def _identity(n: int, span: Span) -> Array[Flat]:
+    _refuse_many((n, n), span)
     return _matrix([[_integer(int(i == j), span) for j in range(n)] for i in range(n)], span)
 
 
