@@ -123,12 +123,15 @@ void lag_contacts_find_errors(LagRun *run)
     const int first = lag_when(model, 0);
     LagSwitches *s = &run->switches;
     double *error = run->sliding.error;
+    const LagScale scale = run->scale;
     if (model->n_whens == 0 || !model->switches_need_acceleration)
         return;
     memset(error + first, 0, (size_t)(model->n_switches - first) * sizeof *error);
     lag_conditions_of_events(run, s->g_begin, s->rate);
     note_times(run);
+    run->scale.rate_rounding = run->scale.step = run->scale.reach = 0; /* a rate is known as well after a step as short as can be */
     lag_conditions_units(run, run->motion.y, 1, s->error);
+    run->scale = scale;
     if (!run->started)
         foresee_errors(run, s->error);
     for (int pattern = 0; pattern < LAG_PATTERNS; ++pattern)
