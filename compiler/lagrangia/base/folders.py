@@ -11,6 +11,8 @@ from pathlib import Path
 
 _PACKAGE = Path(__file__).resolve().parents[1]
 _ROOM = 4 << 20  # bytes: the run time and a scene, twice over
+_REMARKS: dict[str, bool] = {}  # warnings of folders, each once, and whether they are told
+_KEEPERS: list[bool] = []  # while there are any, they wait
 
 
 def data_folder(name: str) -> Path:
@@ -107,10 +109,33 @@ def note_use(path: Path) -> None:
     os.utime(path, ns=(time.time_ns(), path.stat().st_mtime_ns))
 
 
-@cache
 def _tell_untrusted(folder: Path) -> None:
-    print(f"warning[L0742]: the cache folder '{folder}' is not used: others own it or may write to it, and what it holds is run\n"
-          f"   = chmod go-w makes a folder of your own safe; LAGRANGIA_CACHE names another one", file=sys.stderr)
+    text = (f"warning[L0742]: the cache folder '{folder}' is not used: others own it or may write to it, and what it holds is "
+            "run\n   = chmod go-w makes a folder of your own safe; LAGRANGIA_CACHE names another one")
+    if text not in _REMARKS:
+        _REMARKS[text] = not _KEEPERS
+        if not _KEEPERS:
+            print(text, file=sys.stderr)
+
+
+@contextlib.contextmanager
+def remarks_kept() -> Iterator[None]:
+    """Warnings of folders wait until it is known which are allowed, see `kept_remarks`; what nobody asks for is told at last."""
+    _REMARKS.clear()
+    _KEEPERS.append(True)
+    try:
+        yield
+    finally:
+        _KEEPERS.pop()
+        for text in kept_remarks():
+            print(text, file=sys.stderr)
+
+
+def kept_remarks() -> list[str]:
+    """Those not told yet, which count as told then."""
+    found = [text for text, is_told in _REMARKS.items() if not is_told]
+    _REMARKS.update(dict.fromkeys(found, True))
+    return found
 
 
 def has_room(folder: Path) -> bool:

@@ -12,6 +12,7 @@ from typing import Any
 
 from lagrangia.base.cutting import split_list
 from lagrangia.base.diagnostics import WARNINGS, fail, suggest
+from lagrangia.base.folders import kept_remarks
 from lagrangia.base.memory import keep_freed_memory
 from lagrangia.base.result_files import keep_apart, require_kind
 from lagrangia.base.spelling import read_number
@@ -80,8 +81,8 @@ def tell_warnings(options: Namespace, model: Model) -> None:
         stop, at = options.time, None
     begin = model.scene.start if start is None else start
     end = stop if stop is not None else max(moments(at), default=model.scene.stop) if at is not None else model.scene.stop
-    tell(options, model, [text for text in model.warnings if text not in limits or (
-        limits[text][0] <= begin and end <= limits[text][1])])
+    tell(options, model, [*kept_remarks(), *(text for text in model.warnings if text not in limits or (
+        limits[text][0] <= begin and end <= limits[text][1]))])
 
 
 def tell_inputs(options: Namespace, model: Model, experiment: Any, given: Any) -> None:

@@ -22,8 +22,8 @@ _MOST_NAMED = 12
 
 
 def check_command(options: Namespace) -> int:
-    """Compiles every file; the exit code is 2 when one is wrong."""
-    wrong = 0
+    """Compiles every file; the exit code is 2 when one is wrong. Raises LagError L0706, L0710, of all of them."""
+    wrong, strict = 0, Report()
     for file in options.files:
         models, parts, found = _compiled(file)
         problems = [model.freedom["problem"] for model in models if model.freedom["problem"]]
@@ -36,7 +36,11 @@ def check_command(options: Namespace) -> int:
             print(f"{plain_text(str(file))}: {len(parts)} model{'s' if len(parts) != 1 else ''} for others to use: {names}")
         for model in models:
             print(f"{plain_text(str(file))}: {_describe(model.scene, model.freedom)}")
-            tell_warnings(options, model)
+            try:
+                tell_warnings(options, model)
+            except LagError as error:
+                strict.add(error.diagnostics)
+    strict.raise_errors()
     return 2 if wrong else 0
 
 

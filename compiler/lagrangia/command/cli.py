@@ -10,6 +10,7 @@ import warnings
 from collections.abc import Sequence
 
 from lagrangia.base.diagnostics import EngineWarning, LagError, RunError, render_all
+from lagrangia.base.folders import kept_remarks, remarks_kept
 from lagrangia.base.interruptions import INTERRUPTED, ended_as_by_control_c
 from lagrangia.base.search_path import searching_in
 from lagrangia.base.spelling import plain_text, prepare_output
@@ -38,8 +39,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _execute(parsed: argparse.Namespace) -> int:
     try:
         refuse_idle(parsed, parsed.parser.get_default)
-        with searching_in(getattr(parsed, "path", [])):
+        with searching_in(getattr(parsed, "path", [])), remarks_kept():
             code = int(parsed.command(parsed))
+            _tell_folders(parsed)
         sys.stdout.flush()
         return code
     except LagError as error:
@@ -65,6 +67,14 @@ def _execute(parsed: argparse.Namespace) -> int:
         if "std::bad_alloc" in str(error):  # as CasADi says it
             return _out_of_memory()
         return _refused(error) or _confess(error)
+
+
+def _tell_folders(parsed: argparse.Namespace) -> None:
+    """Of commands that tell no warnings of a model. Raises LagError L0710."""
+    if hasattr(parsed, "allow") and (kept := kept_remarks()):
+        from lagrangia.command.arguments import tell_texts
+
+        tell_texts(parsed, kept)
 
 
 def _refused(error: Exception) -> int:
@@ -100,7 +110,6 @@ def _confess(error: Exception) -> int:
 
 def _is_colored() -> bool:
     return sys.stderr.isatty() and "NO_COLOR" not in os.environ
-
 
 
 if __name__ == "__main__":

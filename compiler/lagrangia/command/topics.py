@@ -8,7 +8,7 @@ from lagrangia.command.attitudes_topic import ATTITUDES
 from lagrangia.command.curves_topic import curves_topic
 from lagrangia.command.drawing_topic import drawing_topic
 from lagrangia.command.editor_topic import EDITOR
-from lagrangia.command.errors_topic import ERRORS
+from lagrangia.command.errors_topic import ERRORS, warnings_topic
 from lagrangia.command.fmu_topic import FMU
 from lagrangia.command.library_topic import DRIVES, library_topic, reference_topic
 from lagrangia.command.signals_topic import SIGNALS
@@ -471,6 +471,7 @@ TOPICS: Mapping[str, tuple[str, Callable[[], str]]] = {
     "analysis": ("equilibria, small motion, modes, frequency response", lambda: _ANALYSIS),
     "editor": ("texts: layout, style, tests, pages, language server", lambda: EDITOR),
     "errors": ("diagnostics and exit codes", lambda: ERRORS),
+    "warnings": ("codes of warnings, and how they are allowed", warnings_topic),
 }
 
 

@@ -30,14 +30,16 @@ _ANGLES = ("deg", "rad", "rev")
 
 
 def look_at_style(index: Index) -> list[Diagnostic]:
-    """Warnings L0801 to L0806, but those that the class they are about allows."""
+    """Warnings L0801 to L0806, but those that the class they are about allows; of the layout any class of the text may."""
     found: list[Diagnostic] = []
+    everywhere: set[str] = set()
     for definition, allowed in _classes(index, index.syntax.classes, ()):
         report = Report()
         for look in (_unused, _shadowed, _numbers, _names, _units_spelled_out):
             look(index, definition, report)
         found += [diagnostic for diagnostic in report.diagnostics if diagnostic.code not in allowed]
-    return [*found, *_layout(index.syntax.source)]
+        everywhere.update(allowed)
+    return found if "L0806" in everywhere else [*found, *_layout(index.syntax.source)]
 
 
 def _classes(index: Index, classes: Sequence[ClassDefinition], allowed: tuple[str, ...]
