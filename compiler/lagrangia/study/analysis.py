@@ -29,7 +29,7 @@ from lagrangia.study.corners_at_rest import BENT, bends_at
 from lagrangia.study.equilibria import Equilibria, Equilibrium
 from lagrangia.study.linearization import Given, Linearization, TangentParts, linearization, no_mass, tangent_of, with_signals
 from lagrangia.study.modes import Modes, find_modes, modes_of_ways, stability_of_ways
-from lagrangia.study.moving import about_motion
+from lagrangia.study.moving import about_motion, in_turning_axes
 from lagrangia.study.probes import Probe, find_probes, unprobed, usual_probes
 from lagrangia.study.response import Response, find_response
 from lagrangia.study.rest_equations import Resting, forces_of_grip, told_grip
@@ -395,6 +395,8 @@ class Study(Beginning):
         is_rest = left <= _BALANCED * float(np.abs(R).max(initial=0.0)) and not moves
         if (e.m or (moves and self.turned.names)) and not is_rest:
             return about_motion(self, e, (q, v, free), pace)
+        if moves and (turned := in_turning_axes(self, e, (q, v, free), pace)) is not None:
+            return turned
         try:
             a = None if is_rest else np.asarray(-np.linalg.solve(M, R), dtype=np.float64)
         except np.linalg.LinAlgError:

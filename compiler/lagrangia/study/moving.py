@@ -8,9 +8,7 @@ da = P z' + Tz z + Tx x, where x and z are entries of dq and dv. Virtual motion 
 with M, C, K as in linearization.py. Of a wheel that rolls forward, x' is not z alone: a small turn aside makes it leave its line.
 """
 
-from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import Any, Protocol
 
 import numpy as np
 
@@ -31,71 +29,17 @@ from lagrangia.study.linearization import (
     observation,
     pivots,
 )
+from lagrangia.study.moved import Held, Moment, State, Study
 from lagrangia.study.small_motion import SmallMotion
+from lagrangia.study.turning_axes import TurningAxes
 
 _RANK, _STEADY = 1e-9, 1e-9
 _NO_MASS = 1e-13  # of the heaviest, in natural sizes
 _SEEN = ("attitudes turn, and small turns are told in the turned axes: frequencies are as they are seen from there, those of the "
          "world less or more by what it turns")
+_TURNS = ("the motion there is steady in axes that turn with it, in which deviations and frequencies are told; inputs and "
+          "outputs are of that moment")
 _LATER = (0.0123, 1.71)  # s: moments at which steady motion is as it was
-
-
-class Study(Protocol):
-    """What is asked of analysis.py."""
-
-    c: Any
-    scene: Any
-    names: tuple[str, ...]
-    turned: Any
-
-    def advanced(self, q: Matrix, v: Matrix, moment: float) -> "tuple[Study, Matrix]":
-        """The same after so many seconds at these rates, where attitudes are told against those there, and the position."""
-
-    def centred(self, q: Matrix) -> "tuple[Study, Matrix]":
-        """The same where attitudes are told against those of a position, and the position."""
-
-    def resting(self, e: SmallMotion, pace: float) -> Any:
-        """The equations at rest in numbers."""
-
-    def point(self, q: Matrix, v: Matrix) -> dict[str, float]:
-        """Positions by their names."""
-
-    @property
-    def signals(self) -> Any:
-        """The first-order states."""
-
-    @property
-    def reach(self) -> Matrix:
-        """Natural sizes of the coordinates."""
-
-    def call(self, function: Any, q: Matrix, lam: Matrix, pace: float, v: Matrix | None = None, a: Matrix | None = None
-             ) -> list[Matrix]:
-        """Values of a function of the state."""
-
-    def slopes(self, e: SmallMotion, function: Any, names: Sequence[str], q: Matrix, lam: Matrix, pace: float,
-               v: Matrix | None = None, a: Matrix | None = None) -> Mapping[str, list[Matrix]]:
-        """Derivatives of a function's values."""
-
-    def tangent(self, e: SmallMotion, q: Matrix, lam: Matrix, pace: float, v: Matrix | None = None, a: Matrix | None = None
-                ) -> tuple[TangentParts, list[int]]:
-        """What holds at a state."""
-
-    def observed(self, e: SmallMotion, q: Matrix, lam: Matrix, pace: float, v: Matrix | None = None, a: Matrix | None = None
-                 ) -> list[Matrix]:
-        """Outputs and their derivatives."""
-
-
-@dataclass(frozen=True)
-class Held:
-    """What rows let small changes be: `coordinates` and `rates` are the places of x and z."""
-
-    coordinates: tuple[int, ...]
-    rates: tuple[int, ...]
-    N: Matrix  # (n, f)
-    P: Matrix  # (n, w)
-    S: Matrix  # (n, f)
-    Tz: Matrix  # (n, w)
-    Tx: Matrix  # (n, f)
 
 
 @dataclass(frozen=True)
@@ -184,24 +128,41 @@ def moving_linearization(parts: TangentParts, held: Held, given: Given, a: Matri
     )
 
 
-def about_motion(study: Study, e: SmallMotion, state: tuple[Matrix, Matrix, Matrix], pace: float) -> Linearization:
+def about_motion(study: Study, e: SmallMotion, state: State, pace: float) -> Linearization:
     """About q, v and, behind the multipliers, forces of contacts and shares of friction. Raises LagError L0916, RunError."""
     what = "first-order states" if study.scene.flowing else "supports that move" if pace == 0.0 else ""
     if what:
         fail("L0916", f"not supported yet: {what} in small motion of a scene that moves while constraints hold it",
              study.c.flat.span, "linearise about the equilibrium found from there: --about equilibrium")
-    q, v, free = state
-    centred, position = study.advanced(q, v, 0.0)
-    choice = choose(study.tangent(e, q, free, pace, v)[0], _weights(study), study.signals.kept_places)
-    here = _at(centred, e, (position, v, free), choice)
+    centred, place, choice = _centred(study, e, state, pace)
+    here = _at(centred, e, place, choice).linear
     size = _STEADY * float(np.abs(here.A).max(initial=1e-300))
     later = (_later(study, e, state, choice, moment) for moment in _LATER)
     stays = all(other is not None and np.abs(other.A - here.A).max(initial=0.0) <= size for other in later)
     is_steady = stays and float(np.abs(here.drift).max(initial=0.0)) <= size
+    if not is_steady and (turned := in_turning_axes(study, e, state, pace)) is not None:
+        return turned
     word = ("the motion there is steady: free rates stay as they are" if is_steady else "the motion there is not steady: the "
             "matrices are of that moment, and eigenvalues do not tell whether it is stable")
     seen = (_SEEN,) if study.turned.names else ()
     return replace(here, notes=(*here.notes, word, *seen))
+
+
+def in_turning_axes(study: Study, e: SmallMotion, state: State, pace: float) -> Linearization | None:
+    """About q, v and the rest, as `about_motion`, where the motion is steady in axes that turn with it; else None."""
+    if pace == 0.0 or e.is_timed or study.scene.flowing or not state[1].any():
+        return None
+    centred, place, choice = _centred(study, e, state, pace)
+    found = TurningAxes(centred, e, place, lambda other, there: _at(other, e, there, choice)).found()
+    return None if found is None else replace(found, notes=(*found.notes, _TURNS))
+
+
+def _centred(study: Study, e: SmallMotion, state: State, pace: float) -> tuple[Study, State, Choice]:
+    """With attitudes told against those of the state, and what follows there."""
+    q, v, free = state
+    choice = choose(study.tangent(e, q, free, pace, v)[0], _weights(study), study.signals.kept_places)
+    centred, position = study.advanced(q, v, 0.0)
+    return centred, (position, v, free), choice
 
 
 def _weights(study: Study) -> tuple[Matrix, Matrix]:
@@ -212,7 +173,7 @@ def _weights(study: Study) -> tuple[Matrix, Matrix]:
     return places, rates
 
 
-def _later(study: Study, e: SmallMotion, state: tuple[Matrix, Matrix, Matrix], choice: Choice, moment: float
+def _later(study: Study, e: SmallMotion, state: State, choice: Choice, moment: float
            ) -> Linearization | None:
     """After so many seconds at these free rates, the others following; None where the scene does not come there."""
     q, v, free = state
@@ -227,12 +188,12 @@ def _later(study: Study, e: SmallMotion, state: tuple[Matrix, Matrix, Matrix], c
     v = v.copy()
     v[held] -= np.linalg.pinv(there.tangent(e, position, free, 1.0, v)[0].rates[:, held], rcond=_RANK) @ rates
     try:
-        return _at(there, e, (position, v, free), choice)
+        return _at(there, e, (position, v, free), choice).linear
     except RunError:  # some motion moves no mass there
         return None
 
 
-def _at(study: Study, e: SmallMotion, state: tuple[Matrix, Matrix, Matrix], choice: Choice) -> Linearization:
+def _at(study: Study, e: SmallMotion, state: State, choice: Choice) -> Moment:
     q, v, free = state
     R, bias = (study.call(function, q, free, 1.0, v)[0].ravel() for function in (e.static, e.second))
     first, _ = study.tangent(e, q, free, 1.0, v)
@@ -248,4 +209,4 @@ def _at(study: Study, e: SmallMotion, state: tuple[Matrix, Matrix, Matrix], choi
     given = Given(study.scene.name, study.names, tuple(p.name for p in e.probes), e.outputs,
                   study.point(q, v), R, False, study.observed(e, q, lam, 1.0, v, a))
     names = tuple(rate.name for rate in study.scene.rates)
-    return moving_linearization(parts, held, given, a, names, study.turned.dragging(v))
+    return Moment(moving_linearization(parts, held, given, a, names, study.turned.dragging(v)), held, a)
