@@ -34,21 +34,26 @@ static void set_contact(LagRun *run, int k, double *g, double *rate)
     }
 }
 
+static void put_far(const LagSwitches *s, int i, double *g, double *rate)
+{
+    g[i] = s->held[i] > 0 ? 1 : -1;
+    rate[i] = 0;
+}
+
 /* Conditions that are not asked for, which none but events have where switches are live. */
 static void set_far(LagRun *run, double *g, double *rate)
 {
     LagSwitches *s = &run->switches;
     const LagModel *model = run->model;
     const int first = lag_when(model, 0);
-    for (int i = 0; i < model->n_switches; ++i) {
-        if (lag_is_event(model, i)) {
-            if (run->impacts.has_contact[i - first])
-                set_contact(run, i - first, g, rate);
-        } else if (i < first ? s->is_live : !s->slides[i]) {
-            g[i] = s->held[i] > 0 ? 1 : -1;
-            rate[i] = 0;
-        }
-    }
+    for (int i = 0; i < first && s->is_live; ++i)
+        put_far(s, i, g, rate);
+    for (int k = 0; k < model->n_whens; ++k)
+        if (run->impacts.has_contact[k])
+            set_contact(run, k, g, rate);
+    for (int i = lag_gap(model, 0); i < model->n_switches; ++i)
+        if (!s->slides[i])
+            put_far(s, i, g, rate);
 }
 
 void lag_conditions(LagRun *run, double t, const double *y, double *g, double *rate)

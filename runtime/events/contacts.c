@@ -117,16 +117,39 @@ static void foresee_errors(LagRun *run, double *error)
     }
 }
 
+int lag_contacts_key(const LagModel *model)
+{
+    return 1 + 4 * model->n + model->n_modes + model->n_switches + model->n_resets + model->n_rests;
+}
+
+/* Whether errors were found at this state and by these units already, since conditions were entered last; notes where they are. */
+static int are_known(LagRun *run)
+{
+    const LagModel *model = run->model;
+    const LagMotion *m = &run->motion;
+    LagImpacts *s = &run->impacts;
+    const size_t size = 2 * (size_t)m->n, held = (size_t)lag_contacts_key(model) - 1 - 2 * size;
+    double *y = s->known_at + 1, *units = y + size, *d = units + size;
+    const int is_same = s->is_known && s->known_at[0] == m->t && memcmp(y, m->y, size * sizeof *y) == 0
+        && memcmp(units, run->switches.error, size * sizeof *y) == 0 && memcmp(d, run->d, held * sizeof *d) == 0;
+    s->known_at[0] = m->t;
+    memcpy(y, m->y, size * sizeof *y);
+    memcpy(units, run->switches.error, size * sizeof *y);
+    memcpy(d, run->d, held * sizeof *d);
+    s->is_known = model->n_delays == 0;
+    return is_same;
+}
+
 void lag_contacts_find_errors(LagRun *run)
 {
     const LagModel *model = run->model;
     const int first = lag_when(model, 0);
     LagSwitches *s = &run->switches;
-    double *error = run->sliding.error;
+    double *error = run->sliding.error + first;
+    const size_t size = 3 * (size_t)model->n_whens * sizeof *error;
     const LagScale scale = run->scale;
     if (model->n_whens == 0 || !model->switches_need_acceleration)
         return;
-    memset(error + first, 0, (size_t)(model->n_switches - first) * sizeof *error);
     lag_conditions_of_events(run, s->g_begin, s->rate);
     note_times(run);
     run->scale.rate_rounding = run->scale.step = run->scale.reach = 0; /* a rate is known as well after a step as short as can be */
@@ -134,8 +157,14 @@ void lag_contacts_find_errors(LagRun *run)
     run->scale = scale;
     if (!run->started)
         foresee_errors(run, s->error);
+    if (are_known(run)) {
+        memcpy(error, run->impacts.known, size);
+        return;
+    }
+    memset(error, 0, size);
     for (int pattern = 0; pattern < LAG_PATTERNS; ++pattern)
         note_errors(run, pattern);
+    memcpy(run->impacts.known, error, size);
 }
 
 int lag_contacts_is_inside(const LagRun *run, int i, double g)

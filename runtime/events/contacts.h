@@ -4,8 +4,12 @@
 
 #include "events/impacts.h"
 
-/* At the present state: into sliding.error, what one tolerance of it makes of the conditions of contacts. */
+/* At the present state: into sliding.error, what one tolerance of it makes of the conditions of contacts; those found
+ * last where nothing has changed. */
 void lag_contacts_find_errors(LagRun *run);
+
+/* How many numbers say where that was: the time, the state, its units, and all modes, switches and shares. */
+int lag_contacts_key(const LagModel *model);
 
 /* How far condition i may be on without being taken for it. */
 double lag_contacts_margin(const LagRun *run, int i);

@@ -120,22 +120,34 @@ static double closeness(const LagRun *run, int i)
     return lag_is_event(run->model, i) && run->impacts.has_contact[k] ? run->sliding.error[lag_gap(run->model, k)] : 0;
 }
 
-/* Whether conditions at the share x of a part of the step are what cubics say. */
-static int are_cubic(LagRun *run, Part part, double x)
+/* How well cubics describe conditions in a part of a step: some are off; as far as parts need; as well as conditions are known. */
+typedef enum { UNLIKE, ROUGHLY, TO_ROUNDING } Likeness;
+
+/* The likeness at the share x of the part. */
+static Likeness look_for_cubics(LagRun *run, Part part, double x)
 {
     const LagSwitches *s = &run->switches;
     const double width = (part.high - part.low) * (run->motion.t - run->motion.t_old);
+    Likeness found = TO_ROUNDING;
     look_at(run, part.low + x * (part.high - part.low));
     for (int i = 0; i < run->model->n_switches; ++i) {
         const double a = s->g_begin[i], b = s->g[i], ra = width * s->rate_begin[i], rb = width * s->rate[i];
         const double size = lag_max(lag_max(fabs(a), fabs(b)), fabs(s->g_inside[i]));
-        if (!(fabs(cubic(a, b, ra, rb, x) - s->g_inside[i]) <= ROUGH * size + s->unknown[i] + closeness(run, i)))
-            return 0;
+        const double miss = fabs(cubic(a, b, ra, rb, x) - s->g_inside[i]);
+        if (!(miss <= s->unknown[i])) {
+            if (!(miss <= ROUGH * size + s->unknown[i] + closeness(run, i)))
+                return UNLIKE;
+            found = ROUGHLY;
+        }
     }
-    return 1;
+    return found;
 }
 
-static int is_resolved(LagRun *run, Part part) { return are_cubic(run, part, EARLY) && are_cubic(run, part, LATE); }
+static Likeness resolve(LagRun *run, Part part)
+{
+    const Likeness early = look_for_cubics(run, part, EARLY), late = early ? look_for_cubics(run, part, LATE) : UNLIKE;
+    return early < late ? early : late;
+}
 
 /* A place where a condition that holds at both ends does not; -1: none was found. */
 static double find_dip(LagRun *run, int i, Part part)
@@ -303,7 +315,7 @@ static int is_first(LagRun *run, Part part, double found)
     if (!(found > part.low))
         return 1;
     evaluate_end(run, found);
-    return is_resolved(run, before);
+    return resolve(run, before) != UNLIKE;
 }
 
 /* How long steps may be for their conditions to be simple, after one that was looked at in parts. */
@@ -355,13 +367,15 @@ double lag_crossing_find(LagRun *run)
     for (double low = 0; low < 1;) {
         const Part part = {low, low + width < 1 ? low + width : 1};
         evaluate_end(run, part.high);
-        if ((is_due || (!is_paused && turns(run, (part.high - part.low) * h))) && !is_resolved(run, part) && width > NARROWEST) {
+        const int is_looked_at = is_due || (!is_paused && turns(run, (part.high - part.low) * h));
+        const Likeness like = is_looked_at ? resolve(run, part) : ROUGHLY;
+        if (like == UNLIKE && width > NARROWEST) {
             width /= 2;
             narrowest = lag_min(width, narrowest);
             continue;
         }
         const double found = find_in_part(run, part);
-        if (found < LAG_NOWHERE && (is_paused || width <= NARROWEST || is_first(run, part, found)))
+        if (found < LAG_NOWHERE && (is_paused || width <= NARROWEST || like == TO_ROUNDING || is_first(run, part, found)))
             return found;
         if (found < LAG_NOWHERE) {
             width /= 2;

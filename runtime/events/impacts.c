@@ -37,6 +37,8 @@ void lag_impacts_layout(LagImpacts *s, const LagModel *model, int size, LagArena
     s->rounding = lag_take(arena, resets > 0 ? 2 * (size_t)model->n : 0);
     s->by_time = lag_take(arena, (size_t)model->n_whens);
     s->slack = lag_take(arena, (size_t)model->n_whens);
+    s->known_at = lag_take(arena, model->n_whens > 0 ? (size_t)lag_contacts_key(model) : 0);
+    s->known = lag_take(arena, 3 * (size_t)model->n_whens);
     s->which = lag_take_ints(arena, resets);
     s->rate = lag_take(arena, resets);
     s->wanted = lag_take(arena, resets);
@@ -61,6 +63,7 @@ void lag_impacts_reset(LagRun *run)
     for (int j = 0; j < run->model->n_resets; ++j)
         run->impacts.has_contact[lag_event_of(run->model, j)] |= lag_is_contact(run->model, j);
     run->impacts.coarse = 0;
+    run->impacts.is_known = 0;
     run->impacts.at_once = 0;
     run->impacts.seen = INFINITY;
     run->impacts.struck = NAN;
@@ -165,6 +168,15 @@ static int find_contact(LagRun *run, int k, int comes)
     return approaches;
 }
 
+/* Whether an event that is no contact compares a rate with what resets may set it to. */
+static int has_levels(const LagRun *run)
+{
+    for (int k = 0; k < run->model->n_whens; ++k)
+        if (!run->impacts.has_contact[k] && run->model->on_level[k] >= 0)
+            return 1;
+    return 0;
+}
+
 /* How far conditions may be off after resets, by rounding of the rates that these have changed. */
 static void find_met(LagRun *run)
 {
@@ -172,6 +184,8 @@ static void find_met(LagRun *run)
     const LagMotion *m = &run->motion;
     double *met = run->impacts.met, *state = run->impacts.state;
     memset(met, 0, (size_t)run->model->n_whens * sizeof *met);
+    if (!has_levels(run))
+        return;
     for (int pattern = 0; pattern < LAG_PATTERNS; ++pattern) {
         lag_conditions_disturb(run, m->y, run->impacts.rounding, pattern, state);
         lag_conditions_by(run, m->t, state, state + m->n, s->slope + m->n, s->g_inside, s->rate_inside);

@@ -28,6 +28,9 @@ typedef struct {
     double struck;   /* the time of the latest resets; NaN: of none yet */
     double *met;     /* n_whens: how far conditions may be off by that */
     double *by_time; /* n_whens: how much of a gap, or else of the condition, cannot be told since the time cannot */
+    double *known_at, *known; /* where, and by which units and what is held, sliding.error was found last: see lag_contacts_find_errors;
+                               * and the errors (3 n_whens) */
+    int is_known;
     double *slack;   /* n_whens: how far what rests may pass, which others hold, without being an event */
     double seen;     /* the time up to which the next step may go, so that a short bounce is seen in it */
     int at_once;     /* events in a row between which no time passed */

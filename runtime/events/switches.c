@@ -267,6 +267,7 @@ int lag_switches_enter(LagRun *run)
     lag_cones_look(run);
     lag_switches_forget(run);
     lag_sliding_forget_impact(run);
+    run->impacts.is_known = 0;
     return turned;
 }
 

@@ -226,7 +226,7 @@ static const double *other_end(LagRun *run, const LagTaylor *s, double planned)
     LagMotion *m = &run->motion;
     if (!s->is_fresh && !run->scale.is_resting)
         return m->other;
-    displacement(s, run->model, s->jets, s->order, planned, m->sum);
+    displacement(s, run->model, s->jets, s->top, planned, m->sum);
     for (int i = 0; i < 2 * m->n; ++i)
         m->point[i] = m->y[i] + m->sum[i];
     return m->point;
@@ -366,7 +366,8 @@ static void take(LagRun *run, LagTaylor *s, double t_new, double length)
     s->jets = s->old_jets;
     s->old_jets = jets;
     s->begun = 1;
-    s->is_fresh = s->old_top = 0;
+    s->is_fresh = 0;
+    s->old_top = s->top;
     lag_motion_take(&run->motion, t_new);
     run->step = length;
     lag_step_record(run, length);
@@ -376,6 +377,18 @@ static void take(LagRun *run, LagTaylor *s, double t_new, double length)
 static int needs_live_switches(const LagRun *run, int in_vain, double wrong)
 {
     return run->switches.is_live || (in_vain >= PATIENCE && !(wrong < INFINITY) && run->model->n_switches > 0);
+}
+
+/* The order from which on nothing is left of a series: digits are the same without. */
+static int top_of(const LagTaylor *s, const LagModel *model, double *jets)
+{
+    const int n = model->n, pitch = model->jet_pitch;
+    const int least = model->is_long_state ? s->order : lag_taylor_top_of_turned(model, jets, s->order);
+    for (int k = s->order; k > 1 && k > least; --k)
+        for (int i = 0; i < 2 * n + model->n_power; ++i)
+            if ((i < 2 * n ? jet(model, jets, 1 + i)[k * pitch] : power_jet(model, jets, i - 2 * n)[(k - 1) * pitch]) != 0)
+                return k;
+    return least > 1 ? least : 1;
 }
 
 static LagStatus step(LagRun *run)
@@ -391,6 +404,7 @@ static LagStatus step(LagRun *run)
         return run->methods.table->step(run);
     if (is_live || !build(run, s, s->order))
         return lag_turn_fall_back(run) ? run->methods.table->step(run) : lag_step_give_up(run, 0);
+    s->top = top_of(s, run->model, s->jets);
     const double longest = GROW * lag_max(run->step, lag_step_smallest(m->t)); /* at rest a series says nothing of what comes */
     double h = lag_min(length_of(run, s), longest);
     if (lag_taylor_turns_too_far(run, m->y, h))
@@ -401,7 +415,7 @@ static LagStatus step(LagRun *run)
         const double t_new = lag_step_end(run, h), length = t_new - m->t;
         if (!(h >= lag_step_smallest(m->t))) /* what is left before an end may be shorter */
             return lag_step_give_up(run, run->statistics.worst);
-        displacement(s, run->model, s->jets, s->order, length, m->sum);
+        displacement(s, run->model, s->jets, s->top, length, m->sum);
         lag_motion_add(m, m->sum);
         m->t_old = m->t;
         if (is_good(run, s, t_new, length, &wrong)) {
@@ -418,29 +432,12 @@ static LagStatus step(LagRun *run)
     }
 }
 
-/* The order from which on nothing is left of the latest step's series: digits are the same without. */
-static int top_of(const LagTaylor *s, const LagModel *model)
-{
-    const int n = model->n, pitch = model->jet_pitch, turned = lag_taylor_top_of_turned(model, s->old_jets, s->order);
-    for (int k = s->order; k > 1; --k) {
-        for (int i = 0; i < 2 * n; ++i)
-            if (jet(model, s->old_jets, 1 + i)[k * pitch] != 0)
-                return k;
-        for (int i = 0; i < model->n_power; ++i)
-            if (power_jet(model, s->old_jets, i)[(k - 1) * pitch] != 0)
-                return k;
-        if (k == turned)
-            return k;
-    }
-    return 1;
-}
-
 static void interpolate(void *self, LagMotion *m, double t, double *y)
 {
     LagTaylor *s = self;
     const LagRun *run = m->context;
     if (s->old_top == 0)
-        s->old_top = run->model->is_long_state ? s->order : top_of(s, run->model);
+        s->old_top = top_of(s, run->model, s->old_jets);
     displacement(s, run->model, s->old_jets, s->old_top, t - m->t_old, y);
     for (int i = 0; i < m->size; ++i)
         y[i] += m->other[i];

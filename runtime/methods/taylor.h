@@ -17,7 +17,8 @@ typedef struct {
     double *numbers, *work, *scratch; /* of series without code of their own */
     double *unit, *share; /* of a long state: units of error; scratch, in which the slope at the end of a step waits for its check */
     int begun;        /* orders of `jets` that are known */
-    int old_top;      /* the highest order of `old_jets` that is not 0: of motion that is a polynomial, a low one; 0: not asked for yet */
+    int top, old_top; /* the highest order of `jets`, and of `old_jets`, that is not 0: of motion that is a polynomial, a low one; 0: not
+                       * asked for yet */
     int is_fresh;     /* there was no step since the state or the equations changed */
 } LagTaylor;
 
