@@ -32,6 +32,8 @@ void lag_impacts_layout(LagImpacts *s, const LagModel *model, int size, LagArena
     s->is_plastic = lag_take_ints(arena, (size_t)model->n_whens);
     s->has_contact = lag_take_ints(arena, (size_t)model->n_whens);
     s->is_on = lag_take_ints(arena, (size_t)model->n_whens);
+    s->comes = lag_take_ints(arena, (size_t)model->n_whens);
+    s->at_once = lag_take_ints(arena, (size_t)model->n_whens);
     s->before = lag_take(arena, (size_t)model->n_whens);
     s->met = lag_take(arena, (size_t)model->n_whens);
     s->rounding = lag_take(arena, resets > 0 ? 2 * (size_t)model->n : 0);
@@ -42,6 +44,7 @@ void lag_impacts_layout(LagImpacts *s, const LagModel *model, int size, LagArena
     s->which = lag_take_ints(arena, resets);
     s->rate = lag_take(arena, resets);
     s->wanted = lag_take(arena, resets);
+    s->chosen = lag_take(arena, resets);
     s->rate_after = lag_take(arena, resets);
     s->way = lag_take(arena, (resets + rubs) * (size_t)model->n);
     s->place = lag_take_ints(arena, rubs);
@@ -64,7 +67,7 @@ void lag_impacts_reset(LagRun *run)
         run->impacts.has_contact[lag_event_of(run->model, j)] |= lag_is_contact(run->model, j);
     run->impacts.coarse = 0;
     run->impacts.is_known = 0;
-    run->impacts.at_once = 0;
+    run->impacts.in_a_row = 0;
     run->impacts.seen = INFINITY;
     run->impacts.struck = NAN;
 }
@@ -200,47 +203,140 @@ static int is_on_level(const LagRun *run, int k)
     return run->model->on_level[k] >= 0 && fabs(run->switches.g[lag_when(run->model, k)]) < run->impacts.met[k];
 }
 
+/* Whether resets have made the condition of event k another one. */
+static int has_jumped(const LagRun *run, int k)
+{
+    const LagSwitches *s = &run->switches;
+    const int i = lag_when(run->model, k);
+    return fabs(s->g[i] - run->impacts.before[k]) > s->unknown[i];
+}
+
 /* Whether a condition is true after resets: on its level as it says of that; else by its sign where these have changed it; else
- * where nothing moves it, it stays what it is. */
+ * where it has come true by itself; else where nothing moves it, it stays what it is. */
 static int has_become_true(const LagRun *run, int k)
 {
     const LagSwitches *s = &run->switches;
     const int i = lag_when(run->model, k);
     if (is_on_level(run, k))
         return run->model->on_level[k];
-    if (fabs(s->g[i] - run->impacts.before[k]) > s->unknown[i])
+    if (has_jumped(run, k))
         return s->g[i] > 0;
+    if (run->impacts.comes[k])
+        return 1;
     return fabs(s->g[i]) <= s->unknown[i] && s->rate[i] == 0 ? run->impacts.is_on[k] : is_true(s, i);
 }
 
-/* Events whose conditions have come true (contacts that are passed already, where the rest of the condition comes true, are so from
- * then on: a place where both come true is closed), and contacts that are closed and approach. Returns whether there are some. */
-static int find_events(LagRun *run, int is_first)
+/* At an instant: conditions that have come true by themselves. Contacts that are passed already, where the rest of the condition comes
+ * true, are so from then on: a place where both come true is closed. */
+static void begin(LagRun *run)
+{
+    LagImpacts *s = &run->impacts;
+    LagSwitches *switches = &run->switches;
+    const LagModel *model = run->model;
+    lag_conditions_of_events(run, switches->g, switches->rate);
+    for (int k = 0; k < model->n_whens; ++k) {
+        const int i = lag_when(model, k), turned = switches->turned[i];
+        s->comes[k] = turned == LAG_JUMPS || (turned == LAG_CHANGES && switches->held[i] == 0);
+        s->is_on[k] = !s->comes[k] && holds(switches, i);
+        s->before[k] = switches->g[i];
+        if (s->has_contact[k] && s->comes[k]) {
+            const double passed = switches->g[lag_gap(model, k)], near = run->sliding.error[lag_gap(model, k)];
+            switches->turned[i] = passed > near && (turned == LAG_JUMPS || switches->g[i] < passed) ? LAG_TO_1 : LAG_TO_0;
+        }
+    }
+}
+
+/* Whether event k is of a branch behind that of event `first`, of one `when`. */
+static int is_behind(const LagModel *model, int k, int first)
+{
+    return lag_chain_of(model, first) == lag_chain_of(model, k) && lag_branch_of(model, first) < lag_branch_of(model, k);
+}
+
+/* Of a `when` with elsewhen, the first branch that comes is the one; contacts are struck nevertheless. */
+static void leave_to_first(LagRun *run)
+{
+    int *fires = run->impacts.fires;
+    for (int k = 0; k < run->model->n_whens; ++k)
+        for (int first = 0; fires[k] && first < run->model->n_whens; ++first)
+            if (fires[first] && is_behind(run->model, k, first))
+                fires[k] = run->impacts.has_contact[k];
+}
+
+/* Events of a rank whose conditions have come true, and contacts that are closed and approach; `is_new`: nothing has been reset at
+ * this instant. Returns whether there are some. */
+static int find_events(LagRun *run, int rank, int is_new)
 {
     LagImpacts *s = &run->impacts;
     LagSwitches *switches = &run->switches;
     const LagModel *model = run->model;
     int found = 0;
-    lag_conditions_of_events(run, switches->g, switches->rate);
-    if (!is_first)
+    if (!is_new) {
+        lag_conditions_of_events(run, switches->g, switches->rate);
         find_met(run);
+    }
     for (int k = 0; k < model->n_whens; ++k) {
-        const int i = lag_when(model, k), turned = switches->turned[i];
-        const int comes = is_first && (turned == LAG_JUMPS || (turned == LAG_CHANGES && switches->held[i] == 0));
-        if (s->has_contact[k]) {
-            const double passed = switches->g[lag_gap(model, k)], near = run->sliding.error[lag_gap(model, k)];
-            if (comes)
-                switches->turned[i] = passed > near && (turned == LAG_JUMPS || switches->g[i] < passed) ? LAG_TO_1 : LAG_TO_0;
-            found |= find_contact(run, k, comes);
-        } else {
-            const int is_now = comes || (is_first ? is_true(switches, i) : has_become_true(run, k));
-            s->fires[k] = is_first ? comes : is_now && !s->is_on[k];
-            s->is_on[k] = is_first && !comes ? holds(switches, i) : is_now;
+        const int i = lag_when(model, k);
+        s->fires[k] = 0;
+        if (lag_rank_of(model, k) != rank)
+            continue;
+        if (s->has_contact[k])
+            found |= find_contact(run, k, s->comes[k] && !(has_jumped(run, k) && switches->g[i] <= 0));
+        else {
+            const int is_now = is_new ? s->comes[k] || s->is_on[k] : has_become_true(run, k);
+            s->fires[k] = is_now && !s->is_on[k];
+            s->is_on[k] = is_now;
             found |= s->fires[k];
         }
+        s->comes[k] = 0;
         s->before[k] = switches->g[i];
     }
+    if (model->order)
+        leave_to_first(run);
     return found;
+}
+
+/* What events of a rank set: where one comes, discrete variables have it from the next rank on, rates with those of all ranks. */
+static void keep_wanted(LagRun *run, int comes)
+{
+    LagImpacts *s = &run->impacts;
+    const LagModel *model = run->model;
+    read_wanted(run);
+    for (int j = 0; j < model->n_resets; ++j) {
+        const int k = lag_event_of(model, j), place = lag_own_place(model, j);
+        if (!s->fires[k])
+            continue;
+        s->at_once[k] = 1;
+        s->chosen[j] = s->wanted[j];
+        for (int i = 0; comes && i < model->n_kept; ++i)
+            if (model->kept[i] == place)
+                run->motion.y[model->n + place] = s->wanted[j];
+    }
+}
+
+/* All that comes at once, rank by rank: each event reads what those of lower ranks set. Returns whether there is some. */
+static int find_round(LagRun *run, int is_new)
+{
+    LagImpacts *s = &run->impacts;
+    const LagModel *model = run->model;
+    int last = 0, some = 0;
+    for (int k = 0; k < model->n_whens; ++k)
+        last = lag_rank_of(model, k) > last ? lag_rank_of(model, k) : last;
+    memset(s->at_once, 0, (size_t)model->n_whens * sizeof *s->at_once);
+    for (int rank = 0; rank <= last; ++rank) {
+        const int comes = find_events(run, rank, is_new && !some);
+        some |= comes;
+        if (last > 0)
+            keep_wanted(run, comes);
+    }
+    if (last > 0 && some) {
+        memcpy(s->fires, s->at_once, (size_t)model->n_whens * sizeof *s->fires);
+        lag_impulses_look(run, run->motion.y + model->n, s->rate, s->wanted);
+        for (int j = 0; j < model->n_resets; ++j)
+            if (s->fires[lag_event_of(model, j)])
+                s->wanted[j] = s->chosen[j];
+    } else if (some)
+        read_wanted(run);
+    return some;
 }
 
 /* Where closed contacts still approach, slower than can be told, all that move so slowly stop together. Returns 0 where nothing stops
@@ -292,16 +388,16 @@ LagStatus lag_impacts_strike(LagRun *run)
     memset(s->is_plastic, 0, (size_t)run->model->n_whens * sizeof *s->is_plastic);
     if (run->model->n_resets > 0)
         memset(s->rounding, 0, 2 * (size_t)run->model->n * sizeof *s->rounding);
-    int fire = find_events(run, 1);
+    begin(run);
+    int fire = find_round(run, 1);
     if (fire)
         lag_sliding_note_impact(run, run->switches.g);
     for (; fire && is_found && rounds < MOST_ROUNDS; ++rounds) {
         latest = lag_impacts_striking(run);
-        read_wanted(run);
         is_found = lag_impulses_reset(run, 0);
         if ((rounds & (rounds + 1)) == 0) /* now and then: what was at rest has a speed now */
             lag_contacts_find_errors(run);
-        fire = find_events(run, 0);
+        fire = find_round(run, 0);
     }
     if (rounds > 0) {
         s->struck = run->motion.t;
@@ -313,10 +409,10 @@ LagStatus lag_impacts_strike(LagRun *run)
     lag_contacts_put_back(run);
     run->sliding.count = sliding;
     const int stands = run->motion.t - run->motion.t_old <= lag_time_resolution(run->motion.t);
-    s->at_once = stands ? s->at_once + 1 : 0;
+    s->in_a_row = stands ? s->in_a_row + 1 : 0;
     if (!is_found)
         return lag_fail(run, LAG_NO_IMPULSE, -1, 0, lag_impacts_striking(run));
-    if (rounds < MOST_ROUNDS && s->at_once < MOST_AT_ONCE)
+    if (rounds < MOST_ROUNDS && s->in_a_row < MOST_AT_ONCE)
         return LAG_OK;
     return lag_fail(run, LAG_EVENTS_GO_ON, -1, 0, lag_impacts_striking(run) ? lag_impacts_striking(run) : latest);
 }

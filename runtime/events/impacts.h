@@ -11,8 +11,11 @@ typedef struct {
     int *has_contact; /* n_whens: LAG_CONTACT, LAG_ONE_WAY where one of its resets is such a one; 0: none */
     int *is_plastic; /* n_whens: of contacts, whether they have stopped what approached at this moment */
     int *is_on;      /* n_whens: of those that are no contacts, whether their conditions are true */
+    int *comes;      /* n_whens: those whose conditions have come true by themselves at this instant, and were not looked at since */
+    int *at_once;    /* n_whens: those of all ranks that come together */
     int *which;      /* n_resets: the resets of these */
     double *rate, *wanted, *rate_after; /* n_resets */
+    double *chosen;  /* n_resets: what is wanted by those that come together */
     double *way;     /* (n_resets + n_rubs) x n: change of the rates by an impulse of 1, of resets and then of what rubs */
     int *place;      /* n_rubs: among the ways; -1: it does not act */
     double *slip;    /* n_rubs: where nothing moves but supports */
@@ -33,7 +36,7 @@ typedef struct {
     int is_known;
     double *slack;   /* n_whens: how far what rests may pass, which others hold, without being an event */
     double seen;     /* the time up to which the next step may go, so that a short bounce is seen in it */
-    int at_once;     /* events in a row between which no time passed */
+    int in_a_row;    /* events in a row between which no time passed */
 } LagImpacts;
 
 void lag_impacts_layout(LagImpacts *impacts, const LagModel *model, int size, LagArena *arena);
@@ -68,6 +71,11 @@ static inline int lag_is_event(const LagModel *model, int i) { return i >= lag_w
 static inline int lag_event_of(const LagModel *model, int reset) { return model->reset_places[3 * reset]; }
 static inline int lag_is_contact(const LagModel *model, int reset) { return model->reset_places[3 * reset + 1] & LAG_KINDS; }
 static inline int lag_is_signal(const LagModel *model, int reset) { return model->reset_places[3 * reset + 1] & LAG_SIGNAL; }
+
+/* Of event k: how many others come before it at an instant, in a row; its `when`, and its branch there. */
+static inline int lag_rank_of(const LagModel *model, int k) { return model->order ? model->order[3 * k] : 0; }
+static inline int lag_chain_of(const LagModel *model, int k) { return model->order[3 * k + 1]; }
+static inline int lag_branch_of(const LagModel *model, int k) { return model->order[3 * k + 2]; }
 
 /* The coordinate whose rate itself is reset; -1: it is of something else. */
 static inline int lag_own_place(const LagModel *model, int reset) { return model->reset_places[3 * reset + 2]; }

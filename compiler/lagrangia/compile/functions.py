@@ -41,6 +41,7 @@ from lagrangia.dynamics.reactions import build_reactions
 from lagrangia.dynamics.sampling import Sampling, find_sampling
 from lagrangia.dynamics.switches import Switches, find_roots, find_switches, find_thresholds
 from lagrangia.frames.kinematics import Kinematics
+from lagrangia.language.at_one_instant import is_ordered
 from lagrangia.language.consequences import speaks_of_contact_forces
 from lagrangia.language.events import find_changes
 from lagrangia.language.observables import observe
@@ -422,7 +423,9 @@ def _kept_places(kinematics: Kinematics, motion: Motion) -> dict[str, tuple[int,
     rates, states = kinematics.symbols.rates, kinematics.graph.model.states.values()
     kept = {rates[state.coordinate].__hash__() for state in states if state.is_kept}
     places = {"kept": tuple(k for k, v in enumerate(motion.v.elements()) if v.__hash__() in kept)} if kept else {}
-    return places | ({"on_level": motion.impacts.on_level} if motion.impacts.on_level else {})
+    order = tuple(x for when in kinematics.graph.model.whens for x in when.order)
+    return places | ({"on_level": motion.impacts.on_level} if motion.impacts.on_level else {}) | (
+        {"order": order} if is_ordered(kinematics.graph.model.whens) else {})
 
 
 def _patterns(kinematics: Kinematics, jacobian: Jacobian, switches: Switches, modes: list[Mode]) -> dict[str, tuple[int, ...]]:

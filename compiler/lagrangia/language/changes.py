@@ -50,16 +50,16 @@ def at_change(event: Event) -> Event:
         return before(ref) if is_own else None
 
     resets = tuple(replace(reset, value=rebuilt(reset.value, meant)) for reset in event.resets)
-    return replace(event, resets=resets, settled=(ref.name, before(ref).name))
+    return replace(event, resets=resets)
 
 
-def events_of_changes(changing: Mapping[str, Ref]) -> Iterator[Event]:
-    """How each n.before begins, and follows."""
+def events_of_changes(changing: Mapping[str, Ref], rank: int) -> Iterator[Event]:
+    """How each n.before begins, and follows, behind all others."""
     for ref in changing.values():
         resets = (Reset(before(ref), ref, ref.span, is_kept=True),)
         component = ref.name.rpartition(".")[0]
         yield Event(Call("initial", (), (), ref.span), resets, component, ref.span, (ref.name, "start"), is_start=True)
-        yield Event(changed(ref), resets, component, ref.span, (ref.name, "change"), False, (ref.name,))
+        yield Event(changed(ref), resets, component, ref.span, (ref.name, "change"), rank=rank)
 
 
 def variables_of_changes(changing: Mapping[str, Ref], variables: Mapping[str, Variable], types: Mapping[str, str],

@@ -12,7 +12,6 @@ from functools import partial
 
 from lagrangia.base.diagnostics import Report, Span, fail
 from lagrangia.base.records import dataclass
-from lagrangia.language.elsewhen import come_apart
 from lagrangia.language.flat import Equation, Reset, Variable, When
 from lagrangia.language.mentions import nodes, read_now, rebuilt
 from lagrangia.language.number_checks import CONDITIONS
@@ -33,7 +32,8 @@ class Event:
     span: Span
     chain: object
     is_start: bool = False
-    settled: tuple[str, ...] = ()  # variables that got their values before it comes: it is that of their change
+    branch: int = 0  # of these
+    rank: int = 0  # at an instant: at_one_instant.py
 
 
 def is_condition(node: Flat) -> bool:
@@ -108,11 +108,18 @@ class Discrete:
     initial: list[Equation]
 
 
+def bindings_of(variables: Mapping[str, Variable], equations: Sequence[Equation]) -> Bindings:
+    """What variables stand for, by their declarations or by equations."""
+    bindings: dict[str, Flat | None] = {name: variable.binding for name, variable in variables.items()}
+    for x in equations:
+        if isinstance(x.left, Ref) and bindings.get(x.left.name) is None:
+            bindings[x.left.name] = x.right
+    return bindings
+
+
 def find_discrete(events: Sequence[Event], variables: Mapping[str, Variable], equations: Sequence[Equation],
                   whole: WholeNumbers, report: Report) -> Discrete:
-    """Reports L0231, L0232 for what cannot be given a value at an event, or is so in two
-    places, L0212, L0237."""
-    bindings: dict[str, Flat | None] = {name: variable.binding for name, variable in variables.items()}
+    """Reports L0231, L0232 for what cannot be given a value at an event, or is so in two places, L0212."""
     bound = {side.name for x in equations for side in (x.left if isinstance(x.left, Ref) else x.right,) if isinstance(side, Ref)}
     rates = {str(node.arguments[0]): x.span for x in equations for node in nodes(x.left, x.right)
              if isinstance(node, Call) and node.function == "der"}
@@ -125,10 +132,9 @@ def find_discrete(events: Sequence[Event], variables: Mapping[str, Variable], eq
     given = begun | kept
     if report.errors:
         return Discrete({}, [], [], [])
-    for x in equations:
-        if isinstance(x.left, Ref) and bindings.get(x.left.name) is None:
-            bindings[x.left.name] = x.right
+    bindings = bindings_of(variables, equations)
     found = Discrete({}, [], [], [])
+    chains = {chain: k for k, chain in enumerate(dict.fromkeys(id(event.chain) for event in events))}
     for event in events:
         resets = _with_new_values(event, bindings)
         if event.is_start:
@@ -136,9 +142,9 @@ def find_discrete(events: Sequence[Event], variables: Mapping[str, Variable], eq
             found.variables.update({name: replace(variables[name], start=None, is_fixed=False) for name in names})
             found.initial.extend(Equation(x.rate, _at_start(x.value, variables), x.span, event.component) for x in resets)
             continue
-        _warn_of_others(replace(event, resets=resets), given, bindings, report)
         condition = compared(_opened(event.condition, bindings), whole)
-        found.whens.append(When(condition, resets, event.component, event.span))
+        order = event.rank, chains[id(event.chain)], event.branch
+        found.whens.append(When(condition, resets, event.component, event.span, order))
     for name, event in given.items():
         rate = Call("der", (Ref(name, (), event.span),), (), event.span)
         found.equations.append(Equation(rate, Number(0.0, None, event.span), event.span, event.component))
@@ -187,18 +193,6 @@ def _with_new_values(event: Event, bindings: Bindings) -> tuple[Reset, ...]:
         return (reset.rate.name,) if reset.is_kept and isinstance(reset.rate, Ref) else ()
 
     return tuple(replace(x, value=rebuilt(x.value, partial(now, pending=first(x)))) for x in event.resets)
-
-
-def _warn_of_others(event: Event, given: Mapping[str, Event], bindings: Bindings, report: Report) -> None:
-    """Of variables that other events give their values: where both come at once they are as before."""
-    settled = {*read_now([Ref(name, (), event.span) for name in event.settled], bindings)}
-    for reset in event.resets:
-        for name in read_now([reset.value], bindings):
-            other = given.get(name)
-            if other is not None and not other.is_start and name not in settled and other.chain is not event.chain and (
-                    not come_apart(event.condition, other.condition)):
-                report.warning("L0237", f"where this event and that which gives '{name}' its value come at one instant, '{name}' "
-                               "is read as it was before", reset.span, f"pre({name}) says so; in Modelica it is the new value")
 
 
 def _at_start(value: Flat, variables: Mapping[str, Variable]) -> Flat:

@@ -6,8 +6,9 @@ from typing import Any, TypeGuard
 
 from lagrangia.base.diagnostics import Report, Span, fail
 from lagrangia.language.assertions import ending_of
+from lagrangia.language.at_one_instant import in_order
 from lagrangia.language.changes import at_change, changed, events_of_changes, variables_of_changes
-from lagrangia.language.discrete import Discrete, Event, compared, find_discrete, is_condition, refuse_own_past
+from lagrangia.language.discrete import Discrete, Event, bindings_of, compared, find_discrete, is_condition, refuse_own_past
 from lagrangia.language.elsewhen import warn_of_both
 from lagrangia.language.events import level_of
 from lagrangia.language.flat import Equation, Guard, Held, Reset, Sampler, Variable
@@ -32,7 +33,7 @@ class EventClauses:
         self._integers: list[Flat] = []  # values of Integer variables
         self._events: list[Event] = []
         self._changing: dict[str, Ref] = {}  # those whose change is an event
-        self._chains: dict[int, tuple[WhenBlock, Scope]] = {}  # the `when` that an elsewhen belongs to, by its id
+        self._chains: dict[int, tuple[tuple[WhenBlock, Scope], int]] = {}  # the `when` of an elsewhen, by its id, and its branch
         self._resets: list[Reset] = []  # of the `when` that is being read
         self._endings: list[tuple[str, Span]] = []  # likewise: what is said where it ends the run
         self._held: list[Held] = []  # likewise
@@ -43,16 +44,17 @@ class EventClauses:
 
     def add(self, block: WhenBlock, scope: Scope, place: Span) -> None:
         """A `when` with its elsewhen. Raises LagError L0215, L0222, L0225."""
-        conditions, chain = self._conditions(block.condition, scope), self._chain(block, scope)
+        conditions, (chain, branch) = self._conditions(block.condition, scope), self._chain(block, scope)
         if block.otherwise is not None:
             if any(_is_call(x, "sample") for x in conditions):
                 fail("L0222", "elsewhen cannot follow a sampler", block.otherwise.span, "write two of them: when ... end when;")
+            self._chains[id(block.otherwise)] = chain, branch + 1
+            self.read("equation", block.otherwise, scope)
+            is_kept = all(reset.is_kept for reset in self._resets)  # those of the branch
             for first in conditions:
                 for other in self._conditions(block.otherwise.condition, scope):
                     if not (isinstance(first, Call) or isinstance(other, Call)):
-                        warn_of_both(first, other, block.otherwise, self.report)
-            self._chains[id(block.otherwise)] = chain
-            self.read("equation", block.otherwise, scope)
+                        warn_of_both(first, other, block.otherwise, is_kept, self.report)
         if any(_is_call(x, "sample") for x in conditions):
             self._add_sampler(block, conditions, scope, place)
             return
@@ -62,11 +64,11 @@ class EventClauses:
         if not (self._resets or self._endings) and not self.report.errors:
             fail("L0222", "nothing happens here", block.span, "write: reinit(der(x), value);")
         for condition in conditions:
-            self._add_event(condition, chain, scope.instance.path, place)
+            self._add_event(condition, chain, branch, scope.instance.path, place)
 
-    def _chain(self, block: WhenBlock, scope: Scope) -> tuple[WhenBlock, Scope]:
+    def _chain(self, block: WhenBlock, scope: Scope) -> tuple[tuple[WhenBlock, Scope], int]:
         known = self._chains.get(id(block))
-        return known if known is not None and known[1] is scope else (block, scope)
+        return known if known is not None and known[0][1] is scope else ((block, scope), 0)
 
     def _conditions(self, node: Expression, scope: Scope) -> list[Flat]:
         """Each of {a, b}, and what edge and change say; initial() and sample(...) as calls."""
@@ -94,12 +96,12 @@ class EventClauses:
         refuse_own_past(parts)
         return [compared(part, self.whole) for part in parts]
 
-    def _add_event(self, condition: Flat, chain: object, component: str, place: Span) -> None:
+    def _add_event(self, condition: Flat, chain: object, branch: int, component: str, place: Span) -> None:
         is_start = _is_call(condition, "initial")
         if is_start and self._endings:
             fail("L0222", "a run does not end where it begins", self._endings[0][1])
         if self._resets:
-            event = Event(condition, tuple(self._resets), component, place, chain, is_start)
+            event = Event(condition, tuple(self._resets), component, place, chain, is_start, branch)
             self._events.append(at_change(event))
         for text, span in self._endings:
             level_of(condition)  # which raises where there is none
@@ -162,12 +164,15 @@ class EventClauses:
         self._resets.append(Reset(rate, value, span))
 
     def finish(self, variables: Mapping[str, Variable], equations: Sequence[Equation]) -> Discrete:
-        """The events, and what keeps discrete variables. Reports L0212, L0231, L0232, L0237, L0302."""
+        """The events, and what keeps discrete variables. Reports L0212, L0231, L0232, L0302."""
         self.whole.find_broken(self._integers, self.report)
+        ordered, past = in_order(self._events, bindings_of(variables, equations))
+        self._changing |= {name: ref for name, ref in past.items() if name not in self._changing}
         made = variables_of_changes(self._changing, variables, self.types, self._events, self.report)
         if self.report.errors:
             return Discrete({}, [], [], [])
-        events = [*self._events, *events_of_changes(self._changing)]
+        last = max((event.rank for event in ordered), default=0) + 1
+        events = [*ordered, *events_of_changes(self._changing, last)]
         self.types |= {name: variable.type_name for name, variable in made.items()}
         found = find_discrete(events, {**variables, **made}, equations, self.whole, self.report)
         return replace(found, variables={**made, **found.variables})

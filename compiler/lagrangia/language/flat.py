@@ -141,6 +141,7 @@ class When:
     resets: tuple[Reset, ...]
     component: str
     span: Span
+    order: tuple[int, int, int] = (0, 0, 0)  # its rank at an instant, its `when`, and its branch there: at_one_instant.py
 
     def expressions(self) -> tuple[Flat, ...]:
         """All that it reads."""

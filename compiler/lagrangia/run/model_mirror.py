@@ -84,6 +84,7 @@ class ModelMirror(c.Structure):
         ("event_kind", Ints),
         ("reset_places", Ints),
         ("on_level", Ints),
+        ("order", Ints),
         ("rubs", Ints),
         ("rests", Ints),
         ("cones", Ints),
