@@ -9,11 +9,11 @@ from lagrangia.language.classes import ClassTable
 from lagrangia.language.component_sizes import OF_SIZES, shape_of_components, with_sizes
 from lagrangia.language.elements import element, length
 from lagrangia.language.enumerations import literal_numbered
-from lagrangia.language.foreign_words import FOREIGN_CALLS
+from lagrangia.language.foreign_words import FOREIGN_CALLS, function_meant
 from lagrangia.language.frame_attributes import ANGLE, Space
 from lagrangia.language.frame_words import FRAME_WORDS, frame_call
 from lagrangia.language.function_calls import OwnCalls
-from lagrangia.language.functions import ALIASES, FUNCTIONS, REWRITTEN, SCALAR_FUNCTIONS
+from lagrangia.language.functions import FUNCTIONS, REWRITTEN, SCALAR_FUNCTIONS
 from lagrangia.language.hinge_angles import HINGE_ANGLE, frames_of, name_of
 from lagrangia.language.instances import Scope
 from lagrangia.language.lookups import Lookup, lookup_of, options_of, plane_of
@@ -169,8 +169,8 @@ class Calls(Loops, Requirements, OwnCalls, Protocol):
             user = [name for name, c in {**self.table.library, **self.table.user}.items() if c.kind == "function"]
             if last != node.function and last in FUNCTIONS:
                 fail("L0204", f"there is no function '{node.function}'", node.span, f"write: {last}(...)")
-            hint = f"it is called '{ALIASES[node.function]}' here" if node.function in ALIASES else suggest(
-                node.function, [*FUNCTIONS, *ARRAY_FUNCTIONS, *REWRITTEN, *user])
+            known = [*FUNCTIONS, *ARRAY_FUNCTIONS, *REWRITTEN, *user]
+            hint = function_meant(node.function) or suggest(node.function, known)
             fail("L0204", f"there is no function '{node.function}'", node.span, *filter(None, [hint]))
         if node.function == "table" and (node.named or len(node.arguments) == 2):
             return self._table(node)

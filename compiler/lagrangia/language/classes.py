@@ -8,14 +8,13 @@ from functools import cached_property
 from lagrangia.base.diagnostics import LIBRARY, Report, Source, Span, fail, suggest
 from lagrangia.base.records import dataclass
 from lagrangia.language.component_library import library_package, packages_with
-from lagrangia.language.foreign_words import FOREIGN_CALLS
+from lagrangia.language.foreign_words import FOREIGN_CALLS, FOREIGN_TYPES, section_meant
 from lagrangia.language.functions import FUNCTIONS
 from lagrangia.language.plain_tree import PlainClasses
 from lagrangia.language.scoping import Finder, Scopes, has_scopes, lifted, nowhere
 from lagrangia.language.tree import Argument, Array, ClassDefinition, Declaration, Expression, Extends, Section, Syntax
 from lagrangia.language.variants import COMPONENTS, Variants
 
-_FOREIGN = {"double": "Real", "float": "Real", "int": "Integer", "long": "Integer", "bool": "Boolean", "string": "String"}
 BUILTIN_TYPES = frozenset({"Real", "Integer", "Boolean", "String", "Frame"})
 _OF_CLASSES = frozenset({"encapsulated", "replaceable", "redeclare", "final", "protected", "extends"})
 ENUMERATION = "enumeration"
@@ -119,7 +118,7 @@ class ClassTable:
             fail("L0901", "not of this language: Clock", span, FOREIGN_CALLS[name])
         if name == "ExternalObject":
             fail("L0901", "not of this language: external objects", span, "give the values as a table of a file: lag help tables")
-        hint = f"a number is a {_FOREIGN[name]}, or a quantity such as Length" if name in _FOREIGN else suggest(name, known)
+        hint = FOREIGN_TYPES.get(name) or suggest(name, known)
         inside = [full for full in self.user if full.rpartition(".")[2] == name]
         if inside:
             hint = f"did you mean '{inside[0]}'?"
@@ -302,7 +301,7 @@ def _check_members(definition: ClassDefinition, report: Report) -> None:
         if isinstance(element, Declaration):
             if element.name in seen:
                 report.error("L0202", f"'{element.name}' is declared twice in {definition.name}", element.name_span,
-                             f"the first is at {seen[element.name].name_span}")
+                             section_meant(element.type_name) or f"the first is at {seen[element.name].name_span}")
             seen.setdefault(element.name, element)
             _check_prefixes(element, report)
         _check_arguments(element.arguments, report)

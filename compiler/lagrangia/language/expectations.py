@@ -6,7 +6,8 @@ from itertools import pairwise
 from typing import NoReturn
 
 from lagrangia.base.diagnostics import LagError, Report, Source, Span, nearest
-from lagrangia.language.foreign_words import FOREIGN_PAIRS, FOREIGN_WORDS
+from lagrangia.language.foreign_words import FOREIGN_PAIRS, FOREIGN_TYPES, FOREIGN_WORDS
+from lagrangia.language.habits import FOREIGN_SIGNS, guesses_of_habits, open_block_hint
 from lagrangia.language.reader import Tables, Word
 from lagrangia.language.recovery import Stop, find_stops
 
@@ -32,17 +33,6 @@ _GROUPS = (
     ("a modification", {"NAME", "ARGUMENT_PREFIX", "SCOPE"}, {"BREAK"}),
     ("the end of the statement", {"SEMICOLON", "ANNOTATION"}, {"STRING"}),
 )
-# What people mean who write C, Python or typeset text.
-_FOREIGN = {
-    "==": "an equation and a value given have one '='; '==' compares", "**": "a power is written a^b", "&&": "write: and",
-    "||": "write: or", "!=": "write: <>", "!": "write: not", "#": "a comment begins with //",
-    ":=": "an equation has '='; ':=' assigns, in the algorithm of a function",
-    "->": "frames are joined by connect(a, b), or a = b", "+=": "write: x := x + ...", "-=": "write: x := x - ...",
-    "within": "`within P;` stands first in a file", "?": "write: if c then a else b", "%": "the remainder is mod(a, b)",
-    "*/": "no comment is open here", "'": "a name in single quotes ends with one",
-    **dict.fromkeys("−–", "write the minus sign of the keyboard: -"), **dict.fromkeys("×·", "write: *"),
-    **dict.fromkeys("“”", 'a text stands in straight quotes: "..."'), "²": "a power is written a^2",
-}
 _SECTIONS = ("equation", "algorithm", "energy", "initial")  # which stand in models
 _KINDS = {"class": "model", "block": "model", "struct": "record", "def": "function", "include": "import", "from": "import"}
 _BASES, _BEHIND = ("x", "o", "b"), (";", ")", ",", "")
@@ -127,7 +117,7 @@ def _widened(stop: Stop) -> Stop:
     """With the character before or behind it, where both are a sign of another language."""
     start = stop.span.start
     for first, last in ((start - 1, start + 1), (start, start + 2)):
-        if stop.source.text[max(0, first) : last] in _FOREIGN:
+        if stop.source.text[max(0, first) : last] in FOREIGN_SIGNS:
             before = tuple(token for token in stop.before if token.end_pos <= max(0, first))
             return Stop(stop.source, Span(stop.source, max(0, first), last), before, stop.accepted)
     return stop
@@ -178,19 +168,9 @@ def _hints(stop: Stop) -> Iterator[str]:
     return (hint for hint in [next(_guesses(stop), "")] if hint)
 
 
-def _of_other_languages(stop: Stop) -> Iterator[str]:
-    if stop.word in _FOREIGN:
-        yield _FOREIGN[stop.word]
-    if stop.last(2) == ("CLASS_KIND", "NAME") and stop.word == "(" and stop.before[-2] == "function":
-        name = stop.before[-1]
-        yield f"inputs are declared: function {name} input Real x; output Real y; algorithm y := 2*x; end {name};"
-    if stop.last(2) == ("EQUAL", "NAME") and stop.before[-1] == "new":
-        yield f"a component is made by its declaration: {stop.word} name(parameter = value);"
-
-
 def _guesses(stop: Stop) -> Iterator[str]:
     word, accepted = stop.word, stop.accepted
-    yield from _of_other_languages(stop)
+    yield from guesses_of_habits(stop)
     if stop.before and stop.before[-1].type == "STRING" and "\n" in stop.before[-1]:
         line, column = stop.source.line_and_column(stop.before[-1].start_pos)
         yield f"the text that ends before it begins at {line}:{column}: is a quote missing?"
@@ -212,8 +192,10 @@ def _guesses(stop: Stop) -> Iterator[str]:
         yield "shapes stand here: line(bar.a, bar.b); an equation stands under `equation`"
     if "CLASS_KIND" in accepted:
         near = nearest(word, ["model", "function", "type", "import", "partial"]) if word not in _SECTIONS else ""
-        yield f"did you mean '{_KINDS.get(word, near)}'?" if word in _KINDS or near else (
-            "declarations and equations stand in a model: model Name ... end Name;")
+        if meant := _KINDS.get(word, near):
+            yield f"did you mean '{meant}'?"
+        elif "END" not in accepted:
+            yield "declarations and equations stand in a model: model Name ... end Name;"
     if stop.last(1) == ("END",) and accepted <= {"FOR", "IF", "WHEN", "WHILE"}:
         yield f"an inner block is still open: end {min(accepted).lower()};"
     if stop.last(1) == ("END",):
@@ -230,6 +212,8 @@ def _guesses(stop: Stop) -> Iterator[str]:
 def _guesses_of_modelica(stop: Stop) -> Iterator[str]:
     """Where its habits, or those of other languages of formulas, meet what is not here."""
     word, accepted, last = stop.word, stop.accepted, stop.last(3)
+    if word.startswith('"') and accepted >= {"CLASS_KIND", "END"}:
+        yield "a text stands behind what it describes, before its ';'"
     if last[-1:] == ("ADD",) and word == stop.before[-1] and stop.source.text[stop.span.end : stop.span.end + 1] in _BEHIND:
         yield f"nothing is added by '{word}{word}': write n {word} 1"
     elif last[-1:] in (("ADD",), ("MULTIPLY",), ("EACH_ADD",), ("EACH_MULTIPLY",)) and word in ("+", "-"):
@@ -291,7 +275,8 @@ def _guesses_from_neighbours(stop: Stop) -> Iterator[str]:
         yield f"this is read as the declaration of '{name}', of type '{kind}'"
     if last[-1:] == ("NAME",) and word == "(" and "SEMICOLON" not in stop.accepted:
         yield "an equation stands in a section: write `equation` before it"
-    if last[-1:] == ("NAME",) and word.isidentifier() and stop.accepted >= {"SEMICOLON", "EQUAL", "DOT"}:
+    is_type = last[-1:] == ("NAME",) and (stop.before[-1][0].isupper() or stop.before[-1] in FOREIGN_TYPES)
+    if is_type and word.isidentifier() and stop.accepted >= {"SEMICOLON", "EQUAL", "DOT"}:
         yield "a declaration stands before the sections equation, initial equation, energy and algorithm"
 
 
@@ -306,7 +291,9 @@ def _end_hints(stop: Stop) -> Iterator[str]:
             opened_classes.append(name)
         elif before.type == "END" and name.type == "NAME" and opened_classes:
             opened_classes.pop()
-    if opened_classes and "END" in stop.accepted:
+    if block := open_block_hint(stop):
+        yield block
+    elif opened_classes and "END" in stop.accepted:
         yield f"is 'end {opened_classes[-1]};' missing?"
 
 

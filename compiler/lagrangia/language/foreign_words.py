@@ -1,6 +1,10 @@
 """What Modelica has and this language has not: what to write instead."""
 
-from collections.abc import Mapping
+import re
+from collections.abc import Collection, Mapping
+
+from lagrangia.base.diagnostics import nearest
+from lagrangia.language.functions import ALIASES
 
 _ENERGY = "forces follow from energies and from `work force on position`: a connector has a position alone"
 _SAMPLED = "what is sampled is held: when sample(0, 0.01) then u = ...; end when;"
@@ -27,6 +31,15 @@ FOREIGN_PAIRS: Mapping[tuple[str, str], tuple[str, str]] = {
     ("operator", "function"): ("operator functions", "write functions with names of their own: add(a, b)"),
 }
 
+# Types of other languages, and what they are called here.
+FOREIGN_TYPES: Mapping[str, str] = {
+    **dict.fromkeys(("double", "float", "real", "number"), "a number is a Real, or a quantity such as Length"),
+    **dict.fromkeys(("int", "long", "integer"), "whole numbers are an Integer"), "string": "texts are a String",
+    **dict.fromkeys(("bool", "boolean", "logical"), "what is true or false is a Boolean"),
+    **dict.fromkeys(("Complex", "complex"), "complex numbers are not of this language: write two Reals"),
+    **dict.fromkeys(("enum", "enumeration"), "write: type E = enumeration(low, high);"),
+}
+
 # Functions and operators, which parse as calls.
 FOREIGN_CALLS: Mapping[str, str] = {
     **dict.fromkeys(("inStream", "actualStream"), "fluids are no part of this language: only positions are connected"),
@@ -48,3 +61,39 @@ FOREIGN_CALLS: Mapping[str, str] = {
     "pure": "every function is pure here: leave the word out",
     "loadResource": "files are named by their paths: table(x, \"file.csv\")",
 }
+
+# Names and functions of other languages and of typeset text.
+_RATE = "a rate is written der(x), and its rate der(der(x))"
+_NAMES: Mapping[str, str] = {"t": "time", "π": "pi", "Pi": "pi", "PI": "pi", "True": "true", "False": "false",
+                             "TRUE": "true", "FALSE": "false", "½": "1/2", "¼": "1/4"}
+_SECTIONS = {"gleichung": "equation", "gleichungen": "equation", "eq": "equation", "energie": "energy"}
+_FUNCTIONS: Mapping[str, str] = {
+    **dict.fromkeys(("d", "D", "diff", "ddt", "deriv", "derivative", "ddot", "derivate"), _RATE),
+    "range": "a range is written 1:n, with steps 1:2:n", "length": "write: size(x, 1), or norm(x)",
+    **dict.fromkeys(("heaviside", "Heaviside"), "write: if x > 0 then 1 else 0"),
+    "len": "write: size(x, 1)", "round": "write: floor(x + 0.5)",
+    "step": "write: if time > 1 then 1 else 0", "integral": "declare a state: Real y(start = 0); ... der(y) = x",
+}
+_POWERS = "²³"
+
+
+def name_meant(name: str, known: Collection[str]) -> str:
+    """What an unknown name is likely to mean in another language: a hint, or ""."""
+    if name in _NAMES:
+        return f"write: {_NAMES[name]}"
+    if name[-1:] in _POWERS and name[:-1]:
+        return f"a power is written {name[:-1]}^{_POWERS.index(name[-1]) + 2}"
+    rate = re.fullmatch(r"dd?(.+?)(?:_?dt)?|(.+?)_?d?dot", name)
+    of = (rate[1] or rate[2] if rate else "").lstrip("_")
+    return f"a rate is written der({of})" if of in known else ""
+
+
+def function_meant(name: str) -> str:
+    """What an unknown function is likely to mean in another language: a hint, or ""."""
+    return f"it is called '{ALIASES[name]}' here" if name in ALIASES else _FUNCTIONS.get(name, "")
+
+
+def section_meant(type_name: str) -> str:
+    """The section that a word means which was read as a type; "" where it means none."""
+    near = nearest(type_name, ("equation", "algorithm")) or _SECTIONS.get(type_name.lower())
+    return f"did you mean the section `{near}`?" if near else ""

@@ -64,3 +64,5 @@ REWRITTEN: Mapping[str, tuple[int, Callable[..., Flat]]] = {
     "rem": (2, lambda a, b, span: Binary("-", a, Binary("*", b, _div(a, b, span), span), span)),
     "pre": (1, _pre), "semiLinear": (3, _semi_linear), "Integer": (1, _ordinal),
 }
+# What stands before brackets alone, so that it is no type.
+CALLED = frozenset({*FUNCTIONS, *REWRITTEN, *ALIASES, "connect", "assert", "terminate", "reinit", "delay"})

@@ -4,6 +4,7 @@ from typing import NoReturn
 
 from lagrangia.base.diagnostics import Span, fail, suggest
 from lagrangia.language.classes import ClassTable
+from lagrangia.language.foreign_words import name_meant
 from lagrangia.language.frame_attributes import REACTIONS
 from lagrangia.language.instances import FrameSlot, Instance, Scope, Slot
 from lagrangia.language.suggestions import explain
@@ -17,7 +18,7 @@ def refuse_name(node: Reference, scope: Scope) -> NoReturn:
         fail("L0901", "not of this language: a value that is taken away by `break`", first.span,
              "give another value; what is inherited as a whole is left out in extends: extends A(break part)")
     known = {*scope.instance.members, *scope.iterators, "time", "world"}
-    hints = [suggest(first.name, known)]
+    hints = [name_meant(first.name, known) or suggest(first.name, known)]
     if first.name in scope.instance.absent:
         hints = ["its condition is false, or `break` left it out, so it is not there"]
     elif any(isinstance(e, Declaration) and e.name == first.name for e in scope.instance.definition.elements):

@@ -10,6 +10,7 @@ from itertools import pairwise, product
 
 from lagrangia.base.diagnostics import Source, Span
 from lagrangia.base.records import dataclass
+from lagrangia.language.functions import CALLED
 from lagrangia.language.reader import END, Tables, Word
 from lagrangia.language.word_parser import UnexpectedError, WordParser
 
@@ -185,6 +186,8 @@ class _Reading:
         """The statement read in another section, where it parses there: it is not what is wrong."""
         if self.here is self.file or self.is_strange or self._first_landmark(stop) in _NO_STATEMENT:
             return None
+        if self.before[self.here.count :][:1] and self.before[self.here.count] in CALLED:
+            return None  # der x = 2; declares no x
         for mark, kind in product(dict.fromkeys((self.here, self.body)), _SECTIONS):
             trial = _Reading(self.source, mark.parser.copy(), self.before[: mark.count])
             trial.parser.position = self.start
