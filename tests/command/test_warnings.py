@@ -18,6 +18,7 @@ CASES = {  # what a scene says, and the command that tells
     "L0224": (f"parameter Length L = 1; {BLOCK}", "check"),
     "L0237": (f"{BLOCK} equation when b.s > 1 then reinit(b.v, 0); elsewhen b.v > 3 then reinit(b.v, 1); end when;", "check"),
     "L0238": (f'{BLOCK} equation assert(1 > 2, "never", AssertionLevel.warning);', "check"),
+    "L0239": (f"{BLOCK} equation when cos(2*pi*time/1[s]) <= -1 then reinit(b.v, 1); end when;", "check"),
     "L0305": ("Revolute h(a = world, w(start = 3[Hz])); Bar p(m = 1, L = 1, a = h.b);", "check"),
     "L0306": (f"{SPACE} PointMass p(m = 1); AppliedForce f(at = p.center, force = {{1, 2}});", "check"),
     "L0607": (f"{BLOCK} Spring s(k = 1, s_rel0 = 0.5, a = world, b = b.center);", "check"),

@@ -27,6 +27,18 @@ MAY = (
     "b.s > 1 or b.s < 0", "b.s^3 < 0", "k < b.s*1[N/m2]", "b.s/few < 0", "min(b.s, 1) < 0.5", "few > 2.5 + b.s/1[m]",
     "atan2(b.s, b.v*1[s]) > 3", "integer(time/1[s]) >= 2 and integer(time/1[s]) <= 2", "z >= 2 and z <= 2 + sign(b.s)")
 
+TOUCHING = ("sin(2*pi*time/1[s]) >= 1", "not cos(b.s/1[m]) > -1", "sin(b.s/1[m]) < 1", "(time - 1)^2 <= 0", "z <= 1",
+            "b.v > 0 and abs(b.s) <= 0", "distance(world, b.center) <= 0", "k*b.s^2 <= 0 or time > 2")
+KEPT = ("sign(b.s) >= 1", "max(b.s, 0) <= 0", "time >= 4", "mod(time, 1) <= 0", "(if b.s > 0 then 1 else sin(b.s/1[m])) >= 1",
+        "sin(b.s/1[m]) >= 1 - 1e-6", "distance(world, b.center) <= 1[mm]")
+
+
+@pytest.mark.parametrize("condition", [*TOUCHING, *KEPT])
+def test_what_just_reaches_a_level_is_told(condition: str, scene: Write) -> None:
+    """The sine came to its level at 0.25 and 1.25 s, and not at 2.25 s, where rounding kept it below."""
+    found = scene(SCENE.replace("STATED", f'equation when {condition} then terminate("x"); end when;')).compilation.flat.warnings
+    assert [d.code for d in found] == ["L0239"] * (condition in TOUCHING)
+
 
 def told(model: lag.Model) -> list[str]:
     return [d.message for d in model.compilation.flat.warnings if d.code == "L0224"]

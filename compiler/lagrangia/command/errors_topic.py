@@ -19,6 +19,7 @@ TOLD = {
     "L0224": "what is written has no effect",
     "L0237": "two events at one instant, whose order decides",
     "L0238": "an assertion of level warning does not hold when the scene is compiled",
+    "L0239": "a condition changes for single instants alone, where something just reaches a level and turns back",
     "L0305": "Hz where rad/s is meant, or the other way about",
     "L0306": "a vector of two where space has three",
     "L0607": "a force between two places that are one at the start, where it has no direction",

@@ -189,6 +189,31 @@ class Instantiation:
                 self.report.error("L0203", f"{definition.name} has no parameter or port '{name}'", inner.span,
                                   *explain(self.table, definition, name, change.children.keys()))
 
+    def _refuse_unknown_within(self, declaration: Declaration, change: Modification) -> None:
+        """What is said of a component that is not there has to be of what it would have."""
+        base = self.table.base_type(declaration.type_name, declaration.type_span)
+        if base is not None:
+            if base.builtin == "Frame":
+                self._refuse_unknown_of_frame(change)
+            else:
+                self.report.add(unknown_attributes(declaration, base.builtin, change))
+            return
+        definition = self.table.lookup(declaration.type_name, declaration.type_span)
+        if "replaceable" in definition.prefixes or any(inner.redeclared is not None for inner in change.children.values()):
+            return
+        of_frame = OF_ANY_FRAME | SPATIAL_ONLY if self._is_frame_class(definition) else frozenset()
+        self._refuse_unknown(definition, change, known_names(self.table, definition) | of_frame)
+        own = self.table.declared(definition)
+        for name in own.keys() & {name for name, inner in change.children.items() if inner.children}:
+            self._refuse_unknown_within(own[name], change.children[name])
+
+    def _refuse_unknown_of_frame(self, change: Modification) -> None:
+        space = self.values.space
+        for name, inner in change.children.items():
+            if name not in space.of_any_frame | SPATIAL_ONLY:
+                self.report.error("L0208", f"Frame has no attribute '{name}'", inner.span,
+                                  *filter(None, [space.missing.get(name) or suggest(name, space.of_any_frame)]))
+
     def _check_names(self, instance: Instance, members: list[tuple[Declaration, Modification]], change: Modification) -> None:
         of_frame = OF_ANY_FRAME | SPATIAL_ONLY if instance.frame else frozenset()
         known = {declaration.name for declaration, _ in members} | of_frame
@@ -305,6 +330,7 @@ class Instantiation:
     def _add_component(self, instance: Instance, declaration: Declaration, change: Modification) -> None:
         scope = Scope(instance)
         if not self._is_there(declaration, scope):
+            self._refuse_unknown_within(declaration, change)
             return
         self._refuse_roles(declaration)
         sizes = self._dimensions(declaration, scope)
@@ -379,11 +405,7 @@ class Instantiation:
     def _one(self, instance: Instance, declaration: Declaration, change: Modification, path: str) -> Member:
         base = self.table.base_type(declaration.type_name, declaration.type_span)
         if base is not None:
-            for name, inner in change.children.items():
-                space = self.values.space
-                if name not in space.of_any_frame | SPATIAL_ONLY:
-                    self.report.error("L0208", f"Frame has no attribute '{name}'", inner.span,
-                                      *filter(None, [space.missing.get(name) or suggest(name, space.of_any_frame)]))
+            self._refuse_unknown_of_frame(change)
             starts, fixed = self._frame_starts(change)
             return FrameSlot(path, declaration.name_span, starts, fixed, change.value, instance)
         definition = self.table.lookup(declaration.type_name, declaration.type_span)

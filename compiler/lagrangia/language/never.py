@@ -1,24 +1,26 @@
-"""Conditions that can never come true, or never be false, by the bounds of what they compare: sines, squares, lengths, limits."""
+"""Conditions that can never come true, or never be false, and those that only just can, by the bounds of what they compare:
+sines, squares, lengths, limits."""
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
 from itertools import combinations
 
 from lagrangia.base.diagnostics import Report
 from lagrangia.language.elsewhen import exclude
-from lagrangia.language.events import COMPARED, parts_of
+from lagrangia.language.events import COMPARED, parts_of, without_not
 from lagrangia.language.flat import Experiment, FlatModel
 from lagrangia.language.mentions import reached
-from lagrangia.language.tree import Binary, Boolean, Call, Flat, IfExpression, Number, Ref, Time, Unary
+from lagrangia.language.tree import Binary, Boolean, Call, Flat, FrameRef, IfExpression, Number, Ref, Time, Unary
 
 Bounds = tuple[float, float]
 _ANY: Bounds = (-math.inf, math.inf)
 _DEEPEST = 20  # bindings of bindings
 _HALVES = 50
-_JUMPING = frozenset({"floor", "ceil", "integer", "sign", "mod", "div", "rem"})
+_JUMPING = frozenset({"floor", "ceil", "integer", "sign", "mod", "div", "rem", "min", "max"})
 _OF_CALLS: Mapping[str, Bounds] = {
-    **dict.fromkeys(("sin", "cos", "tanh", "sign"), (-1.0, 1.0)), **dict.fromkeys(("abs", "sqrt", "exp"), (0.0, math.inf)),
+    **dict.fromkeys(("sin", "cos", "tanh", "sign"), (-1.0, 1.0)),
+    **dict.fromkeys(("abs", "sqrt", "exp", "distance"), (0.0, math.inf)),
     **dict.fromkeys(("asin", "atan"), (-math.pi / 2, math.pi / 2)), "acos": (0.0, math.pi), "atan2": (-math.pi, math.pi),
     "cosh": (1.0, math.inf),
 }
@@ -32,6 +34,7 @@ def find_never(model: FlatModel, report: Report, code: str) -> None:
     for condition, span in conditions:
         can_be_true, can_be_false = bounding.truth(condition)
         if can_be_true and can_be_false:
+            _tell_touching(model, condition, report)
             continue
         why = "is never true" if not can_be_true else "is true from the start on"
         interval = _interval(model, partial(_is_settled, condition))
@@ -42,6 +45,15 @@ def find_never(model: FlatModel, report: Report, code: str) -> None:
             interval = _interval(model, partial(_is_always_true, guard.condition))
             report.warning(code, f"this holds whatever happens: '{guard.condition.span.text}'", guard.span,
                            _advice(interval, model.experiment), interval=interval)
+
+
+def _tell_touching(model: FlatModel, condition: Flat, report: Report) -> None:
+    """L0239 for comparisons that change where one side reaches the other and turns back."""
+    for node in _Bounding(model, *_ANY).touching(without_not(condition)):
+        report.warning("L0239", f"'{node.span.text}' changes for single instants only, where one side just reaches the other "
+                       "and turns back: rounding decides whether these are met", node.span,
+                       "leave room, as in sin(x) >= 1 - 1e-6 or distance(a, b) <= 1[mm]; what turns back changes its rate there: "
+                       "when der(x) < 0")
 
 
 def _is_settled(condition: Flat, bounding: "_Bounding") -> bool:
@@ -109,9 +121,30 @@ class _Bounding:
                 return (low < most, high >= least) if "=" not in operator else (low <= most, high > least)
         return True, True
 
+    def touching(self, condition: Flat) -> Iterator[Binary[Flat]]:
+        """Comparisons of what moves, and stays nowhere, that are true, or false, at the end of the bounds alone."""
+        match condition:
+            case Binary("and" | "or", left, right):
+                yield from (*self.touching(left), *self.touching(right))
+            case Binary(operator, left, right) if operator in COMPARED:
+                if operator in (">", ">="):
+                    left, right = right, left
+                (low, high), (least, most) = self.of(left), self.of(right)
+                end, other = (low, most) if "=" in operator else (high, least)
+                if end == other and math.isfinite(end) and self._moves(condition) and not self._jumps(condition):
+                    yield condition
+
+    def _bindings(self) -> dict[str, Flat | None]:
+        return {name: variable.binding for name, variable in self.model.variables.items()}
+
+    def _moves(self, condition: Flat) -> bool:
+        """Whether it compares anything but parameters."""
+        return any(not isinstance(node, Ref) or self.model.variables[node.name].kind not in ("parameter", "constant", "variable")
+                   for node in reached([condition], self._bindings()) if isinstance(node, Ref | Time | FrameRef))
+
     def _jumps(self, condition: Flat) -> bool:
         """Whether it compares what stays on a value for a while."""
-        bindings = {name: variable.binding for name, variable in self.model.variables.items()}
+        bindings = self._bindings()
         kept = {name for name, state in self.model.states.items() if state.is_kept}
         kept |= {name for name, variable in self.model.variables.items() if variable.kind == "held"}
         return any(isinstance(node, IfExpression) or (isinstance(node, Call) and node.function in _JUMPING)
