@@ -301,6 +301,24 @@ static void change_slip(LagRun *run, int k, double t, const double *q, double *v
         v[i] += size[i] * (x[i] * a + y[i] * b);
 }
 
+void lag_cones_throw(LagRun *run)
+{
+    LagSliding *s = &run->sliding;
+    LagMotion *m = &run->motion;
+    for (int i = 0; i < m->n && run->model->n_cones > 0; ++i)
+        s->mirrored[i] = 1; /* sizes: what leaves is less than can be told */
+    for (int k = 0; k < run->model->n_cones; ++k) {
+        const int *places = cone(run, k);
+        if (!is_held(run, places) || !lag_cones_break(run, places[0]))
+            continue;
+        find_slips(run, m->t, m->y);
+        const double kick[2] = {lag_cones_kick(run, places[0]), lag_cones_kick(run, places[1])};
+        const double change[2] = {kick[0] - s->g[places[0]], kick[1] - s->g[places[1]]};
+        if (hypot(change[0], change[1]) > KICK * hypot(kick[0], kick[1]))
+            change_slip(run, k, m->t, m->y, m->y + m->n, s->mirrored, change);
+    }
+}
+
 double *lag_cones_mirrored(LagRun *run, double t, const double *q, const double *v, const double *size)
 {
     LagSliding *s = &run->sliding;

@@ -24,6 +24,10 @@ void lag_cones_note_torn(LagRun *run);
 /* The component of a slip with which it leaves, against the force that would hold it: less than can be told, and a direction. */
 double lag_cones_kick(LagRun *run, int i);
 
+/* Where nothing acts yet, an impulse of what would hold leaves none: those that will be torn off as soon as there is some leave so, by
+ * changes of rates. */
+void lag_cones_throw(LagRun *run);
+
 /* Those have left: they are not held after all, whatever rounding says of a force that is just enough. */
 void lag_cones_note_left(LagRun *run);
 

@@ -1,9 +1,5 @@
-/* Which slide. Rates of g are linear in the shares s of the jumps, as accelerations are in forces:  dg/dt = r + W s.  Each that slides
- * has dg/dt = 0 with 0 < s < 1; the others leave g = 0 to the side that they are on: dg/dt <= 0 with s = 0, dg/dt >= 0 with s = 1. Which
- * do what is found by principal pivoting: first all that are wrong at once, then one at a time, the least first (K.G. Murty, Note on a
- * Bard-type scheme for solving the complementarity problem, Opsearch 11 (1974)). Where two hold the same velocity each takes the same
- * share. Friction that presses with the force of a contact is a product of two shares: W is found anew at those that were chosen, until
- * rates are what it says.
+/* Which of those that may slide do (slide_states.c), which hold more than they rub, and what those do that have no force yet: by what they
+ * do a moment later.
  */
 #include "events/sliding.h"
 
@@ -14,17 +10,16 @@
 #include "events/candidates.h"
 #include "events/cones.h"
 #include "numbers/extremes.h"
-#include "events/jams.h"
 #include "events/jumps.h"
 #include "events/pressed.h"
+#include "events/slide_states.h"
 #include "events/contact_friction.h"
 #include "state/state.h"
 
-enum { BLOCKS = 8, MOST_SINGLE = 3, MOST_TURNS = 20, LOOKS = 16 };
+enum { LOOKS = 16 };
 /* What of dg/dt is rounding, by its terms: in the choice, and while they slide. */
-static const double ROUNDING = 1e-12, NOISE = DBL_EPSILON;
+static const double ROUNDING = LAG_STATES_ROUNDING, NOISE = DBL_EPSILON;
 static const double UNIT = 32; /* of rounding, that counts as an error of one unit: rounding.c */
-static const double NEARLY = 1e-9; /* of the terms of dg/dt */
 static const double MOMENT = 1e-3; /* of a step; of a second where no step tells of one */
 static const double FAINT = 1e-6;  /* of the jump a moment later, or of the largest so far */
 static const double TIE = 1e-9; /* of the own jump */
@@ -41,159 +36,6 @@ static int gather(LagRun *run, const int *candidates)
             if (candidates[i] == 1 && lag_may_have_all(run, i) == !contacts && !lag_rubs_nowhere(run->model, i, candidates))
                 s->which[count++] = i;
     return count;
-}
-
-/* Whether candidate k acts on its own g, or as a component of a force that acts on the other one. */
-static int acts(const LagSliding *s, int count, int k)
-{
-    const int other = lag_candidates_place(s, count, s->partner[s->which[k]]);
-    return s->jump[k + k * count] < 0 || (other >= 0 && s->jump[other + other * count] < 0);
-}
-
-/* Those that nothing is known of. */
-static void begin_states(LagSliding *s, int count, int is_first)
-{
-    for (int k = 0; k < count; ++k)
-        if (is_first || s->state[k] == LAG_GIVEN || s->jump[k + k * count] >= 0)
-            s->state[k] = acts(s, count, k) ? LAG_SLIDES : LAG_GIVEN;
-}
-
-/* The state that candidate k should have instead of its own; the same where it is right. */
-static int better(const LagSliding *s, int count, int k)
-{
-    const double rate = lag_candidates_rate(s, count, k, 1), rounding = ROUNDING * lag_candidates_size(s, count, k);
-    const double tie = lag_candidates_tie(s, count, k, ROUNDING);
-    switch (s->state[k]) {
-    case LAG_LOW: return rate > rounding ? LAG_SLIDES : LAG_LOW;
-    case LAG_HIGH: return rate < -rounding ? LAG_SLIDES : LAG_HIGH;
-    case LAG_SLIDES:
-        if (fabs(rate) > rounding) /* others hold what it would: its own velocity is to be another one */
-            return rate < 0 ? LAG_LOW : s->limit[k] < INFINITY ? LAG_HIGH : LAG_SLIDES;
-        return s->share[k] < s->least[k] + tie ? LAG_LOW : s->share[k] > s->limit[k] - tie ? LAG_HIGH : LAG_SLIDES;
-    default: return LAG_GIVEN;
-    }
-}
-
-/* Whether a contact closes although it holds, as another one wants the same velocity to change less: one has to let go. */
-static int contradict(const LagSliding *s, int count)
-{
-    for (int k = 0; k < count; ++k)
-        if (s->state[k] == LAG_SLIDES && lag_candidates_rate(s, count, k, 1) > ROUNDING * lag_candidates_size(s, count, k))
-            return 1;
-    return 0;
-}
-
-/* Finds the states and shares; returns whether they are right. */
-static int pivot(LagRun *run, int count)
-{
-    LagSliding *s = &run->sliding;
-    const int most = BLOCKS + MOST_SINGLE * count;
-    int changes = 1;
-    for (int turn = 0; changes > 0 && turn < most; ++turn) {
-        lag_candidates_solve(run, count);
-        changes = 0;
-        for (int k = 0; k < count; ++k) {
-            s->next[k] = turn < BLOCKS || changes == 0 ? better(s, count, k) : s->state[k];
-            changes += s->next[k] != s->state[k];
-        }
-        for (int k = 0; k < count; ++k) {
-            s->state[k] = s->next[k];
-            if (s->state[k] == LAG_LOW || s->state[k] == LAG_HIGH)
-                s->share[k] = s->state[k] == LAG_HIGH;
-        }
-    }
-    return changes == 0 && !contradict(s, count);
-}
-
-/* Whether the g of candidate k changes. */
-static int goes(const LagSliding *s, int count, int k)
-{
-    return fabs(lag_candidates_rate(s, count, k, 1)) > ROUNDING * lag_candidates_size(s, count, k);
-}
-
-/* What does not act on its own g is at the end where that goes; where it goes nowhere, where it is. */
-static void let_go(LagRun *run, int count)
-{
-    LagSliding *s = &run->sliding;
-    for (int k = 0; k < count; ++k) {
-        const double g = s->g[s->which[k]], toward = goes(s, count, k) ? lag_candidates_rate(s, count, k, 1) : g;
-        if (s->state[k] == LAG_GIVEN)
-            s->share[k] = s->limit[k] == INFINITY ? 0 : toward != 0 ? toward > 0 : run->switches.held[s->which[k]];
-    }
-}
-
-/* Whether rates at the shares in d are what jumps make them out to be: they are not where friction presses with the force of a contact,
- * which is a product of two shares. */
-static int is_linear(LagRun *run, double t, const double *y, int count)
-{
-    const LagSliding *s = &run->sliding;
-    lag_sliding_rates(run, t, y);
-    for (int k = 0; k < count; ++k)
-        if (fabs(s->rate[s->which[k]] - lag_candidates_rate(s, count, k, 1)) > NEARLY * lag_candidates_size(s, count, k))
-            return 0;
-    return 1;
-}
-
-/* States and shares of `count` candidates; returns whether they are right. */
-static int choose(LagRun *run, double t, const double *y, int count)
-{
-    LagSliding *s = &run->sliding;
-    for (int turn = 1;; ++turn) { /* Newton's iterations, where shares are multiplied: what rubs has no jump before contacts press */
-        const int may_end = turn > 1 || run->model->n_rubs == 0;
-        begin_states(s, count, turn == 1);
-        const int is_right = pivot(run, count);
-        if (may_end)
-            let_go(run, count);
-        lag_candidates_set(run, count);
-        if (!is_right || turn == MOST_TURNS)
-            return 0;
-        if (may_end && is_linear(run, t, y, count)) {
-            if (turn > 1) {
-                lag_jumps_find(run, t, y, count, LAG_PRESENT);
-                lag_sliding_rates(run, t, y);
-            }
-            return 1;
-        }
-        lag_jumps_find(run, t, y, count, LAG_ELSEWHERE); /* forces on the way may be large without measure */
-    }
-}
-
-/* Whether a contact closes that nothing could hold: its friction would press it further. */
-static int presses(const LagSliding *s, int count)
-{
-    for (int k = 0; k < count; ++k) {
-        const double rounding = ROUNDING * lag_candidates_size(s, count, k);
-        const int is_jam = s->state[k] == LAG_GIVEN && s->jump[k + k * count] * s->unit[k] > rounding;
-        if (is_jam && s->limit[k] == INFINITY && lag_candidates_rate(s, count, k, 1) > rounding)
-            return 1;
-    }
-    return 0;
-}
-
-/* The same where each depends on the others. */
-static int choose_together(LagRun *run, double t, const double *y, int count)
-{
-    LagSliding *s = &run->sliding;
-    static const int states[] = {LAG_SLIDES, LAG_LOW, LAG_HIGH};
-    if (!lag_jams_solve(run, t, y, count))
-        return 0;
-    for (int k = 0; k < count; ++k) {
-        s->state[k] = lag_jams_may_act(run, k) ? states[run->impacts.problem.state[k]] : s->limit[k] == INFINITY ? LAG_LOW : LAG_GIVEN;
-        if (s->state[k] == LAG_SLIDES && s->limit[k] == INFINITY)
-            s->unit[k] = lag_max(s->share[k], s->unit[k]);
-    }
-    lag_candidates_set(run, count);
-    lag_jumps_find(run, t, y, count, LAG_PRESENT);
-    s->lu.dependent = run->impacts.problem.lu.dependent;
-    lag_candidates_solve(run, count);
-    let_go(run, count);
-    lag_candidates_set(run, count);
-    return is_linear(run, t, y, count);
-}
-
-static int choose_any(LagRun *run, double t, const double *y, int count)
-{
-    return (choose(run, t, y, count) && !presses(&run->sliding, count)) || choose_together(run, t, y, count);
 }
 
 /* -------- what holds more than it rubs */
@@ -235,7 +77,7 @@ static int choose_rests(LagRun *run, double t, const double *y, int count, int i
         }
         if (changes) {
             lag_jumps_find(run, t, y, count, LAG_PRESENT);
-            is_right = choose_any(run, t, y, count);
+            is_right = lag_states_choose_any(run, t, y, count);
         }
     }
     return is_right;
@@ -261,9 +103,9 @@ static int hold(LagRun *run, int count)
         const int i = s->which[k];
         run->switches.held[i] = *lag_share(run, i);
         run->switches.slides[i] = s->state[k] == LAG_SLIDES;
-        s->is_tied[i] = s->is_light[k] && !goes(s, count, k) && (s->state[k] == LAG_LOW || s->state[k] == LAG_HIGH);
+        s->is_tied[i] = s->is_light[k] && !lag_states_goes(s, count, k) && (s->state[k] == LAG_LOW || s->state[k] == LAG_HIGH);
         run->switches.is_idle[i] = s->state[k] == LAG_GIVEN && s->jump[k + k * count] == 0 && lag_rubs_alone(run->model, i)
-            && !(lag_rubs_on_what_rests(run, i) && goes(s, count, k)); /* which may press it soon */
+            && !(lag_rubs_on_what_rests(run, i) && lag_states_goes(s, count, k)); /* which may press it soon */
         if (s->state[k] == LAG_SLIDES && s->limit[k] == INFINITY && s->share[k] > LARGE * s->unit[k])
             s->unit[k] = s->share[k];
     }
@@ -368,6 +210,19 @@ static void remember(LagRun *run, int count)
         s->known_share[k] = *lag_share(run, s->which[k]);
         s->known_rate[k] = fabs(s->rate[s->which[k]]) + (is_jump ? fabs(s->jump[k + k * count]) : 0);
     }
+    for (int k = 0; k < run->model->n_rests; ++k)
+        s->known_rest[k] = *lag_rest(run, k);
+}
+
+/* What is open, and is torn off as soon as it has force, does not hold from now on: the others do, or not, as they do at present. */
+static void take_over_rests(LagRun *run, int count)
+{
+    const LagSliding *s = &run->sliding;
+    for (int k = 0; k < run->model->n_rests; ++k) {
+        const int j = lag_candidates_place(s, count, run->model->rests[k]);
+        if (j < 0 || s->open[j] != NOTHING_ACTS || *lag_rest(run, k) != 0)
+            *lag_rest(run, k) = s->known_rest[k];
+    }
 }
 
 /* Of the choice a moment later, what was open at the present state, and has more force by then. Returns whether something has force
@@ -404,7 +259,9 @@ static void choose_open(LagRun *run, double t, const double *y, int count)
     const double moment = look_ahead(run, t, y);
     lag_jumps_begin(run, count);
     lag_jumps_find(run, t + moment, s->state_before, count, LAG_ELSEWHERE);
-    s->grows |= take_over(run, count, choose(run, t + moment, s->state_before, count));
+    const int is_right = choose_rests(run, t + moment, s->state_before, count, lag_states_choose(run, t + moment, s->state_before, count));
+    take_over_rests(run, count);
+    s->grows |= take_over(run, count, is_right);
     lag_candidates_set(run, count);
     if (s->grows)
         note_sizes_to_come(run, t, y, count);
@@ -437,7 +294,7 @@ void lag_sliding_settle(LagRun *run, double t, const double *y, const int *candi
     s->energy = energy;
     s->lu.dependent = LAG_SLIDING_DEPENDENT;
     begin_rests(run, count);
-    const int is_right = choose_rests(run, t, y, count, choose_any(run, t, y, count));
+    const int is_right = choose_rests(run, t, y, count, lag_states_choose_any(run, t, y, count));
     s->jams = !is_right && run->model->n_rubs > 0 && !run->switches.is_live;
     if (is_right && find_open(run, count))
         choose_open(run, t, y, count);

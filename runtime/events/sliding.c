@@ -42,7 +42,7 @@ static void lay_out_holds(LagSliding *s, const LagModel *model, size_t count, La
     s->held.early = EARLY;
 }
 
-static void lay_out_knowledge(LagSliding *s, size_t most, LagArena *arena)
+static void lay_out_knowledge(LagSliding *s, const LagModel *model, size_t most, LagArena *arena)
 {
     s->is_new = lag_take_ints(arena, most);
     s->is_light = lag_take_ints(arena, most);
@@ -50,6 +50,7 @@ static void lay_out_knowledge(LagSliding *s, size_t most, LagArena *arena)
     s->known = lag_take_ints(arena, most);
     s->known_share = lag_take(arena, most);
     s->known_rate = lag_take(arena, most);
+    s->known_rest = lag_take(arena, (size_t)model->n_rests);
 }
 
 static void layout_cones(LagSliding *s, const LagModel *model, LagArena *arena)
@@ -69,7 +70,7 @@ void lag_sliding_layout(LagSliding *s, const LagModel *model, int size, LagArena
     s->which = lag_take_ints(arena, most);
     s->state = lag_take_ints(arena, most);
     s->next = lag_take_ints(arena, most);
-    lay_out_knowledge(s, most, arena);
+    lay_out_knowledge(s, model, most, arena);
     layout_cones(s, model, arena);
     s->share = lag_take(arena, most);
     s->share_here = lag_take(arena, most);
@@ -209,7 +210,7 @@ void lag_sliding_stop(LagRun *run)
     LagSliding *s = &run->sliding;
     LagMotion *m = &run->motion;
     const int count = s->count;
-    double largest = 0;
+    double largest = 0, most = 0;
     int jumps = 0;
     s->count = 0; /* accelerations as the shares say */
     lag_sliding_rates(run, m->t, m->y);
@@ -220,7 +221,6 @@ void lag_sliding_stop(LagRun *run)
         jumps |= !comes_to_rest(run, s->which[k]) && fabs(s->g[s->which[k]]) > lag_max(lag_sliding_held(run, s->which[k]), run->switches.unknown[s->which[k]]);
     }
     lag_shares_solve(run, s->change);
-    double most = 0;
     for (int k = 0; k < count; ++k) {
         jumps |= !isfinite(s->change[k]);
         most = lag_max(lag_pressed_change(run, count, k), most);
@@ -239,6 +239,8 @@ void lag_sliding_stop(LagRun *run)
     const int is_mended = has_rest && mends(run, count, 1 / times, largest);
     for (int i = 0; i < m->n && is_mended; ++i)
         m->y[m->n + i] += s->slope_before[i] / times;
+    if (has_rest && s->grows)
+        lag_cones_throw(run);
     for (int k = 0; k < count; ++k)
         *lag_share(run, s->which[k]) = s->share_here[k];
     s->count = count;

@@ -22,6 +22,7 @@ typedef struct {
     int *is_light;   /* most: its jump moves no mass, but first-order states */
     int *open, *known; /* most: whether nothing tells at the present time what they do, and what they did before that was asked */
     double *known_share, *known_rate; /* most: the same; the latter with the jump of friction */
+    double *known_rest; /* n_rests: what held */
     double *share;   /* most */
     double *jump;    /* most x most, column-major: change of dg/dt by a share */
     double *middle;  /* most: dg/dt at the shares `base` */

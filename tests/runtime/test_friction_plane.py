@@ -299,3 +299,23 @@ def test_a_slip_that_has_hardly_begun_is_left_to_implicit_steps(case: str, solve
         run = model.simulate(at=[end], tolerance=tolerance, solver=solver)
         np.testing.assert_allclose([run["p.center.x"][0], run["p.center.y"][0]], place, rtol=0, atol=8 * tolerance)
         assert run.statistics.rhs_evaluations < most
+
+
+GROWING = """model Growing
+  World world(gravity = {0, 0}); PointMass p(m = 1), q(m = 1);
+  PAD
+  SlidingFriction f(a = world, b = p.center, mu = 0.5, normal = 1[N/s]*time), g(a = world, b = q.center, mu = 0.5, normal = %s);
+  AppliedForce P(at = p.center, force = {0.3[N/s]*time, 0.3[N/s]*time}), Q(at = q.center, force = {0.6[N/s]*time, 0.8[N/s]*time});
+end Growing;"""
+
+
+@pytest.mark.parametrize("normal", ["1[N/s]*time", "touch.force"])
+@pytest.mark.parametrize("solver", ["auto", "erk", "erk9", "implicit"])
+def test_limits_grow_from_nothing_where_one_puck_stays_and_another_leaves(normal: str, solver: str, scene: Write) -> None:
+    """What left was held at the start, as it takes no force yet: no step was small enough then."""
+    pad = "Block pad(m = 1, base = world, along = {0, 1}); Stop touch(gap = pad.s);"
+    pad += "AppliedForce D(at = pad.center, force = {0, -1[N/s]*time});"
+    run = scene(GROWING.replace("PAD", pad) % normal).simulate(at=[2.0], tolerance=1e-9, solver=solver)
+    np.testing.assert_allclose([run[name][0] for name in ("p.center.x", "p.center.y")], 0, atol=1e-12)
+    np.testing.assert_allclose([run[name][0] for name in ("q.center.x", "q.center.y")], [0.4, 1.6 / 3], atol=1e-8)
+    assert run.statistics.rhs_evaluations < 5_000

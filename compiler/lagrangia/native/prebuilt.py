@@ -58,7 +58,7 @@ _SHARED: Mapping[str, frozenset[str]] = {room: frozenset(names.split()) for room
     "numbers": "complementarity",
     "start": "assemble blocks metric newton",
     "state": "first_step inside onset",
-    "events": "candidates cones contact_friction impacts impulses jams jumps rest slide_settle switches",
+    "events": "candidates cones contact_friction impacts impulses jams jumps rest slide_settle slide_states switches",
     "steps": "branch delays rounding sampling singular turns",
     "methods": "equal_steps linear_pace linear_series linear_system pirk_edges transition_system",
     "choice": "choice methods stiffness",
