@@ -55,7 +55,7 @@ void lag_onset_look(LagMotion *m, LagScale *scale, double end)
         scale->noise[i] = lag_max(scale->onset[i], scale->noise[i]);
 }
 
-/* Whether each kind that the loads move ended with rates that they can account for. scale->motion: what they do; ->change: the end. */
+/* Whether each kind ended with rates that the loads can account for. scale->motion: what they do; ->change: the end. */
 static int is_sane(const LagMotion *m, const LagScale *scale)
 {
     const int n = m->n;
@@ -68,7 +68,7 @@ static int is_sane(const LagMotion *m, const LagScale *scale)
         *at_end = lag_max(fabs(m->other[n + i] - m->y[n + i]), *at_end);
     }
     for (int k = 0; k < scale->kinds; ++k)
-        if (scale->motion[k] > 0 && !(scale->change[k] <= SANE * scale->motion[k]))
+        if (!(scale->change[k] <= SANE * scale->motion[k]))
             return 0;
     return 1;
 }

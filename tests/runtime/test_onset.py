@@ -1,5 +1,6 @@
 """Motion that sets in out of rest, and rest that is disturbed by rounding alone: neither is resolved against noise."""
 
+import math
 from collections.abc import Callable
 
 import numpy as np
@@ -131,3 +132,19 @@ def test_what_is_torn_off_late_begins_with_rounding_of_time(scene: Write, begins
         for tolerance in (1e-3, 1e-6, 1e-9, 1e-12):
             run = model.simulate(at=[begins + 2.4, begins + 4.5], start=begins, solver=solver, tolerance=tolerance)
             np.testing.assert_allclose(run["b.s"], [0, 8 / 3], rtol=0, atol=max(100 * tolerance, 1e-15 * begins))
+
+
+@pytest.mark.parametrize("solver", ["erk", "erk5", "pirk"])
+@pytest.mark.parametrize("tolerance", [1e-3, 1e-5, 1e-8, 1e-12])
+def test_a_step_into_a_steep_wall_tells_no_size(scene: Write, solver: str, tolerance: float) -> None:
+    """Where no load acts as a step begins, its end at 1e286 m was taken for the size of the motion: "no step is small
+    enough", or rows off by 16 000 tolerances with a note (erk5 at 1e-8)."""
+    run = scene("""model Wall "Free as far as a wall of the 30th power"
+      World world(gravity = {0, 0});
+      Block b(m = 1, base = world, s(start = 0), v(start = 1));
+    energy
+      potential 0.001[J]*(b.s/0.1[m])^30;
+    end Wall;""").simulate(at=0.25*np.arange(7), solver=solver, tolerance=tolerance)
+    half = 0.2 * 500 ** (1 / 30) * math.sqrt(math.pi) * math.gamma(1 + 1 / 30) / math.gamma(0.5 + 1 / 30)  # a period
+    right = [(-1) ** k * k * (0.25 - half) for k in range(7)]
+    np.testing.assert_allclose(run["b.s"], right, rtol=0, atol=10 * tolerance + 1e-12)
