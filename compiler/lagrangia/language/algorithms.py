@@ -206,7 +206,7 @@ class _Builder:
 
     def _unit(self, declaration: Declaration, base: BaseType) -> str:
         said = modification_of((*declaration.arguments, *base.attributes), self._scope(declaration.span), None, declaration.span)
-        self.names.report.add(unknown_attributes(declaration, base.builtin, said))
+        self.names.report.add(unknown_attributes(self.names.table, declaration, base.builtin, said))
         attributes = {name: inner.value for name, inner in said.children.items() if inner.value is not None}
 
         def flatten(bound: Bound) -> Flat:

@@ -3,10 +3,11 @@ variables of functions."""
 
 from collections.abc import Callable, Iterator, Mapping
 
-from lagrangia.base.diagnostics import Diagnostic, fail, suggest
-from lagrangia.language.classes import ENUMERATION
+from lagrangia.base.diagnostics import Diagnostic, fail, nearest, suggest
+from lagrangia.language.classes import ENUMERATION, ClassTable
 from lagrangia.language.flat import Variable
 from lagrangia.language.instances import Bound, Modification, Slot
+from lagrangia.language.suggestions import component_of
 from lagrangia.language.tree import Array, Boolean, Declaration, EnumerationLiteral, Expression, Flat, Number, String
 from lagrangia.language.units_written import read_own_unit, read_unit
 
@@ -17,15 +18,17 @@ ATTRIBUTES = _OF_INTEGERS | {"unit", "displayUnit", "nominal", "stateSelect"}
 _OF_TYPES = {"Real": ATTRIBUTES, "Integer": _OF_INTEGERS, "Boolean": _OF_ALL, "String": _OF_ALL, ENUMERATION: _OF_INTEGERS}
 
 
-def unknown_attributes(declaration: Declaration, base: str, change: Modification) -> Iterator[Diagnostic]:
+def unknown_attributes(table: ClassTable, declaration: Declaration, base: str, change: Modification) -> Iterator[Diagnostic]:
     """L0208 for what is said of a variable that its builtin type has not."""
     known = _OF_TYPES.get(base, ATTRIBUTES)
-    for name, inner in change.children.items():
-        if name not in known:
-            hints = [f"of Real variables alone: {base} has {', '.join(sorted(known))}"] if name in ATTRIBUTES else filter(
-                None, [suggest(name, known)])
-            yield Diagnostic("error", "L0208", f"{declaration.type_name} has no attribute '{name}'", inner.span,
-                             hints=tuple(hints))
+    unknown = [name for name in change.children if name not in known]
+    is_meant = any(nearest(name, known) for name in unknown)  # as an attribute
+    component = [] if is_meant or not unknown else component_of(table, declaration, unknown)
+    for name in unknown:
+        hints = [f"of Real variables alone: {base} has {', '.join(sorted(known))}"] if name in ATTRIBUTES else (
+            component or [*filter(None, [suggest(name, known)])])
+        yield Diagnostic("error", "L0208", f"{declaration.type_name} has no attribute '{name}'", change.children[name].span,
+                         hints=tuple(hints) if not component or name == unknown[0] else ())
 
 
 def unit_of(attributes: Mapping[str, Bound], flatten: Flatten) -> str:

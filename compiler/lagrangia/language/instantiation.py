@@ -196,7 +196,7 @@ class Instantiation:
             if base.builtin == "Frame":
                 self._refuse_unknown_of_frame(change)
             else:
-                self.report.add(unknown_attributes(declaration, base.builtin, change))
+                self.report.add(unknown_attributes(self.table, declaration, base.builtin, change))
             return
         definition = self.table.lookup(declaration.type_name, declaration.type_span)
         if "replaceable" in definition.prefixes or any(inner.redeclared is not None for inner in change.children.values()):
@@ -249,7 +249,7 @@ class Instantiation:
                 self._refuse_final(name, written.children[name], said.children[name])
             change = merge(written, said)
             if change.children:
-                self.report.add(unknown_attributes(declaration, base.builtin, change))
+                self.report.add(unknown_attributes(self.table, declaration, base.builtin, change))
             attributes = {name: inner.value for name, inner in change.children.items() if inner.value is not None}
             form = form_of(declaration) if declaration.annotation else ""
             more = base.prefixes | roles | (prefixes_of(form, self.values.space) if form else frozenset())

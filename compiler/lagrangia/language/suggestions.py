@@ -54,6 +54,25 @@ def _elsewhere(table: ClassTable, own: Mapping[str, Declaration], word: str, giv
     return [f"did you mean a {name}, with {_described(meant)}?" for _, _, name, meant in sorted(found, key=lambda f: f[:3])[:1]]
 
 
+def component_of(table: ClassTable, variable: Declaration, given: Collection[str]) -> list[str]:
+    """Hints where what is of a quantity, as Torque, is given names that no variable has: the library's model that asks for such
+    a quantity and has as many of these names as possible, if it has any."""
+    quantity, found = variable.type_name, []
+    if quantity not in table.library:
+        return []
+    for other in table.library.values():
+        declared = table.declared(other)
+        asked = [x.name for x in declared.values() if x.binding is None and x.condition is None]
+        asks = any(declared[name].type_name == quantity for name in asked)
+        if other.kind == "model" and not other.is_partial and asks and _ports(declared):
+            found.append((len({*given} - declared.keys()), len(asked), len(declared), other.name, asked))
+    if not found or min(found)[0] == len({*given}):
+        return []
+    *_, name, asked = min(found)
+    return [f"{quantity} is a quantity: a variable of it has no ports",
+            f"a component that has one: {name} {variable.name}({', '.join(f'{x} = ...' for x in asked)})"]
+
+
 def _ports(declared: Mapping[str, Declaration]) -> set[str]:
     return {name for name, declaration in declared.items() if declaration.type_name == "Frame"}
 
