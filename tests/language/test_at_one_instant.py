@@ -74,3 +74,41 @@ end Short;
 """, encoding="utf-8")
     result = lagrangia.load(file).simulate(stop=0.7)
     assert result["n"][-1] == n and result.time[-1] == pytest.approx(0.4 if "terminate" in clauses else 0.7)
+
+
+@pytest.mark.parametrize(("force", "s"), [
+    ("if n > 0 then 1 else 0", 0.5), ("if n >= 1 then 1 else 0", 0.5), ("if n < 1 then 0 else 1", 0.5),
+    ("if n <= 0 then 0 else 1", 0.5),
+    ("if n >= 0 then 1 else 0", 2), ("if n <= 1 then 1 else 0", 2), ("if part < 0.3 then 0 else 1", 0.5),
+    ("if part > 0.3 then 1 else 0", 0), ("if n > 0 and block.s < 9 then 1 else 0", 0.5),
+])
+def test_forces_on_a_level(tmp_path: Path, force: str, s: float) -> None:
+    """What events set to the very level that a force compares it with, where it stays: n = 1, part = 0.3 from 1 s on."""
+    file = tmp_path / "level.lag"
+    file.write_text(f"""model Level
+  Block block(m = 1, base = world);
+  Integer n(start = 0);
+  discrete Real part(start = 0);
+energy
+  work 1[N]*({force}) on block.s;
+equation
+  when time > 1 then n = 1; part = 0.3*n; end when;
+end Level;
+""", encoding="utf-8")
+    assert lagrangia.load(file).simulate(stop=2.0, solver="erk")["block.s"][-1] == pytest.approx(s)
+
+
+def test_forces_that_tell_more_are_refused(tmp_path: Path) -> None:
+    """sign(n) is 0 at n = 0, and neither n > 0 nor n < 0 is true there."""
+    file = tmp_path / "sign.lag"
+    file.write_text("""model Sign
+  Block block(m = 1, base = world);
+  Integer n(start = 0);
+energy
+  work 1[N]*sign(n) on block.s;
+equation
+  when time > 1 then n = 1; end when;
+end Sign;
+""", encoding="utf-8")
+    with pytest.raises(lagrangia.LagError, match="L0914"):
+        lagrangia.load(file).simulate(stop=2.0)

@@ -83,6 +83,9 @@ Discrete variables    n = value, of a variable of its own, declared as discrete 
                       that read each other's values in a circle are told. Integer n(start = 0) begins at 0, or where
                       `when initial()` says; Integer n[3](each start = 0) are three. Forces, outputs and conditions of others may
                       read them; places and energies may not. Columns of results show what is true as 1, what is not as 0.
+Rows                  at the instant of an event show what is before it, the last one too, and so do Co-Simulation FMUs at the
+                      end of a step: at t = 0.5, sample(0, 0.1) has given 5 values, `when time >= 0.5` comes with the next step.
+                      Modelica tools write both; let a run end a little later to see what comes at its end.
 when {a, b} then      where one of them comes true, while others are, too; when edge(b) is when b, when change(b) when {b, not b},
                       when change(n) where a discrete variable n gets another value; pre(n) is the value before, there, too
 Contacts              where the rate of the condition itself is turned back or stopped, as der(gap) by -e*pre(der(gap)) when

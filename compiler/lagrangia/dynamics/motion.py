@@ -113,6 +113,7 @@ class Motion:
     turning: ca.SX | None = None  # dq/dt, (n,), where attitudes are among the coordinates
     asked: frozenset[str] = frozenset({"choice"})  # of the algebra, while the scene was put down
     felt: Felt | None = None  # where forces feel reactions
+    stepped: ca.SX = field(default_factory=lambda: ca.SX(0, 1))  # of v, discrete variables: they change at events alone
     unsolved: "Motion | None" = None  # the same with the amounts of `felt` for symbols, of those that are solved for
     solution: Solution | None = None  # of these, with conditions as they are
 
@@ -180,7 +181,14 @@ def build_motion(kinematics: Kinematics, energies: Energies, constraints: Constr
     p, u = _stack(kinematics, "parameter"), _stack(kinematics, "input", "delayed")
     inertia, index = short.inertia if short and way == "collected" else None, kinematics.algebra.index
     return Motion(q, v, a, t, u, p, T, V, D, H, momentum, inertial, acceleration, bodies, constrained, dissipated, source, way,
-                  counted, inertia, impacts, (*index.lengths.values(),), kinematics.turning, frozenset(index.asked))
+                  counted, inertia, impacts, (*index.lengths.values(),), kinematics.turning, frozenset(index.asked),
+                  stepped=_stepped(kinematics))
+
+
+def _stepped(kinematics: Kinematics) -> ca.SX:
+    """The rates that are discrete variables, as a column."""
+    kept = [state.coordinate for state in kinematics.graph.model.states.values() if state.is_kept]
+    return ca.vertcat(ca.SX(0, 1), *(kinematics.symbols.rates[name] for name in kept))
 
 
 def _kept_rates(kinematics: Kinematics, v: ca.SX) -> ca.SX:

@@ -35,12 +35,14 @@ from lagrangia.dynamics.held_switches import (
     pair_of,
     rest_asked,
 )
+from lagrangia.dynamics.levels import EDGE, Levels
 from lagrangia.dynamics.levels import JUMPS as ALL_JUMPS
-from lagrangia.dynamics.levels import Levels
 from lagrangia.dynamics.motion import Motion
 from lagrangia.dynamics.same_conditions import match
 
 _BENT = CORNERS | {ca.OP_ATAN2}
+_STRICTNESS = (ca.OP_LT, ca.OP_LE)
+_NONE = ca.SX(0, 1)
 _ROOTED = frozenset({ca.OP_SQRT, ca.OP_FLOOR, ca.OP_CEIL})
 
 
@@ -127,7 +129,7 @@ def find_switches(motion: Motion, late: ca.SX | None = None) -> Switches:
     known = motion.unsolved or motion
     laws, reactions = ([known.felt.laws], known.felt.reactions) if known.felt else ([], ca.SX(0, 1))
     movers = ca.vertcat(motion.t, motion.q, motion.v, motion.u, reactions)
-    found, rests, cones = conditions_in([known.h, *laws, *others], movers, motion.v, numbering)
+    found, rests, cones = conditions_in([known.h, *laws, *others], movers, motion.v, numbering, (known.stepped, known.p))
     aliases = _other_shapes(known, found, movers, numbering)
     if not found and not events.numel():
         return Switches()
@@ -152,7 +154,7 @@ def _other_shapes(known: Motion, found: dict[Pair, Expression], movers: ca.SX, n
     """Conditions of reactions that forces feel: those of `found`, or else they come to them."""
     if known.felt is None:
         return {}
-    others, _, _ = conditions_in([known.felt.values], movers, known.v, numbering)
+    others, _, _ = conditions_in([known.felt.values], movers, known.v, numbering, (known.stepped, known.p))
     aliases = match(found, {pair: g for pair, g in others.items() if pair not in found})
     found.update({pair: g for pair, g in others.items() if pair not in aliases})
     return aliases
@@ -196,6 +198,8 @@ class _Finding:
     moving: ca.SX
     v: ca.SX
     numbering: Numbering
+    stepped: frozenset[int]  # hashes of the symbols that change at events alone
+    constant: frozenset[int]  # of those that do not change
     found: dict[Pair, Expression] = field(default_factory=dict)
     asked: list[tuple[Pair, ...]] = field(default_factory=list)
     both: dict[tuple[Pair, Pair], None] = field(default_factory=dict)
@@ -237,6 +241,8 @@ class _Finding:
             return as_expression(ca.sin(ca.pi * operands[0]))
         a, b = (operands[0], as_expression(0.0)) if op in SIGNS or op == ca.OP_ATAN2 else operands
         difference, is_first = as_expression(a - b if numbers[0] == pair[0] else b - a), numbers[0] == pair[0]
+        if self._steps(difference):
+            return self._level_of_steps(op, difference, pair, is_first)
         if op == ca.OP_ATAN2 or operations_in(difference).isdisjoint(ALL_JUMPS):
             return difference
         levels = Levels(self.moving)
@@ -251,6 +257,22 @@ class _Finding:
             fail("L0914", "not supported yet: a force that compares what jumps in a way that is not taken apart", None,
                  "compare with <, <=, > or >= in it, not with == or <>, and fewer things that jump at once")
         return as_expression(-level if is_first else level)
+
+    def _steps(self, x: Expression) -> bool:
+        """Whether x changes at events alone: it may stay on 0."""
+        symbols = symbols_in(x)
+        return not symbols.isdisjoint(self.stepped) and symbols <= self.stepped | self.constant
+
+    def _level_of_steps(self, op: int, difference: Expression, pair: Pair, is_first: bool) -> Expression:
+        """1 or -1, on 0 as < or <= say of it, where one of them is asked for."""
+        if op == ca.OP_SIGN:
+            _refuse_equal()
+        if op not in _STRICTNESS:
+            self.either.add(pair)
+            return difference
+        self.equal[pair] = (op == ca.OP_LT) == is_first
+        edge = EDGE if self.equal[pair] else -EDGE
+        return as_expression(ca.fmax(ca.fmin((difference + edge)/EDGE, 1), -1))
 
     def _moves(self, x: Expression) -> bool:
         return not symbols_in(self.moving).isdisjoint(symbols_in(x))
@@ -284,14 +306,17 @@ class _Finding:
 
 def _refuse_equal() -> NoReturn:
     fail("L0914", "not supported yet: a force that tells numbers apart on both sides which may be equal for a while, as "
-         "sign(floor(x)) does", None, "compare what moves: if x >= 1 then 1 elseif x >= 0 then 0 else -1")
+         "sign(floor(x)) does, or sign(n) of what events set", None,
+         "compare with numbers: if x >= 1 then 1 elseif x >= 0 then 0 else -1")
 
 
-def conditions_in(forces: Sequence[ca.SX], movers: ca.SX, v: ca.SX, numbering: Numbering
+def conditions_in(forces: Sequence[ca.SX], movers: ca.SX, v: ca.SX, numbering: Numbering,
+                  known: tuple[ca.SX, ca.SX] = (_NONE, _NONE)
                   ) -> tuple[dict[Pair, Expression], dict[Pair, Expression], tuple[tuple[Pair, Pair], ...]]:
-    """Differences of what conditions in the forces compare, of those that `movers` decide; symbols for the rates of which it
+    """Differences of what conditions in the forces compare, of those that `movers` decide (`known`: of these those that change at
+    events alone, and parameters); symbols for the rates of which it
     is asked whether they rest; and pairs of the latter that are asked about together."""
-    finding = _Finding(movers, v, numbering)
+    finding = _Finding(movers, v, numbering, symbols_in(known[0]), symbols_in(known[1]))
     rebuilt(forces, numbering, finding.note)
     rests, found = _rests(v, finding.found, finding.asked), finding.found
     found = _without_unused(forces, found, rests, numbering) if rests else found
