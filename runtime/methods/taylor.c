@@ -414,7 +414,7 @@ static LagStatus step(LagRun *run)
     for (;; h *= SHRINK) {
         const double t_new = lag_step_end(run, h), length = t_new - m->t;
         if (!(h >= lag_step_smallest(m->t))) /* what is left before an end may be shorter */
-            return lag_step_give_up(run, run->statistics.worst);
+            return lag_turn_fall_back(run) ? run->methods.table->step(run) : lag_step_give_up(run, run->statistics.worst);
         displacement(s, run->model, s->jets, s->top, length, m->sum);
         lag_motion_add(m, m->sum);
         m->t_old = m->t;

@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
+from scipy.special import beta
 
 import lagrangia as lag
 from helpers.fmus import simulated
@@ -214,3 +215,18 @@ def test_equal_steps_give_way(scene: Write, stretch: str) -> None:
         assert run.statistics.steps < 200
     calm = model.simulate(at=[10.0], tolerance=1e-9, solver="conservative", initial={"j.s": 0.9})
     assert calm.statistics.solver.name == "CONSERVATIVE"
+
+
+@pytest.mark.parametrize("power", [4 / 3, 1.5])
+@pytest.mark.parametrize("tolerance", [1e-3, 1e-9, 1e-12])
+def test_where_no_series_leads_through_others_do(scene: Write, power: float, tolerance: float) -> None:
+    """Their radius ends at the kink: auto at tight tolerances ended with "no step is small enough" on the way to it."""
+    model = scene(f"""model Root
+      World world(gravity = {{0, 0}});
+      Block b(m = 1, base = world, s(start = 1));
+    energy
+      potential 1[J]*abs(b.s/1[m])^({power!r});
+    end Root;""")
+    quarter = beta(1 / power, 0.5) / power / np.sqrt(2)
+    run = model.simulate(at=[quarter, 2 * quarter, 8 * quarter], tolerance=tolerance)
+    np.testing.assert_allclose(run["b.s"], [0, -1, 1], rtol=0, atol=10 * tolerance + 1e-12)
