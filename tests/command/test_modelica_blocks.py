@@ -58,6 +58,21 @@ equation
   connect(rows.y, larger.u1); connect(dying.y, larger.u2);
 end Signals;
 """
+RELAY = """model Relay
+  Modelica.Mechanics.Rotational.Components.Inertia J(J=1, w(fixed=true, start=0), phi(fixed=true, start=1.5));
+  Modelica.Mechanics.Rotational.Components.Spring spring(c=4); Modelica.Mechanics.Rotational.Components.Fixed fixed;
+  Modelica.Mechanics.Rotational.Sensors.AngleSensor a; Modelica.Mechanics.Rotational.Sources.Torque torque;
+  Modelica.Blocks.Logical.Hysteresis hyst(uLow=-0.5, uHigh=0.5, pre_y_start=true);
+  Modelica.Blocks.Logical.Switch sw; Modelica.Blocks.Sources.Constant p(k=-1), q(k=1);
+  Modelica.Blocks.Tables.CombiTable1Ds tab(table=[-1, 1, 0; 0, 0, 0; 1, 1, 3]);
+  Modelica.Blocks.Tables.CombiTable1D old(table=[-1, 1; 0, 0; 1, 1], smoothness=Modelica.Blocks.Types.Smoothness.%s);
+  Modelica.Blocks.Interfaces.RealOutput y = tab.y[2], z = old.y[1];
+equation
+  connect(spring.flange_a, fixed.flange); connect(spring.flange_b, J.flange_a);
+  connect(J.flange_b, a.flange); connect(a.phi, hyst.u); connect(hyst.y, sw.u2); connect(p.y, sw.u1); connect(q.y, sw.u3);
+  connect(sw.y, torque.tau); connect(torque.flange, J.flange_b); connect(a.phi, tab.u); connect(a.phi, old.u[1]);
+end Relay;
+"""
 
 
 def imported(folder: Path, text: str) -> lag.Model:
@@ -101,3 +116,27 @@ def test_sources_and_logic(tmp_path: Path) -> None:
     assert [*run["c"]] == [5, -1, -1, 5, -1] and [*run["d"]] == [*(rows <= 2)]
     assert run["f"] == pytest.approx(1 + 2 * t) and run["g"] == pytest.approx(3 + 2 * t)
     assert run["e"] == pytest.approx(np.maximum(rows, dying))
+
+
+def relayed(t: float) -> float:
+    """The angle: about -1/4 until it falls below -1/2, about 1/4 until it rises above 1/2, and so on."""
+    x, w, side, begin = 1.5, 0.0, 1, 0.0
+    while True:
+        size, phase = np.hypot(x + side / 4, w / 2), np.arctan2(-w / 2, x + side / 4)
+        turns = (side * np.arccos(-side / 4 / size) - phase) % (2 * np.pi) / 2
+        s = min(t - begin, turns)
+        x, w = size * np.cos(2 * s + phase) - side / 4, -2 * size * np.sin(2 * s + phase)
+        if t - begin <= turns:
+            return x
+        begin, side = begin + turns, -side
+
+
+def test_hysteresis_and_tables_of_signals(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    at = np.linspace(0.1, 8, 12)
+    run = imported(tmp_path, RELAY % "LinearSegments").simulate(at=[*at], tolerance=1e-10)
+    phi = run["J.phi"]
+    assert phi == pytest.approx([relayed(t) for t in at], abs=1e-8)
+    assert run["y"] == pytest.approx(np.maximum(3 * phi, 0), abs=1e-14) and run["z"] == pytest.approx(np.abs(phi), abs=1e-14)
+    (tmp_path / "m.mo").write_text(RELAY % "ConstantSegments")
+    assert main(["import", str(tmp_path / "m.mo"), "-o", str(tmp_path / "told.lag")]) == 1
+    assert "smoothness=Smoothness.ConstantSegments of old" in capsys.readouterr().err

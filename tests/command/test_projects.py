@@ -31,7 +31,10 @@ def test_what_differs_is_told_with_time_and_size(project: Path, capsys: pytest.C
     told = capsys.readouterr().out
     assert "FAILED TestSmallStretch" in told and "block.s differs by 0.0001 at t = 0.5 s" in told and "0 passed, 1 failed" in told
     assert main(["test", "--tolerance", "1e-2"]) == 0
+    assert main(["test", "--tolerance", "nan"]) == 2
+    table.write_text("time,block.s\n0,0.1\n1,nan\n")
     capsys.readouterr()
+    assert main(["test"]) == 1 and "has nan for block.s at t = 1 s" in capsys.readouterr().out
     assert main(["test", "--update"]) == 0
     told = capsys.readouterr().out
     assert "updated TestSmallStretch" in told and "1 updated, 0 failed" in told
@@ -65,6 +68,8 @@ def test_where_there_is_nothing_to_test_that_is_said(tmp_path: Path, monkeypatch
 def test_names_that_cannot_be(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     monkeypatch.chdir(tmp_path)
     assert main(["new", "1 2"]) == 2 and "is no name for a project" in capsys.readouterr().err
+    for taken in ("parts", "Real", "world", "spring", "softening_spring"):
+        assert main(["new", taken]) == 2 and "is the name of something else" in capsys.readouterr().err
     (tmp_path / "there").mkdir()
     assert main(["new", "there"]) == 2 and "exists" in capsys.readouterr().err
 

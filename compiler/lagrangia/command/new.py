@@ -7,6 +7,8 @@ from pathlib import Path
 
 from lagrangia.base.diagnostics import fail
 from lagrangia.base.result_files import write_text
+from lagrangia.language.classes import BUILTIN_TYPES
+from lagrangia.language.component_library import library
 
 _PARTS = '''\
 model SofteningSpring "Its force is k stretch/(1 + (stretch/s0)^2)"
@@ -66,6 +68,8 @@ def new_command(options: Namespace) -> int:
     if folder.exists():
         fail("L0004", f"'{folder}' exists", None, "choose another name")
     model = "".join(part[:1].upper() + part[1:] for part in name.split("_"))
+    if name == "parts" or model in _taken():
+        fail("L0706", f"'{name}' is the name of something else: its model would be {model}", None, f"lag new my_{name.lower()}")
     rows = "".join(f"{t:g},{0.1 * math.cos(2 * t)!r}\n" for t in (k / 2 for k in range(11)))
     texts = {f"{name}.lag": _SCENE.format(model=model), "parts.lag": _PARTS, "README.md": _README.format(name=name),
              "tests/tests.lag": _TESTS, "tests/TestSmallStretch.csv": f"time,block.s\n{rows}"}
@@ -74,3 +78,8 @@ def new_command(options: Namespace) -> int:
         write_text(folder / place, text)
     print(f"{folder}: {', '.join(texts)}\nnext: cd {folder} && lag test && lag simulate {name}.lag")
     return 0
+
+
+def _taken() -> set[str]:
+    """Names of classes that are there already, and of those that a project begins with."""
+    return {c.name for file in library() for c in file.classes} | BUILTIN_TYPES | {"SofteningSpring"}

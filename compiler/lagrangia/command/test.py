@@ -1,5 +1,6 @@
 """`lag test`: runs the models that test others, and compares what they do with stored tables."""
 
+import math
 import sys
 import time
 from argparse import Namespace
@@ -22,6 +23,8 @@ _PREFIX = "Test"
 def test_command(options: Namespace) -> int:
     """The exit code is 1 where a test fails, 2 where a text is wrong. Raises LagError L0001 where there is nothing to test."""
     tolerance = number(options.tolerance, "--tolerance")
+    if not 0 <= tolerance < math.inf:
+        fail("L0706", f"'{options.tolerance}' after --tolerance is no share of a value", None, "0 or more: --tolerance 1e-6")
     passed = failed = wrong = 0
     for file in _files(options.files):
         for model in _models(file, is_named=str(file) in options.files):
@@ -84,6 +87,10 @@ def _differences(run: Trajectory, columns: dict[str, list[float]], tolerance: fl
     """Columns that differ by more than a share of the largest value in them."""
     for name, stored in columns.items():
         wanted = np.array(stored)
+        if not np.isfinite(wanted).all():
+            row = int(np.argmin(np.isfinite(wanted)))
+            yield f"   {table.name} has {wanted[row]} for {name} at t = {run.time[row]:g} s, which nothing can be compared with"
+            continue
         off = np.abs(run[name.partition(" [")[0]] - wanted)
         size = float(np.abs(wanted).max()) or 1.0
         worst = int(np.argmax(np.where(np.isnan(off), np.inf, off)))

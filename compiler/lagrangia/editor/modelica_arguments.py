@@ -18,7 +18,7 @@ _USUAL = {("Translational.ElastoGap", "n"): 1.0}  # the power of how far it is c
 _WITHOUT = frozenset({"withFeedForward", "useReset", "useSet", "tableOnFile"})  # inputs that there are where these are true
 _OPENING, _CLOSING = ("(", "[", "{"), (")", "]", "}")
 # Arguments of the library's components without a meaning here:
-_IDLE = frozenset("useHeatPort stateSelect animation smoothness phi_nominal s_nominal nominal startForward startBackward mode "
+_IDLE = frozenset("useHeatPort stateSelect animation phi_nominal s_nominal nominal startForward startBackward mode "
                   "stuck locked vReg exact f_crit w_small v_small strict limiter homotopyType".split())
 _RENAMED = {"freqHz": "f", "mue_pos": "mu_pos"}  # arguments, as they were called before version 4
 _Span = tuple[int, int]  # of an argument: its first word, and the comma or bracket behind it

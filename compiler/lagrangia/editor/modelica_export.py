@@ -38,7 +38,7 @@ _BLOCKS = {name: part for part, names in {
     "Nonlinear": "Limiter DeadZone VariableLimiter", "Continuous": "Integrator FirstOrder SecondOrder PI PID Derivative LimPID",
     "Math": "Gain Add Add3 Feedback Product Division Abs Sin Cos Max Min Sqrt Sign Tan Exp Log BooleanToReal",
     "Logical": """Switch And Or Not Greater GreaterEqual Less LessEqual GreaterThreshold GreaterEqualThreshold LessThreshold
-        LessEqualThreshold""",
+        LessEqualThreshold Hysteresis""", "Tables": "CombiTable1Ds CombiTable1Dv",
     }.items() for name in names.split()}
 _CONTROLLERS = "Blocks.SimpleController."
 _TYPES = {own: f"Modelica.Units.SI.{name}" for name, own in reversed(UNITS.items())}

@@ -43,7 +43,8 @@ _INTERFACES = {"Flange_a": "Flange", "Flange_b": "Flange", "Support": "Flange", 
                "PartialCompliant": "Compliant", "PartialCompliantWithRelativeStates": "Compliant"}
 _PACKAGES = frozenset("Rotational Translational Components Sources Sensors Interfaces Blocks Thermal Math Icons".split())
 _OF_MECHANICS = ("Components", "Sources", "Sensors", "Interfaces")
-_OF_BLOCKS = ("Sources", "Math", "Continuous", "Nonlinear", "Logical")
+_OF_BLOCKS = ("Sources", "Math", "Continuous", "Nonlinear", "Logical", "Tables")
+_OLD_TABLES = {"CombiTable1D": "CombiTable1Dv"}  # as it was called before version 4
 _SIGNALS = {"RealInput": "input Real", "RealOutput": "output Real"}  # of Modelica.Blocks.Interfaces
 _SECTIONS = ("equation", "algorithm", "public", "protected")
 _CLASSES = ("model", "class", "package", "block", "connector", "record")
@@ -109,8 +110,7 @@ _INSTEAD = {  # what a statement names that has no counterpart, and what to writ
     "lossPower, as damper.lossPower; the account of energies counts it as dissipated, or as work",
     r"\bMultiBody\b": "frames, bodies and joints in space have names of their own here: lag help space",
     r"\bElectrical\b": "currents are not of this language: a torque or a force acts as a formula says, as Torque m(tau = k*i)",
-    r"\bCombi(Time)?Table\w*": "a formula with table(time, ...), of points or a file, is a signal: lag help tables",
-    r"\bHysteresis\b": "write: when u > high then y = true; elsewhen u < low then y = false; end when; (lag help assertions)",
+    r"\bCombi(Time)?Table\w*": "table(x, ...) or table2(x, y, ...) of points or a file in a formula: lag help tables",
 }
 
 
@@ -314,7 +314,7 @@ def _of_library(name: str) -> str | None:
     package, kinds = ("Blocks", _OF_BLOCKS) if parts[1] == "Blocks" else (parts[2], _OF_MECHANICS)
     if parts[-2] not in kinds:
         return None
-    last = _INTERFACES.get(last, last) if package != "Blocks" else last
+    last = (_INTERFACES if package != "Blocks" else _OLD_TABLES).get(last, last)
     return f"{package}.{last}" if last in _classes_of(package) else None
 
 

@@ -66,8 +66,9 @@ def _unused(index: Index, definition: ClassDefinition, report: Report) -> None:
 
 def _shadowed(index: Index, definition: ClassDefinition, report: Report) -> None:
     name = definition.name_span.text
-    if name in index.table.library and definition in index.syntax.classes:
-        place = index.table.library[name].name_span
+    place = index.table.library[name].name_span if name in index.table.library else None
+    is_itself = place is not None and place.source.text == definition.name_span.source.text
+    if place is not None and not is_itself and definition in index.syntax.classes:
         report.warning("L0802", f"'{name}' hides the library's, which is at {place}", definition.name_span, "choose another name")
     elif definition.kind == "function" and name in FUNCTIONS:
         report.warning("L0802", f"'{name}' hides the language's own", definition.name_span, "choose another name")
