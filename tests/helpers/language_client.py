@@ -10,7 +10,10 @@ from typing import Any
 
 
 class Client:
-    """A server that was started and told of a folder; requests wait for their answers, notifications are kept."""
+    """A server that was started and told of a folder; requests wait for their answers, notifications are kept, and in the end
+    what it wrote to its standard error."""
+
+    written = ""
 
     def __init__(self, folder: Path, patience: float = 30.0) -> None:
         self.process = subprocess.Popen([sys.executable, "-m", "lagrangia", "server", "--stdio"], stdin=subprocess.PIPE,
@@ -27,7 +30,7 @@ class Client:
         self.ask("shutdown")
         self.tell("exit")
         code = self.process.wait(10)
-        self.process.communicate()
+        self.written = self.process.communicate()[1].decode()
         return code
 
     def tell(self, method: str, **params: Any) -> None:

@@ -1,6 +1,7 @@
 """The language server: what an editor asks, answered from the text that is being written (LSP 3.17)."""
 
 import asyncio
+import logging
 import os
 import sys
 import time
@@ -9,7 +10,7 @@ from contextlib import suppress
 from pathlib import Path
 
 from lsprotocol import types
-from pygls.exceptions import JsonRpcInvalidParams
+from pygls.exceptions import JsonRpcException, JsonRpcInvalidParams
 from pygls.lsp.server import LanguageServer
 from pygls.uris import to_fs_path
 
@@ -27,7 +28,7 @@ from lagrangia.editor.signatures import signature
 from lagrangia.editor.telling import told_of
 from lagrangia.editor.whole import read_back
 
-_PAUSE = 0.03  # s without a change after which a text is looked at that goes on changing
+_PAUSE = 0.003  # s in which the changes come in that were written while a text was looked at; the last one is looked at
 _REST = 0.3  # s without a change after which the next one is looked at at once
 _MOST_FILES = 500  # of a folder that are looked through
 _PATIENCE = 60.0  # s for all phases of a saved text
@@ -96,6 +97,12 @@ class Server(LanguageServer):
         self.text_document_publish_diagnostics(types.PublishDiagnosticsParams(uri, wrong))
 
 
+def _is_fault(record: logging.LogRecord) -> bool:
+    """Whether it tells of an error of the server: requests that are refused are answered, and nothing is written of them."""
+    return not (record.exc_info and isinstance(record.exc_info[1], JsonRpcException))
+
+
+logging.getLogger("pygls.protocol.json_rpc").addFilter(_is_fault)
 server = Server()
 Asked = types.TextDocumentPositionParams
 
