@@ -36,6 +36,7 @@ CASES = {  # what a scene says, and the command that tells
     "L0746": (f"{SPACE} Body b(m = 1, I = {{1, 1, 3}});", "check"),
     "L0747": ("parameter Mass m = 1; parameter Mass n = 2*m; Block b(m = n, base = world);", "simulate -p m=2 -p n=3"),
     "L0748": (f"{BLOCK} Spring s(k = 1, stretch = b.s);", "sweep -p s.k=1:2:0.3"),
+    "L0749": (BLOCK, "check"),
     "L0801": (BLOCK, "lint"),  # of what stands before
     "L0802": ("parameter Mass pi = 1; Block b(m = pi, base = world);", "lint"),
     "L0803": (f"{BLOCK} Spring s(k = 1, stretch = b.s - 0.3[m]); output Length x = b.s*2 + 0.27[m];", "lint"),
@@ -58,6 +59,8 @@ def test_each_is_an_error_where_it_is_asked_for_and_can_be_allowed(
         (shared := tmp_path / "shared").mkdir()
         shared.chmod(0o777)
         monkeypatch.setenv("LAGRANGIA_CACHE", str(shared))
+    if code == "L0749":
+        monkeypatch.setenv("LAGRANGIA_CACH", str(tmp_path))
     text, command = CASES[code]
     name, *options = command.split()
 
@@ -90,3 +93,16 @@ def test_all_files_are_told_before_strict_ends(tmp_path: Path, capsys: pytest.Ca
     assert main(["check", "--strict", *map(str, files)]) == WRONG
     told = capsys.readouterr().err
     assert all(str(file) in told for file in files)
+
+
+@pytest.mark.parametrize(("name", "value", "said"), [
+    ("LAGRANGIA_CACH", "x", "did you mean 'LAGRANGIA_CACHE'?"),
+    ("LAGRANGIA_PATH", "nowhere", "names 'nowhere', which is no folder"),
+    ("LAGRANGIA_CC", "no_compiler_of_this_name -O2", "names the C compiler 'no_compiler_of_this_name', which is not there")])
+def test_what_environments_say_in_vain_is_told(name: str, value: str, said: str, tmp_path: Path,
+                                               capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv(name, value)
+    (tmp_path / "M.lag").write_text(f"model M {BLOCK} end M;")
+    assert main(["check", str(tmp_path / "M.lag")]) == DONE
+    told = capsys.readouterr().err
+    assert told.count("L0749") == 1 and said in told

@@ -96,3 +96,14 @@ def test_all_commands_tell_what_is_in_vain(command: str, scene: Callable[[str], 
 def test_an_interval_beyond_the_run_leaves_both_ends(scene: Callable[[str], lag.Model]) -> None:
     model = scene(SCENE % ', allow = "L0708"')
     assert [list(model.simulate(stop=stop, interval=1e9).time) for stop in (0.3, 2.0)] == [[0, 0.3], [0, 2]]
+
+
+def test_a_start_is_given_once_and_steps_where_there_are_any(scene: Callable[[str], lag.Model]) -> None:
+    """b.v is der(b.s): the last of both had been taken without a word."""
+    model = scene(SCENE % "")
+    with pytest.raises(lag.LagError, match=r"'b.v' is given twice, as 'der\(b.s\)' too"):
+        model.simulate(initial={"der(b.s)": 1, "b.v": 3}, inputs={"u": 0})
+    casadi, limits = "casadi:cvodes", ({"max_step": 0.1}, {"max_steps": 9})
+    for solver, limit in (("linear", limits[0]), (casadi, limits[0]), (casadi, limits[1])):
+        with pytest.raises(lag.LagError, match="has no effect: "):
+            model.simulate(solver=solver, inputs={"u": 0}, **limit)

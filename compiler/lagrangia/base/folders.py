@@ -11,7 +11,7 @@ from pathlib import Path
 
 _PACKAGE = Path(__file__).resolve().parents[1]
 _ROOM = 4 << 20  # bytes: the run time and a scene, twice over
-_REMARKS: dict[str, bool] = {}  # warnings of folders, each once, and whether they are told
+_REMARKS: dict[str, bool] = {}  # warnings of folders and environment, and whether they are told
 _KEEPERS: list[bool] = []  # while there are any, they wait
 
 
@@ -110,8 +110,12 @@ def note_use(path: Path) -> None:
 
 
 def _tell_untrusted(folder: Path) -> None:
-    text = (f"warning[L0742]: the cache folder '{folder}' is not used: others own it or may write to it, and what it holds is "
-            "run\n   = chmod go-w makes a folder of your own safe; LAGRANGIA_CACHE names another one")
+    remark(f"warning[L0742]: the cache folder '{folder}' is not used: others own it or may write to it, and what it holds is "
+           "run\n   = chmod go-w makes a folder of your own safe; LAGRANGIA_CACHE names another one")
+
+
+def remark(text: str) -> None:
+    """A warning of where all is done, told once."""
     if text not in _REMARKS:
         _REMARKS[text] = not _KEEPERS
         if not _KEEPERS:
@@ -120,7 +124,7 @@ def _tell_untrusted(folder: Path) -> None:
 
 @contextlib.contextmanager
 def remarks_kept() -> Iterator[None]:
-    """Warnings of folders wait until it is known which are allowed, see `kept_remarks`; what nobody asks for is told at last."""
+    """Such warnings wait until it is known which are allowed, see `kept_remarks`; what nobody asks for is told at last."""
     _REMARKS.clear()
     _KEEPERS.append(True)
     try:

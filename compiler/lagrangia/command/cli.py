@@ -10,7 +10,8 @@ import warnings
 from collections.abc import Sequence
 
 from lagrangia.base.diagnostics import EngineWarning, LagError, RunError, render_all
-from lagrangia.base.folders import kept_remarks, remarks_kept
+from lagrangia.base.environment import environment_remarks
+from lagrangia.base.folders import kept_remarks, remark, remarks_kept
 from lagrangia.base.interruptions import INTERRUPTED, ended_as_by_control_c
 from lagrangia.base.search_path import searching_in
 from lagrangia.base.spelling import plain_text, prepare_output
@@ -39,9 +40,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _execute(parsed: argparse.Namespace) -> int:
     try:
         refuse_idle(parsed, parsed.parser.get_default)
-        with searching_in(getattr(parsed, "path", [])), remarks_kept():
+        with remarks_kept(), searching_in(getattr(parsed, "path", [])):
+            for text in environment_remarks():
+                remark(text)
             code = int(parsed.command(parsed))
-            _tell_folders(parsed)
+            _tell_rest(parsed)
         sys.stdout.flush()
         return code
     except LagError as error:
@@ -69,7 +72,7 @@ def _execute(parsed: argparse.Namespace) -> int:
         return _refused(error) or _confess(error)
 
 
-def _tell_folders(parsed: argparse.Namespace) -> None:
+def _tell_rest(parsed: argparse.Namespace) -> None:
     """Of commands that tell no warnings of a model. Raises LagError L0710."""
     if hasattr(parsed, "allow") and (kept := kept_remarks()):
         from lagrangia.command.arguments import tell_texts

@@ -12,7 +12,7 @@ _WARNINGS = """\
 warning[L0224]: nothing reads the parameter 'd', with file, line and caret. What is meant is allowed by its code: in the model
 annotation(allow = "L0224, L0741"), on the command line --allow L0224,L0741; --strict takes warnings for errors (exit code 2).
 L08xx are told by lag lint alone. In Python, model.warnings; InputWarning for values that a run is asked for (L0708, L0709,
-L0747, L0748) and for the cache (L0742) a line on standard error.
+L0747, L0748), and for the cache (L0742) a line on standard error.
 
 """
 TOLD = {
@@ -36,6 +36,7 @@ TOLD = {
     "L0746": "an inertia that no rigid body has",
     "L0747": "a parameter is given in vain, beside another one",
     "L0748": "a range does not meet its end",
+    "L0749": "an environment variable that nothing reads, or that names nothing there is",
     "L0801": "nothing in the file uses a class",
     "L0802": "a name hides another one",
     "L0803": "a number with a unit stands in a formula without a name",

@@ -118,6 +118,17 @@ def plan(scene: Scene, request: Request = USUAL) -> Experiment:
     return instead_of(Default(scene.start, scene.stop, scene.tolerance, scene.interval), request)
 
 
+def _check_idle_limits(solver: str, max_step: float, max_steps: int, report: Report) -> None:
+    """Limits of steps that the method does not take."""
+    if max_step and solver == "linear":
+        report.error("L0702", "the largest step has no effect: the matrix exponential is exact in steps of any length", None,
+                     "leave max_step out, or take another solver")
+    elif (max_step or max_steps) and is_casadi(solver):
+        what = "largest step" if max_step else "number of steps"
+        report.error("L0702", f"the {what} has no effect: integrators of CasADi have their own", None,
+                     "leave it out, or take another solver")
+
+
 def instead_of(default: Default, request: Request) -> Experiment:
     """What is asked for, the rest by default. Raises LagError L0702."""
     report = Report()
@@ -132,6 +143,7 @@ def instead_of(default: Default, request: Request) -> Experiment:
     _check_times(at, begin, end, report)
     if at is not None and interval is not None:
         report.error("L0702", "the interval has no effect: the output times are given", None, "leave interval out, or at")
+    _check_idle_limits(str(request.solver), max_step, max_steps, report)
     report.raise_errors()
     for name, value in (("start time", begin), ("stop time", end), ("tolerance", accuracy)):
         if not math.isfinite(value):
@@ -198,9 +210,12 @@ def _start_values(scene: Scene, initial: Mapping[str, float], report: Report) ->
     """Of coordinates and rates; of lost ones and their rates."""
     start, lost = [math.nan] * (2 * scene.n), [math.nan] * (2 * scene.sizes["n_lost"])
     outputs = {column.name for column in scene.outputs}
-    initial = _told_attitudes(scene, initial, report)
+    initial, names = _told_attitudes(scene, initial, report), dict[object, str]()
     for name, value in initial.items():
         slot = scene.slot(name)
+        place = scene.lost.get(name) if slot is None else slot
+        if place is not None and (other := names.setdefault(place, name)) != name:
+            report.error("L0712", f"'{name}' is given twice, as '{other}' too", None, "these are names of one and the same")
         if not math.isfinite(a_number(f"initial value of '{name}'", value)):
             report.error("L0605", f"the initial value of '{name}' must be a finite number, not {value}")
         elif slot is not None:
