@@ -190,3 +190,14 @@ def test_a_picture_of_nothing_says_so(scene: Scene) -> None:
     assert len(figure.axes) == 3 + 1 + 1
     assert "3 runs, 3 without results" in figure.get_suptitle()
     assert all(axes.texts[0].get_text() == "no run has a value" and not len(axes.get_xticks()) for axes in figure.axes)
+
+
+@pytest.mark.parametrize("size", [1e-30, 3.6, 1e20])
+def test_a_picture_of_values_that_differ_by_rounding_has_axes(scene: Scene, size: float) -> None:
+    """Bars of 1e-17 cannot be told apart: numpy refused to make them."""
+    text = f"""model Same "ends where it began, but for rounding"
+      Block block(m = 1, base = world, s(start = {size}));
+      output Real last = {size}*(1 + 3e-16*sin(1e3*block.m/1[kg]));
+    end Same;"""
+    figure = scene(text).simulate_many(parameters={"block.m": "uniform(1, 2)"}, samples=50, outputs="last", stop=0.1).plot()
+    assert all(np.diff(panel.get_ylim()) == pytest.approx(0.1 * size) for panel in figure.axes)

@@ -14,6 +14,7 @@ _MOST_MEASURES, _MOST_VARIED = 4, 5
 _MOST_LINES = 500  # runs in parallel coordinates
 _PARALLEL = 3  # values that differ from run to run, from which on these are drawn
 _FINEST = 60  # bars
+_ALIKE, _BESIDE = 1e-12, 0.05  # of the largest value: differences that are rounding; what is shown on both sides of such values
 _SIZES = ((200, 14.0), (2000, 5.0), (10**9, 1.5))  # runs up to which dots are so large
 
 
@@ -106,6 +107,18 @@ def _values(sweep: Table, name: str) -> "np.ndarray":
     return np.arange(sweep.runs) if name == "run" else sweep[name]
 
 
+def _span(values: "np.ndarray") -> tuple[float, float] | None:
+    """Between what a measure is drawn where all its values are one, but for rounding, which has no bars; None: as they lie."""
+    import numpy as np
+
+    found = values[np.isfinite(values)]
+    size = float(np.abs(found).max(initial=0.0))
+    if not len(found) or found.max() / (size or 1) - found.min() / (size or 1) > _ALIKE:
+        return None
+    middle, beside = float(found[0]), _BESIDE * (size or 1)
+    return middle - beside, middle + beside
+
+
 def _scatter(panel: Any, sweep: Table, name: str, measure: str) -> None:
     """Dots; a line through them where nothing else is varied, in an order."""
     x, y = _values(sweep, name), sweep[measure]
@@ -115,6 +128,8 @@ def _scatter(panel: Any, sweep: Table, name: str, measure: str) -> None:
         order = x.argsort(kind="stable")
         panel.plot(x[order], y[order], linewidth=1.0, color="C0")
     panel.scatter(x, y, s=size, color="C0", alpha=1.0 if is_line or sweep.runs < _SIZES[0][0] else 0.5, linewidths=0)
+    if span := _span(y):
+        panel.set_ylim(span)
     panel.tick_params(labelsize=8)
     if name == "run":
         _count_along(panel)
@@ -132,7 +147,10 @@ def _histogram(panel: Any, values: "np.ndarray") -> None:
 
     found = values[np.isfinite(values)]
     if len(found):
-        panel.hist(found, bins=min(_FINEST, max(5, round(len(found) ** 0.5))), orientation="horizontal", color="C0", alpha=0.7)
+        bars, span = min(_FINEST, max(5, round(len(found) ** 0.5))), _span(values)
+        panel.hist(found, bins=bars | 1 if span else bars, range=span, orientation="horizontal", color="C0", alpha=0.7)
+        if span:
+            panel.set_ylim(span)
         panel.axhline(found.mean(), color="black", linewidth=1.0)
     panel.set_xlabel("runs", fontsize=9)
     panel.tick_params(labelsize=8)
