@@ -376,11 +376,20 @@ int lag_impacts_striking(const LagRun *run)
     return 0;
 }
 
+/* Whether nothing of what is reset now comes from the motion. */
+static int are_known(const LagRun *run)
+{
+    for (int j = 0; j < run->model->n_resets; ++j)
+        if (run->impacts.fires[lag_event_of(run->model, j)] && !lag_is_known(run->model, j))
+            return 0;
+    return 1;
+}
+
 LagStatus lag_impacts_strike(LagRun *run)
 {
     LagImpacts *s = &run->impacts;
     const int sliding = run->sliding.count;
-    int rounds = 0, is_found = 1, latest = 0;
+    int rounds = 0, is_found = 1, is_known = 1, latest = 0;
     if (run->model->n_whens == 0)
         return LAG_OK;
     run->sliding.count = 0; /* accelerations as the shares say: forces that hold give no impulses but by events of their own */
@@ -394,17 +403,17 @@ LagStatus lag_impacts_strike(LagRun *run)
         lag_sliding_note_impact(run, run->switches.g);
     for (; fire && is_found && rounds < MOST_ROUNDS; ++rounds) {
         latest = lag_impacts_striking(run);
+        is_known = is_known && are_known(run);
         is_found = lag_impulses_reset(run, 0);
         if ((rounds & (rounds + 1)) == 0) /* now and then: what was at rest has a speed now */
             lag_contacts_find_errors(run);
         fire = find_round(run, 0);
     }
     if (rounds > 0) {
-        s->struck = run->motion.t;
+        s->struck = is_known ? run->motion.t : NAN;
         is_found = is_found && calm(run);
         note_events(run);
-        run->switches.resolved = 0; /* conditions are as quick as the motion is now */
-        run->switches.unlooked = 0;
+        run->switches.resolved = run->switches.unlooked = 0; /* conditions are as quick as the motion is now */
     }
     lag_contacts_put_back(run);
     run->sliding.count = sliding;

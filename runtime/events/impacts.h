@@ -28,7 +28,7 @@ typedef struct {
     double coarse;   /* by how much more than one tolerance states may be off, where another integrator finds the events; 0: ours */
     double *before;  /* n_whens: their conditions before a time at which they may jump, or resets; positive: true */
     double *rounding; /* 2 n: by how much resets may miss rates by rounding; positions stay as they are */
-    double struck;   /* the time of the latest resets; NaN: of none yet */
+    double struck;   /* the time of the latest resets; NaN: of none yet, or what they set came from the motion, with its errors */
     double *met;     /* n_whens: how far conditions may be off by that */
     double *by_time; /* n_whens: how much of a gap, or else of the condition, cannot be told since the time cannot */
     double *known_at, *known; /* where, and by which units and what is held, sliding.error was found last: see lag_contacts_find_errors;
@@ -67,10 +67,11 @@ static inline int lag_gap(const LagModel *model, int k) { return model->n_switch
 static inline int lag_contact(const LagModel *model, int k) { return model->n_switches - model->n_whens + k; }
 static inline int lag_is_event(const LagModel *model, int i) { return i >= lag_when(model, 0) && i < lag_gap(model, 0); }
 
-/* The event of a reset, and LAG_CONTACT, LAG_ONE_WAY, or 0. */
+/* The event of a reset; LAG_CONTACT, LAG_ONE_WAY, or 0; and what there is beside. */
 static inline int lag_event_of(const LagModel *model, int reset) { return model->reset_places[3 * reset]; }
 static inline int lag_is_contact(const LagModel *model, int reset) { return model->reset_places[3 * reset + 1] & LAG_KINDS; }
 static inline int lag_is_signal(const LagModel *model, int reset) { return model->reset_places[3 * reset + 1] & LAG_SIGNAL; }
+static inline int lag_is_known(const LagModel *model, int reset) { return model->reset_places[3 * reset + 1] & LAG_KNOWN; }
 
 /* Of event k: how many others come before it at an instant, in a row; its `when`, and its branch there. */
 static inline int lag_rank_of(const LagModel *model, int k) { return model->order ? model->order[3 * k] : 0; }

@@ -60,8 +60,9 @@ enum { LAG_KIND_ANGLE };
 
 /* What a reset leaves may rest there: positions that do not approach any more, or a rate at the end of a one-way range. */
 enum { LAG_KICK, LAG_CONTACT, LAG_ONE_WAY, LAG_KINDS = 3 };
-/* Beside these: of a first-order state, without energy; at an event that comes where a condition changes, to whichever side. */
-enum { LAG_SIGNAL = 4, LAG_CHANGE = 8 };
+/* Beside these: of a first-order state, without energy; at an event that comes where a condition changes, to whichever side; what is
+ * set does not come from the motion, with whose errors. */
+enum { LAG_SIGNAL = 4, LAG_CHANGE = 8, LAG_KNOWN = 16 };
 
 /* A guard that breaks (g < 0) ends the run with a failure, warns, or ends it as it was meant to; with this bit, parameters decide it. */
 enum {

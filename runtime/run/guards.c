@@ -79,25 +79,23 @@ static double change_by(LagRun *run, double t, int i, const double *error)
     return most;
 }
 
-/* By how much guard i may be off at the state that was looked at: rates that resets have set are known to rounding. */
+/* By how much guard i may be off at the state that was looked at. */
 static double unsure(LagRun *run, double t, int i)
 {
     const double share = fmax(SHARE, ROUNDINGS * DBL_EPSILON / run->scale.tolerance);
-    const double *rounding = run->impacts.rounding;
-    double *error = run->guards.error;
     if (is_of_parameters(run->model, i))
         return 0;
-    lag_conditions_units(run, run->guards.state, share, error);
-    for (int j = 0; t == run->impacts.struck && j < 2 * run->model->n; ++j)
-        error[j] = rounding[j] > 0 ? rounding[j] : error[j];
-    return change_by(run, t, i, error);
+    lag_conditions_units(run, run->guards.state, share, run->guards.error);
+    return change_by(run, t, i, run->guards.error);
 }
 
-/* Whether resets have just set the rates of guard i, at the state that was looked at, to what it compares them with. */
+/* Whether resets have just set the rates of guard i, at the state that was looked at, to what it compares them with: only numbers that
+ * do not come from the motion are known so well. */
 static int is_on_level(LagRun *run, double t, int i)
 {
     const int has_rule = run->model->guard_kinds[i] & (LAG_GUARD_HOLDS_ON_LEVEL | LAG_GUARD_BREAKS_ON_LEVEL);
-    return has_rule && t == run->impacts.struck && fabs(run->guards.found[i]) < change_by(run, t, i, run->impacts.rounding);
+    return has_rule && run->model->n_resets > 0 && t == run->impacts.struck &&
+           fabs(run->guards.found[i]) < change_by(run, t, i, run->impacts.rounding);
 }
 
 /* Whether guard i is beyond at the state that was looked at, and for sure. */
@@ -293,11 +291,14 @@ static double find_root(LagRun *run, int i, double low, double high, double a, d
     return high;
 }
 
-/* From when on guard i is beyond, as it is at place k of a part, and was not at the one before. */
+/* From when on guard i is beyond, as it is at place k of a part, and was not at the one before; its number may say otherwise where
+ * resets have put it on its level. */
 static double passed_at(LagRun *run, Part part, int i, int k)
 {
-    if (k == 0)
-        return time_at(run, part.low);
+    if (k == 0 || !is_beyond(run->model, i, place(run, k)[i]))
+        return time_at(run, share_of(part, k));
+    if (is_beyond(run->model, i, place(run, k - 1)[i]))
+        return time_at(run, share_of(part, k - 1));
     return time_at(run, find_root(run, i, share_of(part, k - 1), share_of(part, k), place(run, k - 1)[i], place(run, k)[i]));
 }
 

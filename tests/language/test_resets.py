@@ -98,6 +98,59 @@ def test_runs_end_on_levels_that_resets_meet(condition: str, ends: bool, tmp_pat
         assert end == pytest.approx(1 if ends else 1.5), (mass, speed)
 
 
+TURNED = """
+model Turned "A pendulum that is turned back at the bottom, with the speed that it has there: no faster than energy lets it be"
+  World world(gravity = {0, -9.81});
+  parameter Angle A = 1;
+  parameter AngularVelocity fastest = sqrt(2*9.81*(1 - cos(A)));
+  Revolute h(a = world, phi(start = A));
+  PointMass p(m = 1, center = shift(h.b, {0, -1}));
+equation
+  when h.phi < 0 then reinit(h.w, -pre(h.w)); end when;
+  SAID
+end Turned;
+"""
+
+
+@pytest.mark.parametrize("said", [
+    'assert(h.w <= fastest, "too fast");', 'when h.w > fastest then terminate("too fast"); end when;'])
+def test_rates_that_resets_compute_have_the_errors_of_the_motion(said: str, tmp_path: Path) -> None:
+    """They are no better known than what they were computed from: what is beyond by less than a tolerance ends no run."""
+    file = tmp_path / "turned.lag"
+    file.write_text(TURNED.replace("SAID", said), encoding="utf-8")
+    model = lagrangia.load(file)
+    for solver, tolerance, angle in (("auto", 1e-8, 1.3), ("auto", 1e-6, 1), ("erk5", 1e-6, 1.3), ("implicit", 1e-6, 0.7)):
+        result = model.simulate(stop=5, solver=solver, tolerance=tolerance, parameters={"A": angle})
+        assert result.time[-1] == 5, (solver, tolerance, angle)
+
+
+DISCRETE = """
+model Discrete "Speeds are set to discrete ones, one of them a parameter, the other read of the motion; then one is driven"
+  World world(gravity = {0, 0});
+  parameter Velocity w = 0.3;
+  Prismatic x(a = world, along = {1, 0}), y(a = world, along = {1, 0}, v(start = 0.1));
+  PointMass a(m = 0.37, center = x.b), b(m = 3, center = y.b);
+  AppliedForce f(at = x.b, force = {if time > 1.2 then 1 else 0, 0});
+  discrete Velocity told(start = 0), read(start = 0);
+equation
+  when time >= 0.5 then told = w; read = der(y.s); end when;
+  when time >= 1 then reinit(der(x.s), told); end when;
+  when time >= 1.1 then reinit(der(y.s), read); end when;
+  SAID
+end Discrete;
+"""
+
+
+@pytest.mark.parametrize(("said", "end"), [("der(x.s) < w", 1), ("der(x.s) <= w", 1.2)])
+def test_speeds_that_are_set_to_discrete_ones(said: str, end: float, tmp_path: Path) -> None:
+    """A discrete variable that is only set to parameters is known as they are; one that is set to what moves is not."""
+    file = tmp_path / "discrete.lag"
+    file.write_text(DISCRETE.replace("SAID", f'when not {said} then terminate("there"); end when;'), encoding="utf-8")
+    model = lagrangia.load(file)
+    assert [bool(flags & 16) for flags in model.scene.patterns["reset_places"][1::3]] == [True, True, True, False]  # LAG_KNOWN
+    assert model.simulate(stop=2).time[-1] == pytest.approx(end, abs=1e-6)
+
+
 SAMPLED = """
 model Sampled "x = g t^2/2 is read each 0.1 s: above 0.5 from 0.4 s on, where it stops; n counts from 0.1 s on"
   Prismatic x(a = world, along = {0, -1});

@@ -50,7 +50,7 @@ from lagrangia.needs.linear_form import LinearForm, find_linear_form
 from lagrangia.run.rules import Moment, Taken, decide
 
 # Functions of the state that only constraints ask for, and their results.
-_SIGNAL, _CHANGE = 4, 8  # LAG_SIGNAL, LAG_CHANGE
+_SIGNAL, _CHANGE, _KNOWN = 4, 8, 16  # LAG_SIGNAL, ...
 _OF_CONSTRAINTS = {"steer": ["dv"], "residual": ["phi", "rate"], "nearest": ["dq", "dv", "phi", "rate", "energies", "doubt"]}
 
 
@@ -402,7 +402,8 @@ def _kick_function(state: list[ca.SX], found: list[ca.SX], before: ca.SX) -> dic
 
 def _reset_places(kinematics: Kinematics, motion: Motion) -> tuple[int, ...]:
     """Of each reset its event; its kind, with SIGNAL where it is of first-order states alone, CHANGE where its event comes where
-    a condition changes to either side; and the coordinate whose rate itself is reset, -1 where it is any other."""
+    a condition changes to either side, KNOWN where what it sets does not come from the motion; and the coordinate whose rate
+    itself is reset, -1 where it is any other."""
     rates = kinematics.symbols.rates
     signals = {rates[state.coordinate].__hash__() for state in kinematics.graph.model.states.values()}
     moving = {rate.__hash__() for rate in rates.values()}
@@ -412,7 +413,7 @@ def _reset_places(kinematics: Kinematics, motion: Motion) -> tuple[int, ...]:
             places[2 * k + 1] |= _SIGNAL
     changes = find_changes(kinematics.graph.model.whens)
     for k in range(len(places) // 2):
-        places[2 * k + 1] |= _CHANGE * (places[2 * k] in changes)
+        places[2 * k + 1] |= _CHANGE * (places[2 * k] in changes) | _KNOWN * motion.impacts.known[k]
     own = {v.__hash__(): k for k, v in enumerate(motion.v.elements())}
     return tuple(x for k, rate in enumerate(motion.impacts.rates.elements())
                  for x in (*places[2 * k : 2 * k + 2], own.get(rate.__hash__(), -1)))

@@ -25,7 +25,7 @@ from lagrangia.algebra.scalars import symbols_in
 from lagrangia.algebra.with_casadi import operations_in
 from lagrangia.base.diagnostics import fail
 from lagrangia.base.records import dataclass
-from lagrangia.constraints.parameters import usual_parameters
+from lagrangia.constraints.parameters import parameter_symbols, usual_parameters
 from lagrangia.dynamics.energies import Load, paced
 from lagrangia.dynamics.levels import EDGE, JUMPS, Levels, Meetings, Steps, level_of_parts
 from lagrangia.frames.evaluation import scalars_of
@@ -64,6 +64,7 @@ class Impacts:
     places: tuple[int, ...] = ()
     one_way: tuple[bool, ...] = ()  # (w,): gaps that are rates
     on_level: tuple[int, ...] = ()  # (w,): whether it is true where rates meet what they are compared with; -1: by parts
+    known: tuple[bool, ...] = ()  # (r,): whether what is set does not come from the motion, with whose errors
     loads: tuple[Load, ...] = ()
     pressing: Mapping[int, tuple[ca.SX, ca.SX]] = field(default_factory=dict)  # of what rests, by their events: forces, impulses
 
@@ -113,8 +114,21 @@ def find_impacts(kinematics: Kinematics) -> Impacts:
     pressing = {k: (forces[k], impulses[first + event.kept])
                 for k, (event, first) in enumerate(zip(found, firsts, strict=False)) if event.kept is not None}
     one_way = tuple(ONE_WAY in event.kinds for event in found)
-    return Impacts(conditions, gaps, rates, wanted, forces, impulses, flags, one_way,
-                   tuple(event.meetings.on_level() for event in found), tuple(loads), pressing)
+    on_level = tuple(event.meetings.on_level() for event in found)
+    known = _find_known(kinematics, rates, wanted)
+    return Impacts(conditions, gaps, rates, wanted, forces, impulses, flags, one_way, on_level, known, tuple(loads), pressing)
+
+
+def _find_known(kinematics: Kinematics, rates: ca.SX, wanted: ca.SX) -> tuple[bool, ...]:
+    """Of each reset whether it sets a discrete variable, which may keep what it reads, or sets something to what follows from
+    parameters, and from such discrete variables as are only set to that."""
+    kept = {state.coordinate for state in kinematics.graph.model.states.values() if state.is_kept}
+    discrete = {symbols_in(kinematics.symbols.rates[name]) for name in kept}
+    found = [(symbols_in(x), symbols_in(value)) for x, value in zip(rates.elements(), wanted.elements(), strict=True)]
+    known = symbols_in(parameter_symbols(kinematics)).union(*discrete)
+    while moved := {x for own, value in found if own in discrete and not value <= known for x in own & known}:
+        known -= moved
+    return tuple(own in discrete or value <= known for own, value in found)
 
 
 class _Event:
