@@ -48,6 +48,11 @@ SCENES = {
         "parameter Length L = 2, a = 1.5; coordinate Angle theta; parameter Inertia I = 1;"
         "energy kinetic I*der(theta)^2/2; potential -50[N]*sin(3*time)*(a - L/2)*sin(theta);", {
             "lagrange": ["50 (½ L − a) sin(3 t) cos θ"]}),
+    "decimals with letters below them and without": (
+        "parameter Length l = 0.5; parameter Stiffness k = 10; World world(gravity = {0, 0});"
+        "Planar p(a = world, x(start = 1), y(start = 0), phi(start = 0)); Body b(m = 2, I = 1, center = p.b);"
+        "energy potential k*(0.12*p.x^3/l + 0.1275*p.x^2 + p.y^3*5/21/l + p.y^2/8 + p.y^4/16/l^2);", {
+            "lagrange": ["0.36 k x²/l + 0.255 k x", "5 k y²/(7 l)", "k y³/(4 l²)"]}),
 }
 
 

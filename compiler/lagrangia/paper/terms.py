@@ -34,6 +34,7 @@ from lagrangia.paper.layout import (
     total,
 )
 from lagrangia.paper.shapes import Polynomial, Powers, Shaped, Sum, shaped
+from lagrangia.paper.typeset import decimal
 
 Signed = list[tuple[int, Node]]
 
@@ -117,7 +118,7 @@ class Terms:
         return sign, abs(x.number), above, below
 
     def _put(self, number: Fraction, above: list[Node], below: list[Node]) -> Node:
-        if below and 1 < number.denominator < 100 and not self.symbols.digits:
+        if below and 1 < number.denominator < 100 and not self.symbols.digits and not _is_decimal(number):
             below = [Numeral(Fraction(number.denominator)), *below]
             number = Fraction(number.numerator)
         if number != 1 or not above:
@@ -156,7 +157,7 @@ class Terms:
         digits = self.symbols.digits
         is_whole = value.denominator == 1 and abs(value) < 100000
         is_short = value.denominator in _FRACTIONS and abs(value.numerator) < 100 and not digits
-        return Numeral(value, 0 if is_whole or is_short else digits or 6)
+        return Numeral(value, 0 if is_whole or is_short else digits or _DIGITS)
 
     def power(self, x: Expr, k: Fraction) -> Node:
         """An atom to a power."""
@@ -209,12 +210,18 @@ class Terms:
         return Cases(tuple((self.sum(value), None if when == sp.true else self.node(when)) for value, when in flat.args))
 
 
+def _is_decimal(number: Fraction) -> bool:
+    """Whether it is a decimal of few digits, as 0.12, and no fraction that a person would write."""
+    return number.denominator not in _FRACTIONS and Fraction(decimal(number, _DIGITS)) == number
+
+
 def positive_first(items: Signed) -> Signed:
     """With a positive term in front, where there is one."""
     first = next((k for k, (sign, _) in enumerate(items) if sign > 0), 0)
     return [items[first], *items[:first], *items[first + 1 :]] if items else items
 
 
+_DIGITS = 6  # of a decimal
 _FRACTIONS = {1, 2, 3, 4, 6, 8, 12, 16, 24}
 _RELATIONS = {"<": "<", "<=": "≤", ">": ">", ">=": "≥", "==": "=", "!=": "≠"}
 _FUNCTIONS: Mapping[str, str] = {"Abs": "abs", "log": "ln", "sign": "sgn", "asin": "arcsin", "acos": "arccos", "atan": "arctan",
