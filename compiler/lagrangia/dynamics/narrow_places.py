@@ -6,6 +6,7 @@ g = -(x/w)^2, -log(1 + (x/w)^2), x/w; it passes through 0 there, or turns round.
 cos(x)^n is as narrow as exp(-n x^2/2), 1/(1 + (x/w)^2)^n as exp(-n (x/w)^2), however they are multiplied out.
 """
 
+import math
 from collections.abc import Sequence
 from dataclasses import field
 
@@ -25,6 +26,7 @@ _ASKED = frozenset({"exp", "tanh", "cosh", "sinh", "atan", "erf", "asinh", "sqrt
 _HIGH = 6  # power from which on a factor that turns makes something narrow
 _FEW = 8  # factors of a product that are looked at
 _FAINT = 37.0  # logarithm of what is rounding beside 1
+_FLAT = 3.0  # change of logarithm in a whole turn that makes nothing narrow
 
 
 @dataclass
@@ -77,11 +79,11 @@ class _Products:
     def place(self, factor: int, moving: frozenset[int]) -> Expression | None:
         """What turns where its powers do within little; None where they do not."""
         value, low, high = self.factors[factor], self.lowest.get(factor, 0.0), self.highest.get(factor, 0.0)
-        if low < 0 and (least := _least(value, moving)) is not None:
+        if low < 0 and (least := _least(value, moving, -low)) is not None:
             return as_expression(low * ca.log(ca.fabs(value / least)))
         if high < _HIGH or factor in self.straight:
             return None
-        return as_expression(high / 2 * ca.log(value * value + ca.exp(-2 * _FAINT / high)))
+        return _logarithm(value, as_expression(high))
 
 
 def _exponents(op: int, operands: list[Expression]) -> tuple[float, ...]:
@@ -106,13 +108,18 @@ def find_narrow_places(motion: Motion, switches: Switches) -> ca.SX:
 
     def note(op: int, numbers: list[int], operands: list[Expression]) -> None:
         products.note(op, numbers, operands)
-        inner, key = operands[0], (op in _ROOTS, numbers[0])
+        has_name = op == ca.OP_POW and not operands[1].is_constant()  # the power is a parameter
+        inner, key = operands[0], (op in _ROOTS, numbering.of(op, numbers) if has_name else numbers[0])
         if key in found or op not in _FADING | _ROOTS or moving.isdisjoint(symbols := symbols_in(inner)):
             return
         if op == ca.OP_SQRT and rates.isdisjoint(symbols):
             return  # of positions: find_roots has them
         if op in _FADING:
             found[key] = inner
+        elif has_name:
+            least = as_expression(1.0) if _has(_EVEN, inner, moving) else _least(inner, moving)
+            if least is not None and moving.isdisjoint(symbols_in(operands[1])):
+                found[key] = _logarithm(as_expression(inner / least), operands[1])
         elif (least := _least(inner, moving)) is not None:
             found[key] = as_expression(-ca.log(ca.fabs(inner / least)))
 
@@ -123,8 +130,14 @@ def find_narrow_places(motion: Motion, switches: Switches) -> ca.SX:
     return ca.vertcat(ca.SX(0, 1), *(g for g in found.values() if rest.isdisjoint(symbols_in(g))))
 
 
-def _least(x: Expression, moving: frozenset[int]) -> Expression | None:
-    """w^2 of w^2 + what is even in a difference that may be 0, or swings; None of anything else."""
+def _logarithm(value: Expression, power: Expression) -> Expression:
+    """Of the power of what may be 0, from where that is more than rounding beside 1."""
+    return as_expression(power / 2 * ca.log(value * value + ca.exp(-2 * _FAINT / ca.fabs(power))))
+
+
+def _least(x: Expression, moving: frozenset[int], power: float = math.inf) -> Expression | None:
+    """w^2 of w^2 + what is even in a difference that may be 0, or swings; None of anything else, and where it swings so little
+    that this power is narrow nowhere."""
     steady, others = as_expression(0.0), list[Expression]()
     waiting = [x]
     while waiting:
@@ -135,10 +148,27 @@ def _least(x: Expression, moving: frozenset[int]) -> Expression | None:
             waiting += _operands(term)
         elif term.op() == ca.OP_SUB and _has(_WAVES, _operands(term)[1], moving):
             waiting.append(_operands(term)[0])
+            others.append(_operands(term)[1])
         else:
             others.append(term)
     is_sum = all(_has(_EVEN, term, moving) for term in others)
-    return steady if is_sum and not steady.is_zero() else None
+    if not is_sum or steady.is_zero():
+        return None
+    middle, swing = abs(float(steady)) if steady.is_constant() else 0.0, sum(_swing(term) for term in others)
+    return None if middle > swing and power * math.log((middle + swing) / (middle - swing)) < _FLAT else steady
+
+
+def _swing(x: Expression) -> float:
+    """The largest value of a wave or of its square, times a number; infinite of anything else."""
+    if x.op() in _WAVES:
+        return 1.0
+    operands = _operands(x)
+    if x.op() == ca.OP_SQ:
+        return _swing(operands[0]) ** 2
+    numbers = [abs(float(operand)) for operand in operands if operand.is_constant()]
+    if x.op() == ca.OP_MUL and numbers:
+        return numbers[0] * _swing(operands[operands[0].is_constant()])
+    return _swing(operands[0]) / numbers[0] if x.op() == ca.OP_DIV and numbers and numbers[0] > 0 else math.inf
 
 
 def _has(operations: frozenset[int], x: Expression, moving: frozenset[int]) -> bool:
