@@ -317,7 +317,7 @@ LagFacts lag_facts(const LagModel *model, const LagSettings *settings)
         .has_modes = model->n_modes > 0,
         .has_inputs = model->n_inputs > 0,
         .is_swing = model->is_swing,
-        .may_hide = model->may_hide || model->n_looks > 0,
+        .may_hide = model->may_hide,
         .has_attitudes = model->n_attitudes > 0,
     };
 }
