@@ -7,9 +7,9 @@
 
 /* -------- limits of the beginning */
 
-/* Tolerance up to which Gauss collocation pays, in closed loops and elsewhere. By times to the same error, of 25 scenes: at
- * loose ones steps are as long as sweeps bear, not as errors allow. */
-static const double PIRK_CONSTRAINED = 2e-4, PIRK_FREE = 2e-3;
+/* Tolerance up to which Gauss collocation pays, in closed loops, where wheels roll, and elsewhere. By times to the same error, of 25
+ * scenes: at loose ones steps are as long as sweeps bear, not as errors allow. */
+static const double PIRK_CONSTRAINED = 2e-4, PIRK_ROLLING = 1.5e-2, PIRK_FREE = 2e-3;
 /* Operations of an evaluation, and more for each coordinate, from which on Adams' methods pay: an evaluation takes some 0.3 ns an
  * operation, what they do beside it 140 ns and 4 ns a coordinate. */
 static const double ADAMS_STEP = 700, ADAMS_COORDINATE = 20;
@@ -63,7 +63,10 @@ static int fits_transition(const LagFacts *f) { return f->fits_transition; }
 
 static int has_cheap_series(const LagFacts *f) { return f->series_cost < f->erk_cost; }
 
-static double pirk_limit(const LagFacts *f) { return f->constraints > 0 ? PIRK_CONSTRAINED : PIRK_FREE; }
+static double pirk_limit(const LagFacts *f)
+{
+    return f->rolls ? PIRK_ROLLING : f->constraints > 0 ? PIRK_CONSTRAINED : PIRK_FREE;
+}
 
 /* Changes at conditions of the state are read from dense output. */
 static int is_smooth(const LagFacts *f)
@@ -319,5 +322,6 @@ LagFacts lag_facts(const LagModel *model, const LagSettings *settings)
         .is_swing = model->is_swing,
         .may_hide = model->may_hide,
         .has_attitudes = model->n_attitudes > 0,
+        .rolls = model->n_multipliers > model->n_holonomic,
     };
 }

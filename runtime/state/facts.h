@@ -38,7 +38,7 @@ typedef struct {
     int32_t tried;                   /* bits of LAG_SOLVER_...: what was lost, too, or cannot run the model */
     int32_t is_damped;               /* what changes most is a rate that dies out without swinging */
     int32_t fits_transition, has_jacobian, has_conditions, has_corners, has_modes, has_inputs, is_swing, may_hide,
-        has_attitudes;
+        has_attitudes, rolls;
 } LagFacts;
 
 /* What a method cannot do, or need not. */

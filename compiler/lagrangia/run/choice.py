@@ -15,7 +15,7 @@ _MEASURED = (
 _KNOWN = (
     "asked", "is_named", "solver", "explicit_solver", "rows_solver", "turns_solver", "next", "steps", "is_series", "order",
     "trouble", "tried", "is_damped", "fits_transition", "has_jacobian", "has_conditions", "has_corners", "has_modes",
-    "has_inputs", "is_swing", "may_hide", "has_attitudes",
+    "has_inputs", "is_swing", "may_hide", "has_attitudes", "rolls",
 )
 _LARGE = 1e5  # from here on numbers are written with powers of ten
 
