@@ -387,6 +387,20 @@ def test_runs_end_where_what_moves_comes_beside_a_counter(tmp_path: Path) -> Non
     assert result.time[-1] == pytest.approx(math.acos(-0.7), abs=1e-7)
 
 
+def test_what_moves_beside_counters_that_are_counted_round(tmp_path: Path) -> None:
+    """mod(gear, 3) == 1 jumps, and is as gear == 1: also where it says what a moving part is compared with, or ends the run."""
+    text = GEARS
+    for plain, jumping in (("gear == 1", "mod(gear, 3) == 1"), ("pre(gear) == 2", "rem(pre(gear), 3) == 2"),
+                           ("b.s > 0.9 and gear >= 3", "(if mod(gear, 3) == 0 then b.s else 0) > 0.9"),
+                           ("gear == last", "mod(gear, 4) == last")):
+        assert text.count(plain) == 1
+        text = text.replace(plain, jumping)
+    result = run(tmp_path, text, "Gears")
+    assert [result[name][-1] for name in ("gear", "shifts", "sum", "late")] == [1, 3, 1, 1]
+    assert result["third"][-1] == pytest.approx(2*math.pi/3, abs=1e-7)
+    assert run(tmp_path, text.replace("last = 9", "last = 3"), "Gears").time[-1] == pytest.approx(math.acos(-0.7), abs=1e-7)
+
+
 STEPPED = """
 model Stepped "pushed from 1 s on by 1 N"
   Block b(m = 1, base = world);

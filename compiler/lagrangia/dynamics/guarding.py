@@ -88,16 +88,19 @@ def _level_of_condition(kinematics: Kinematics, guard: Guard, meetings: Meetings
     def expression(node: Flat) -> ca.SX:
         return as_expression(ca.substitute(as_expression(value(node)), tau, ca.SX(1)))
 
+    others = list[ca.SX]()  # what is compared, but for what changes at events alone
+
     def level_of_part(part: Flat) -> ca.SX:
         difference = expression(level_of(part))
         meetings.note(part, difference)
+        others.extend([] if steps.decide(difference) else [difference])
         return steps.level(part, difference)
 
     moving = ca.vertcat(kinematics.symbols.time, kinematics.algebra.state, _following(kinematics))
     g = level_of_parts(without_not(guard.condition), level_of_part)
-    if operations_in(g).isdisjoint(JUMPS) or symbols_in(moving).isdisjoint(symbols_in(g)):
+    if operations_in(ca.vertcat(ca.SX(0, 1), *others)).isdisjoint(JUMPS) or symbols_in(moving).isdisjoint(symbols_in(g)):
         return g
-    level = Levels(moving, edge=EDGE).of(expression(guard.condition))
+    level = Levels(steps.beside(moving), edge=EDGE).of(expression(guard.condition))
     if level is None:
         fail("L0225", "this changes where something in it jumps, in a way that is not taken apart",
              guard.condition.span.within(guard.span), "compare with <, <=, > or >= in it, not with == or <>")

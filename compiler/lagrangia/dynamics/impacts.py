@@ -175,9 +175,10 @@ class _Event:
         g = self._expression(value(level))
         truth = self._expression(value(node)) if _is_comparison(node) else g
         self.meetings.note(node, g)
-        if not _is_comparison(node) or (ca.depends_on(g, self.moving) and operations_in(g).isdisjoint(JUMPS)):
+        goes_on = ca.depends_on(g, self.moving) and operations_in(g).isdisjoint(JUMPS)
+        if goes_on or self.steps.decide(g) or not _is_comparison(node):
             return self.steps.level(node, g)
-        found = Levels(self.moving, edge=EDGE).of(truth)
+        found = Levels(self.steps.beside(self.moving), edge=EDGE).of(truth)
         if found is None:
             fail("L0225", "this comes true where something in it jumps, in a way that is not taken apart",
                  node.span.within(self.when.span), "compare with <, <=, > or >= in it, not with == or <>; and join conditions "

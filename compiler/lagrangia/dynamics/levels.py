@@ -236,12 +236,19 @@ class Steps:
         self.held = symbols_in(ca.vertcat(ca.SX(0, 1), *held))
         self.known = self.held | symbols_in(parameter_symbols(kinematics)) if held else frozenset()
 
+    def decide(self, difference: ca.SX) -> bool:
+        """Whether nothing else does, however it jumps with them: mod(n, 2) - 1."""
+        found = symbols_in(difference)
+        return bool(found & self.held) and found <= self.known
+
+    def beside(self, moving: ca.SX) -> ca.SX:
+        """What else is `moving`, a column of symbols."""
+        return ca.vertcat(ca.SX(0, 1), *(x for x in moving.elements() if self.held.isdisjoint(symbols_in(x))))
+
     def level(self, comparison: Flat, difference: ca.SX) -> ca.SX:
         """That of a comparison of what does not jump otherwise: of what steps 1 where it is true, else -1, so that what moves
         beside it in a condition says where that comes true."""
-        found = symbols_in(difference)
-        is_of_steps = bool(found & self.held) and found <= self.known
-        if not (is_of_steps and isinstance(comparison, Binary) and comparison.operator in COMPARED):
+        if not (self.decide(difference) and isinstance(comparison, Binary) and comparison.operator in COMPARED):
             return with_edge(comparison, difference)
         edge = EDGE if comparison.operator in ("<=", ">=") else -EDGE
         return ca.fmax(ca.fmin((difference + edge)/EDGE, 1), -1)
