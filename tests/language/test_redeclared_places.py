@@ -55,3 +55,38 @@ WRONG = {
 def test_what_a_redeclaration_says_is_looked_at(scene: Write, text: str) -> None:
     with pytest.raises(lag.LagError, match=WRONG[text]):
         scene(f"{CLASSES} model M {HEAD} {text} end M;")
+
+
+PLACES = """
+partial model Base parameter Real p = 1; end Base;
+model Small extends Base; Block b(m = p, base = world, along = {1, 0}); end Small;
+model Big extends Base; Block c[2](each m = p, each base = world, each along = {1, 0}); end Big;
+model Huge extends Base; Block c[200000](each m = p, each base = world, each along = {1, 0}); end Huge;
+model Nested replaceable model A = Big constrainedby Base; model B A a; end B; B b; end Nested;
+model Short replaceable model A = Big constrainedby Base; model AA = A; AA b; end Short;
+model Around replaceable model X = Big constrainedby Base; X x; end Around;
+model Handed replaceable model A = Big constrainedby Base; Around w(redeclare model X = A); end Handed;
+model Bare replaceable model A = Big constrainedby Base; end Bare;
+model Before A a; extends Bare; end Before;
+model Heir extends Nested(redeclare model A = Small(p = 3)); end Heir;
+model Deep Nested q; end Deep;
+model Foreseen replaceable model A = Huge constrainedby Base; model AA = A; AA b; end Foreseen;
+model Within Foreseen q; end Within;
+package P replaceable model A = Big constrainedby Base; model M A a; end M; model N M m; end N; end P;
+package P2 = P(redeclare model A = Small);
+"""
+USED = {  # the coordinates of each
+    "Nested q(redeclare model A = Small);": ["b.a.b.s"], "Nested q;": ["b.a.c[1].s", "b.a.c[2].s"],
+    "Short q(redeclare model A = Small(p = 2));": ["b.b.s"], "Handed q(redeclare model A = Small);": ["w.x.b.s"],
+    "Before q(redeclare model A = Small);": ["a.b.s"], "Heir q;": ["b.a.b.s"],
+    "Deep q(q(redeclare model A = Small));": ["q.b.a.b.s"], "Within q(q(redeclare model A = Small));": ["q.b.b.s"],
+    "P2.N q;": ["m.a.b.s"], "P.N q;": ["m.a.c[1].s", "m.a.c[2].s"]}
+
+
+def test_models_are_redeclared_for_what_uses_them(scene: Write) -> None:
+    """In other classes, by short names, and handed on: each instance by what is said of it."""
+    texts = [text.replace(" q", f" q{k}", 1) for k, text in enumerate(USED)]
+    many = "Nested each_one[2](each redeclare model A = Small);"
+    found = scene(f"{PLACES} model M {' '.join(texts)} {many} end M;").coordinate_names
+    wanted = [f"q{k}.{name}" for k, names in enumerate(USED.values()) for name in names]
+    assert list(found) == [*wanted, "each_one[1].b.a.b.s", "each_one[2].b.a.b.s"]

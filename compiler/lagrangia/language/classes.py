@@ -79,13 +79,17 @@ class ClassTable:
         report.raise_errors()
 
     def takes_class(self, definition: ClassDefinition, name: str) -> bool:
-        """Whether a class in another one is redeclared by making the other one anew: packages, functions, types, and records but
-        those that are the types of components alone."""
+        """Whether a class in another one is redeclared by making the other one anew: packages, functions, types, and records and
+        models but those that are the types of components alone."""
         if definition.span.source not in self.files or definition.name not in self.scopes.classes:
             return False
         found = self.variants.inner(definition.name, name)
-        return found is not None and found[1].kind not in COMPONENTS and not (
-            found[1].kind == "record" and self.variants.is_of_components(definition.name, found[1]))
+        return found is not None and not (
+            found[1].kind in ("record", *COMPONENTS) and self.variants.is_of_components(definition.name, found[1]))
+
+    def is_of_components(self, definition: ClassDefinition, inner: ClassDefinition) -> bool:
+        """Whether no other class in a class uses one that stands in it, or in what it extends."""
+        return definition.name not in self.scopes.classes or self.variants.is_of_components(definition.name, inner)
 
     def found(self, name: str, span: Span) -> ClassDefinition | None:
         """The class that `name` means where `span` is; None where there is none. Raises LagError L0204 for imports of nothing."""

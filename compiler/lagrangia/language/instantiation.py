@@ -25,7 +25,7 @@ from lagrangia.language.instances import (
     outside,
 )
 from lagrangia.language.kept_components import Asked, KeptComponents
-from lagrangia.language.modifications import deal_out, dealt_to_fields, merge, modification_of
+from lagrangia.language.modifications import deal_out, dealt_to_fields, merge, modification_of, redeclares
 from lagrangia.language.redeclarations import (
     add_outer,
     check_constraint,
@@ -334,7 +334,8 @@ class Instantiation:
             return
         self._refuse_roles(declaration)
         sizes = self._dimensions(declaration, scope)
-        if self.count + prod(sizes) * max(1, self.foreseen.components_of(declaration)) > _MOST_COMPONENTS:
+        foreseen = 1 if redeclares(change) else max(1, self.foreseen.components_of(declaration))
+        if self.count + prod(sizes) * foreseen > _MOST_COMPONENTS:
             fail("L0209", f"more than {_MOST_COMPONENTS} components", outside(self.table, declaration.name_span, instance))
         if self.before is not None and instance.parent is None:
             instance.members[key_of(declaration)] = self._kept(self.before, instance, declaration, change, sizes)

@@ -63,3 +63,8 @@ def dealt_to_fields(change: Modification, fields: Iterable[str]) -> Modification
     for name, inner in change.children.items():
         found[name] = merge(found[name], inner) if inner.is_below and name in found else inner
     return Modification(None, found, False, change.is_final, change.span)
+
+
+def redeclares(change: Modification) -> bool:
+    """Whether something is redeclared, in a part of a component as well."""
+    return change.redeclared is not None or any(map(redeclares, change.children.values()))

@@ -122,6 +122,12 @@ def replace_local_classes(table: ClassTable, report: Report, definition: ClassDe
                          f"write `replaceable` before it, at {local.name_span}")
             continue
         check_kind(new, local)
+        if not table.is_of_components(instance.definition, local):
+            owner = instance.definition.name
+            report.error("L0901", f"not supported yet: '{local.name}' is redeclared in what {owner} inherits, and another class "
+                         f"in {owner} uses it", given.redeclared.span, f"say in {owner} itself what takes its place, with "
+                         f"numbers alone: extends ...(redeclare {local.kind} {local.name} = ...)")
+            continue
         target, limit = limit_of_first(local, [c for base in table.lineage(definition) for c in base.classes])
         wanted = (limit.type_name, limit.span) if limit is not None else (target.name, target.name_span)
         if not _fits(table, report, (new.type_name, new.type_span), wanted, f"'{local.name}'"):

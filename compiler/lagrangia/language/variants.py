@@ -38,6 +38,7 @@ class Variants:
     builtin: frozenset[str]
     _settled: set[str] = field(default_factory=set)
     _variants: dict[tuple[Any, ...], str] = field(default_factory=dict)
+    _of_components: dict[tuple[str, str], bool] = field(default_factory=dict)
     _kept: list[tuple[Argument, ...]] = field(default_factory=list)  # whose ids are in the keys of `_variants`
 
     def settled(self, name: str) -> ClassDefinition:
@@ -75,18 +76,24 @@ class Variants:
                     return owner, definition
         return None
 
-    def is_of_components(self, name: str, record: ClassDefinition) -> bool:
-        """Whether a record in a class is the type of some of its components, and is named nowhere else in it: neither by a
-        function or another class in it, nor as a constructor. It is redeclared where these components are made, then."""
+    def is_of_components(self, name: str, inner: ClassDefinition) -> bool:
+        """Whether a record, model or block in a class is the type of some of its components, and is named nowhere else in it:
+        neither by a function or another class in it, nor in what modifies a component, nor as a constructor. It is redeclared
+        where these components are made, then."""
+        key = name, inner.name
+        if key not in self._of_components:
+            self._of_components[key] = self._is_of_components(name, inner)
+        return self._of_components[key]
+
+    def _is_of_components(self, name: str, inner: ClassDefinition) -> bool:
         lineage = [self.scopes.classes[owner] for owner in self.scopes.lineage(name)]
-        if sum(inner.name == record.name for one in lineage for inner in one.classes) != 1 or (
-                record.constraining is not None and record.constraining.arguments):
+        if inner.kind not in COMPONENTS and (sum(c.name == inner.name for one in lineage for c in one.classes) != 1 or (
+                inner.constraining is not None and inner.constraining.arguments)):
             return False
         for one in lineage:
             behind = max((k for k, e in enumerate(one.elements) if isinstance(e, Extends)), default=-1)
-            elements = tuple(replace(e, type_name="") if isinstance(e, Declaration) and e.type_name == record.name and k > behind
-                             else e for k, e in enumerate(one.elements))
-            if _names((elements, one.sections, tuple(c for c in one.classes if c is not record)), record.name):
+            elements = tuple(_but_for(e, inner.name, k > behind) for k, e in enumerate(one.elements))
+            if _names((elements, one.sections, tuple(c for c in one.classes if c.name != inner.name)), inner.name):
                 return False
         return True
 
@@ -118,7 +125,7 @@ class Variants:
         if argument.redeclared is None or "class" not in argument.redeclared.prefixes:
             return False
         found = self.inner(name, argument.name)
-        return found is not None and (is_package or found[1].kind not in COMPONENTS)
+        return found is not None and (is_package or found[1].kind not in COMPONENTS or not self.is_of_components(name, found[1]))
 
     def _with_copies(self, definition: ClassDefinition, name: str) -> ClassDefinition:
         """With classes of its own in the place of arguments that redeclare some, and copies of what it extends."""
@@ -316,13 +323,21 @@ def limit_of_first(target: ClassDefinition, inherited: Sequence[ClassDefinition]
 def _signature(argument: Argument) -> tuple[Any, ...]:
     """What tells one redeclaration from another to the same class."""
     assert argument.redeclared is not None
-    return tuple((a.name, a.value.value if isinstance(a.value, Number) else id(a)) for a in argument.redeclared.arguments)
+    return tuple((a.name, a.value.value if isinstance(a.value, Number) and not a.arguments else id(a))
+                 for a in argument.redeclared.arguments)
 
 
 def _named_classes(definition: ClassDefinition, prefix: str) -> Iterator[tuple[str, ClassDefinition]]:
     for inner in definition.classes:
         yield f"{prefix}.{inner.name}", inner
         yield from _named_classes(inner, f"{prefix}.{inner.name}")
+
+
+def _but_for(element: Declaration | Extends, name: str, is_behind: bool) -> Declaration | Extends:
+    """An element without what makes a class the type of a component, or redeclares it in what is inherited."""
+    if isinstance(element, Extends):
+        return replace(element, arguments=tuple(a for a in element.arguments if a.name != name or a.redeclared is None))
+    return replace(element, type_name="") if is_behind and element.type_name == name else element
 
 
 def _names(node: Any, name: str) -> bool:
