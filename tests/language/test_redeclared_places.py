@@ -90,3 +90,9 @@ def test_models_are_redeclared_for_what_uses_them(scene: Write) -> None:
     found = scene(f"{PLACES} model M {' '.join(texts)} {many} end M;").coordinate_names
     wanted = [f"q{k}.{name}" for k, names in enumerate(USED.values()) for name in names]
     assert list(found) == [*wanted, "each_one[1].b.a.b.s", "each_one[2].b.a.b.s"]
+
+
+def test_model_redeclared_for_components_is_not_named_elsewhere(scene: Write) -> None:
+    own = "model R replaceable model A = Big; A a; end R; model R2 extends R(redeclare model A = Small); end R2;"
+    with pytest.raises(lag.LagError, match=r"L0901.*'A' of R2"):
+        scene(f"{PLACES} {own} model M R2.A a; end M;")

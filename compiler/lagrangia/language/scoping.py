@@ -157,8 +157,20 @@ class Scopes:
         first, *rest = name.split(".")
         at = self._first(first, around, bool(rest))
         for step in filter(None, rest):
-            at = self._within(at, step) if at is not None else None
+            owner, at = at, self._within(at, step) if at is not None else None
+            if owner is not None and at is not None:
+                self._refuse_redeclared(owner, step)
         return at
+
+    def _refuse_redeclared(self, owner: str, name: str) -> None:
+        """Raises LagError L0901 for a class that is redeclared for components alone where another one inherits it."""
+        for heir in self.lineage(owner):
+            if f"{heir}.{name}" in self.classes:
+                return
+            for argument in (a for e in self.classes[heir].elements if isinstance(e, Extends) for a in e.arguments):
+                if argument.name == name and argument.redeclared is not None and "class" in argument.redeclared.prefixes:
+                    fail("L0901", f"not supported yet: '{name}' of {heir}, which is redeclared here, as the type of what stands "
+                         "elsewhere", argument.span, f"write there what it is: {argument.redeclared.type_name}")
 
     def _first(self, name: str, around: Iterable[Enclosing], is_package: bool) -> str | None:
         for scope in around:
