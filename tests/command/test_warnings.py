@@ -25,6 +25,7 @@ CASES = {  # what a scene says, and the command that tells
     "L0608": ("Revolute h(a = world, phi(start = 1)), g(a = b.b); Bar b(m = 1, L = 1, a = h.b), c(m = 1, L = 1, a = g.b); "
               "Motion d(of = h.phi, to = time*1[rad/s]);", "check"),
     "L0609": (f"{BLOCK} initial equation der(b.s)^2 = 4;", "check"),
+    "L0610": (f'{BLOCK} equation assert(time < 0.05[s], "late", AssertionLevel.warning);', "simulate"),
     "L0708": (PUSHED, "simulate"),
     "L0709": (PUSHED, "simulate -u u.csv --stop 2"),
     "L0740": (f"Frame q = shift(world, {{0, 0.05*cos(200*time)}}); Revolute h(a = q); {HANGING}", "modes"),

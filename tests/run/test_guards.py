@@ -193,8 +193,9 @@ def test_models_that_test_others_fail_with_their_text(tmp_path: Path, monkeypatc
     Path("t.lag").write_text(FALLING.replace("Falling", "TestFails").replace("STATED", 'assert(a.s > 0.5, "low");')
                              + FALLING.replace("Falling", "TestWarns").replace("STATED", LOWER))
     assert main(["test", "t.lag"]) == FAILED
-    told = capsys.readouterr().out
-    assert "FAILED TestFails" in told and "low (a.s > 0.5" in told and "passed TestWarns" in told and "lower" in told
+    told, warned = capsys.readouterr()
+    assert "FAILED TestFails" in told and "low (a.s > 0.5" in told and "passed TestWarns" in told
+    assert "warning[L0610]" in warned and "lower" in warned
 
 
 @pytest.mark.parametrize(("stated", "code", "said"), [

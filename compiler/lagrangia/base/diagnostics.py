@@ -20,9 +20,9 @@ from lagrangia.base.records import dataclass
 from lagrangia.base.spelling import plain_text
 
 # The codes of warnings: those that can be allowed.
-WARNINGS = ("L0224", "L0237", "L0238", "L0239", "L0305", "L0306", "L0607", "L0608", "L0609", "L0708", "L0709", "L0740", "L0741",
-            "L0742", "L0743", "L0744", "L0745", "L0746", "L0747", "L0748", "L0749", "L0801", "L0802", "L0803", "L0804", "L0805",
-            "L0806")
+WARNINGS = ("L0224", "L0237", "L0238", "L0239", "L0305", "L0306", "L0607", "L0608", "L0609", "L0610", "L0708", "L0709", "L0740",
+            "L0741", "L0742", "L0743", "L0744", "L0745", "L0746", "L0747", "L0748", "L0749", "L0801", "L0802", "L0803", "L0804",
+            "L0805", "L0806")
 Severity = Literal["error", "warning", "note"]
 LIBRARY = "library/"  # with which the names of its sources begin
 _LONGEST_LINE = 160

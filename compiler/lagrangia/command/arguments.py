@@ -23,6 +23,7 @@ from lagrangia.language.values import read_value
 from lagrangia.model import Model
 from lagrangia.run.remarks import given_remarks, input_remarks
 from lagrangia.run.request import USUAL, Request
+from lagrangia.run.simulate import Progress
 from lagrangia.view.curves import require_format
 
 _HEAD = 8192  # characters
@@ -93,6 +94,11 @@ def tell_inputs(options: Namespace, model: Model, experiment: Any, given: Any) -
 def tell_given(options: Namespace, model: Model, request: Request, more: Iterable[str] = ()) -> None:
     """Says which parameters are given in vain; `more` are names that each run of a sweep has values of."""
     tell(options, model, given_remarks(model, request, more))
+
+
+def tell_broken(options: Namespace, model: Model, progress: Progress) -> None:
+    """Says which assertions of level warning a run has broken. Raises LagError L0710."""
+    tell(options, model, [f"warning[L0610]: {text}" for text in progress.warned])
 
 
 def _structural_names(options: Namespace, outputs: tuple[str, ...]) -> set[str]:

@@ -8,7 +8,7 @@ ASSERTIONS = """\
 
 assert(condition, text)    has to hold in the whole run. Where it breaks, exactly, the run fails (exit code 1) with the text, the
                            time, the place, and the values of what the condition names; the rows before it are kept.
-AssertionLevel.warning     as a third argument: the run goes on, and says when the condition broke at first.
+AssertionLevel.warning     as a third argument: the run goes on, and says when the condition broke at first (L0610).
 terminate(text)            in a `when`: the run ends where the condition comes true, well (exit code 0), and says the text. The
                            last row is the one there. A condition that is true at the start has to be false before it comes true.
 

@@ -12,7 +12,7 @@ _WARNINGS = """\
 warning[L0224]: nothing reads the parameter 'd', with file, line and caret. What is meant is allowed by its code: in the model
 annotation(allow = "L0224, L0741"), on the command line --allow L0224,L0741; --strict takes warnings for errors (exit code 2).
 L08xx are told by lag lint alone. In Python, model.warnings; InputWarning for values that a run is asked for (L0708, L0709,
-L0747, L0748), and for the cache (L0742) a line on standard error.
+L0747, L0748), run.warnings for L0610, and for the cache (L0742) a line on standard error.
 
 """
 TOLD = {
@@ -25,6 +25,7 @@ TOLD = {
     "L0607": "a force between two places that are one at the start, where it has no direction",
     "L0608": "a start value without effect: time, or other coordinates, say where it begins",
     "L0609": "several starts fit an initial equation, or one only just",
+    "L0610": "an assertion of level warning does not hold in a run",
     "L0708": "no value is given for an input",
     "L0709": "a table of inputs ends before the run does, or has more than two rows at one time",
     "L0740": "coefficients of small motion change with time, which stands still there",

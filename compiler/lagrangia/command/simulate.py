@@ -21,6 +21,7 @@ from lagrangia.command.arguments import (
     prepare_target,
     read_inputs,
     start_values,
+    tell_broken,
     tell_given,
     tell_inputs,
     tell_warnings,
@@ -186,11 +187,20 @@ def _run(options: Namespace, model: Model, experiment: Experiment, values: Any, 
         tell_singular_start(options, model, progress, sys.stdout if target != "-" else sys.stderr)
         tell_moved(scene, progress, values, first, sys.stdout if target != "-" else sys.stderr)
         tell_reactions(scene, last, sys.stdout if target != "-" else sys.stderr)
+    return _end(options, model, progress, failure, target, undrawn)
+
+
+def _end(options: Namespace, model: Model, progress: Progress, failure: RunError | None, target: str,
+         undrawn: RunError | None) -> int:
+    """The exit code, behind what assertions warn of. Raises LagError L0710, RunError."""
     if progress.interrupted:
         print(f"interrupted at t = {progress.time:.6g}; the {progress.rows} rows before are kept", file=sys.stderr)
-        return INTERRUPTED
-    _raise_failure(failure, progress, target, undrawn)
-    return 0
+    try:
+        tell_broken(options, model, progress)
+    finally:  # under --strict too a run that failed says so
+        if not progress.interrupted:
+            _raise_failure(failure, progress, target, undrawn)
+    return INTERRUPTED if progress.interrupted else 0
 
 
 def _raise_failure(failure: RunError | None, progress: Progress, target: str, undrawn: RunError | None) -> None:

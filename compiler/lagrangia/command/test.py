@@ -12,7 +12,7 @@ import numpy as np
 from lagrangia.base.diagnostics import LagError, RunError, fail, render_all
 from lagrangia.base.spelling import plain_text
 from lagrangia.base.tables import read_table
-from lagrangia.command.arguments import number, tell_warnings
+from lagrangia.command.arguments import number, tell_broken, tell_warnings
 from lagrangia.compile.pipeline import read_files
 from lagrangia.model import Model
 from lagrangia.view.trajectory import Trajectory
@@ -30,15 +30,15 @@ def test_command(options: Namespace) -> int:
         for model in _models(file, is_named=str(file) in options.files):
             begin = time.perf_counter()
             try:
-                said, warned = _tried(options, file, model, tolerance)
+                said = _tried(options, file, model, tolerance)
             except RunError as error:
-                said, warned = str(error), []
+                said = str(error)
             except LagError as error:
                 wrong += 1
-                said, warned = render_all(error.diagnostics, sys.stdout.isatty()), []
+                said = render_all(error.diagnostics, sys.stdout.isatty())
             passed, failed = passed + (not said), failed + bool(said)
             took, how = f"{time.perf_counter() - begin:.2f} s", "FAILED" if said else "updated" if options.update else "passed"
-            print(plain_text(f"{how} {model} ({file}, {took})"), *warned, *([said] if said else []), sep="\n")
+            print(plain_text(f"{how} {model} ({file}, {took})"), *([said] if said else []), sep="\n")
     if not passed + failed:
         fail("L0001", "there is nothing to test", None, f"the names of models that test begin with {_PREFIX}")
     print(f"{passed} {'updated' if options.update else 'passed'}, {failed} failed")
@@ -62,25 +62,23 @@ def _models(file: Path, is_named: bool) -> Iterator[str]:
     yield from [name for name in models if name.startswith(_PREFIX)] or models[-1 if is_named else len(models) :]
 
 
-def _tried(options: Namespace, file: Path, name: str, tolerance: float) -> tuple[str, list[str]]:
-    """What is wrong with a run, "" for nothing, and what assertions warn of. Raises LagError, RunError."""
+def _tried(options: Namespace, file: Path, name: str, tolerance: float) -> str:
+    """What is wrong with a run, "" for nothing. Raises LagError, RunError."""
     model = Model(file, name)
     tell_warnings(options, model)
     table = file.with_name(f"{name}.csv")
     if options.update or not table.exists():
         run = model.simulate()
+        tell_broken(options, model, run.progress)
         if options.update:
             run.to_csv(table)
-        return "", _warned(run)
+        return ""
     times, columns = read_table(table)
     run = model.simulate(at=times)
+    tell_broken(options, model, run.progress)
     if len(run.time) != len(times):
-        return f"   the run {run.ended}; {table.name} goes on to t = {times[-1]:g} s", _warned(run)
-    return "\n".join(_differences(run, columns, tolerance, table)), _warned(run)
-
-
-def _warned(run: Trajectory) -> list[str]:
-    return [f"   {text}" for text in run.progress.warned]
+        return f"   the run {run.ended}; {table.name} goes on to t = {times[-1]:g} s"
+    return "\n".join(_differences(run, columns, tolerance, table))
 
 
 def _differences(run: Trajectory, columns: dict[str, list[float]], tolerance: float, table: Path) -> Iterator[str]:

@@ -331,7 +331,7 @@ def short_steps(scene: Scene, progress: Progress) -> str:
 
 
 def shortcomings(progress: Progress) -> list[str]:
-    """What kept a run from its tolerance, in words, behind what assertions warn of; empty when nothing did.
+    """What kept a run from its tolerance, in words; empty when nothing did.
 
     Beside what the run time counted: an energy account that closes MUCH worse than the tolerance shows that errors have added up,
     in runs of many steps (in a few, the rounding of the first state can be all that moves). Where powers are integrated, whose
@@ -341,7 +341,7 @@ def shortcomings(progress: Progress) -> list[str]:
     statistics, tolerance = progress.statistics, progress.experiment.tolerance
     if statistics is None:
         return []
-    found = [*progress.warned]
+    found = []
     if statistics.tolerance_raised:
         found.append("the tolerance was raised to 1e-14, the smallest that double precision can keep")
     if statistics.tolerance_missed:
