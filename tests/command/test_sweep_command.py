@@ -121,6 +121,13 @@ def test_failed_runs_are_rows_with_a_reason_and_empty_cells(run: Run) -> None:
     assert "nan" not in said.lower()
 
 
+def test_runs_that_did_not_fail_and_have_no_value_are_told(run: Run) -> None:
+    Path("root.lag").write_text("model M parameter Real a = 1; Block b(m = 1, base = world); output Real y = sqrt(a); end M;")
+    code, said = run("root.lag", "-p", "a=-2,-1,0,4", "--outputs", "y", "--stop", "0.1")
+    assert code == 0 and "4 runs, 0 failed" in said
+    assert "final(y): 0 (run 2: a = 0) to 2 (run 3: a = 4); 2 without a value" in said
+
+
 def test_when_no_run_goes_well_the_sweep_failed(run: Run) -> None:
     code, said = run("explosion.lag", "--initial", "v=2,3")
     assert code == 1

@@ -21,9 +21,8 @@ def told_of_chance(sweep: Sweep, measure: Measure) -> Iterator[str]:
         if not found.count:
             return
         shares = ", ".join(f"{100 * share:g} % below {_told(x, job.sampling)}" for share, x in found.quantiles.items())
-        missing = f"; {found.missing} runs have none" if found.missing else ""
         spread = f", deviation {_told(found.deviation, job.sampling)}" if found.count > 1 else ""
-        yield f"mean {_told(found.mean, job.sampling)}{spread}; {shares}{missing}"
+        yield f"mean {_told(found.mean, job.sampling)}{spread}; {shares}"
 
 
 def ended(sweep: Sweep, until: Until) -> str:

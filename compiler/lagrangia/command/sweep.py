@@ -188,7 +188,7 @@ def _summarise(sweep: Sweep, target: str, now: int, has_stats: bool) -> None:
 
 
 def _spread(sweep: Sweep, measure: Measure) -> str:
-    """Least and largest value, and the runs they come from."""
+    """Least and largest value, the runs they come from, and how many runs that did not fail have none."""
     import numpy as np
 
     values = sweep[measure.text]
@@ -201,4 +201,5 @@ def _spread(sweep: Sweep, measure: Measure) -> str:
         row = sweep.job.variations.values(k, k + 1)[0].tolist()
         varied = [f"{name} = {x:.6g}" for name, x in zip(sweep.job.variations.names[:3], row, strict=False)]
         ends.append(f"{values[k]:.6g}{f' {unit}' if unit else ''} (run {k}{': ' if varied else ''}{', '.join(varied)})")
-    return f"{ends[0]} to {ends[1]}"
+    without = int((sweep.ok & np.isnan(values)).sum())
+    return f"{ends[0]} to {ends[1]}{f'; {without} without a value' if without else ''}"
