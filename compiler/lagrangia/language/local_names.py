@@ -13,6 +13,9 @@ from lagrangia.language.requirements import implied, with_cells
 from lagrangia.language.tree import Array, Call, Declaration, Expression, Flat, Local, Ref, Reference, Whole
 from lagrangia.language.truths import truth_of
 
+_OF_SCENES = {"virtual": "it belongs in an equation between positions: give the function what it needs of it",
+              "pre": "give the function the value before: f(pre(x))"}
+
 
 class LocalNames(Names):
     """Name resolution inside a function: its own variables, and the functions and constants of the kernel."""
@@ -32,6 +35,12 @@ class LocalNames(Names):
     def late(self, call: Call[Flat]) -> Ref:
         """Raises LagError L0901."""
         fail("L0901", "not supported yet: delay in a function", call.span, "delay what the function is given, or what it gives")
+
+    def checked_call(self, node: Call[Flat]) -> Flat:
+        """Raises LagError L0302 for what has a meaning in a scene alone."""
+        if node.function in _OF_SCENES:
+            fail("L0302", f"{node.function}(...) cannot stand in a function", node.span, _OF_SCENES[node.function])
+        return super().checked_call(node)
 
     def fields(self, node: Expression, scope: Scope) -> list[str]:
         """The names of what a record has that a name stands for; none for anything else."""
