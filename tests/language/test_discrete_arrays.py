@@ -93,6 +93,37 @@ def test_a_variable_bound_to_one_that_events_set(tmp_path: Path) -> None:
     assert model.simulate()["ms"][-1] == 54 and not [said for said in model.warnings if "'ms'" in said or "pre(n)" in said]
 
 
+WHOLE = """
+model Whole "x = t; c and M change at 1 and 2, in two elements at once, and at 3 in one; on = {t > 1, t < 2, t > 3}"
+  Block block(m = 1, base = world, v(start = 1));
+  Integer c[2](each start = 0), M[2, 2](each start = 0), k(start = 0);
+  Boolean on[3](start = {false, true, false});
+  Integer changes(start = 0), last(start = 0), cells(start = 0), rises(start = 0), flips(start = 0);
+equation
+  when block.s > k + 1 then
+    k = pre(k) + 1;
+    c = {min(k, 2), 3*k};
+    M = {{0, k}, {0, c[1]}};
+    on = {true, k < 2, k > 2};
+  end when;
+  when change(c) then changes = pre(changes) + 1; last = pre(c[2]); end when;
+  when change(M) then cells = pre(cells) + 1; end when;
+  when edge(on) then rises = pre(rises) + 1; end when;
+  when change(on) then flips = pre(flips) + 1; end when;
+  annotation(experiment(StopTime = 3.5));
+end Whole;
+"""
+
+
+def test_changes_and_edges_of_arrays(tmp_path: Path) -> None:
+    """Of any element, and one event where several change at once."""
+    file = tmp_path / "whole.lag"
+    file.write_text(WHOLE, encoding="utf-8")
+    result = lagrangia.load(file).simulate()
+    wanted = {"k": 3, "changes": 3, "last": 6, "cells": 3, "rises": 2, "flips": 3}
+    assert {name: result[name][-1] for name in wanted} == wanted
+
+
 @pytest.mark.parametrize(("statement", "said"), [
     ("when change(block.s) then k = 1; end when;", "all the time"),
     ("when change(2*n) then k = 1; end when;", "an expression changes"),

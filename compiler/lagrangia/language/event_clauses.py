@@ -1,6 +1,6 @@
 """`when` clauses of classes -> events, samplers and guards, and what discrete variables get."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, TypeGuard
 
@@ -71,7 +71,7 @@ class EventClauses:
         return known if known is not None and known[0][1] is scope else ((block, scope), 0)
 
     def _conditions(self, node: Expression, scope: Scope) -> list[Flat]:
-        """Each of {a, b}, and what edge and change say; initial() and sample(...) as calls."""
+        """Each of {a, b}, and what edge and change say of each; initial() and sample(...) as calls."""
         if isinstance(node, Array):
             return [x for item in node.items for x in self._conditions(item, scope)]
         if _is_call(node, "sample") or _is_call(node, "initial"):
@@ -81,20 +81,23 @@ class EventClauses:
                 fail("L0215", f"{node.function} {what}", node.span, _SAMPLED if wanted else "write: when initial() then")
             return [Call(node.function, tuple(self.names.flatten(x, scope) for x in node.arguments), (), node.span)]
         if (_is_call(node, "edge") or _is_call(node, "change")) and len(node.arguments) == 1 and not node.named:
-            (inner,) = self._conditions(node.arguments[0], scope)
-            if node.function == "edge":
-                return [inner]
-            if isinstance(inner, Ref):
-                self._changing[inner.name] = inner
-                return [changed(inner)]
-            if not is_condition(inner):
-                fail("L0901", "not supported yet: an event where an expression changes", node.span,
-                     "give its value to a variable: Integer m = 2*n; when change(m) then ...")
-            return [inner, Unary("not", inner, node.span)]
+            return [x for inner in self._conditions(node.arguments[0], scope) for x in self._changes(inner, node)]
         condition = self.names.without_known(self.names.flatten(node, scope))
-        parts = condition.items if isinstance(condition, Array) else (condition,)
+        parts = list(_elements_of(condition))
         refuse_own_past(parts)
         return [compared(part, self.whole) for part in parts]
+
+    def _changes(self, inner: Flat, node: Call[Expression]) -> list[Flat]:
+        """What edge and change say, as `node` does, of a condition or a variable. Raises LagError L0901."""
+        if node.function == "edge":
+            return [inner]
+        if isinstance(inner, Ref):
+            self._changing[inner.name] = inner
+            return [changed(inner)]
+        if not is_condition(inner):
+            fail("L0901", "not supported yet: an event where an expression changes", node.span,
+                 "give its value to a variable: Integer m = 2*n; when change(m) then ...")
+        return [inner, Unary("not", inner, node.span)]
 
     def _add_event(self, condition: Flat, chain: object, branch: int, component: str, place: Span) -> None:
         is_start = _is_call(condition, "initial")
@@ -180,3 +183,11 @@ class EventClauses:
 
 def _is_call(node: Expression | Flat, function: str) -> TypeGuard[Call[Any]]:
     return isinstance(node, Call) and node.function == function
+
+
+def _elements_of(condition: Flat) -> Iterator[Flat]:
+    """The scalars of an array, or a scalar itself."""
+    for item in condition.items if isinstance(condition, Array) else ():
+        yield from _elements_of(item)
+    if not isinstance(condition, Array):
+        yield condition
