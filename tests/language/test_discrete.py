@@ -343,13 +343,17 @@ def test_a_condition_that_is_said_to_be_true_is_a_contact(tmp_path: Path) -> Non
 
 
 def test_what_events_know_of_changes_is_in_no_table(tmp_path: Path) -> None:
-    """n.before is the event's own, in results, sweeps and FMUs."""
+    """n.before is the event's own, in results, sweeps and FMUs, and cannot be started."""
     file = tmp_path / "ball.lag"
     counted = "Integer changes(start = 0); equation when change(n) then changes = pre(changes) + 1; end when;"
     file.write_text(BALL.replace("equation", counted, 1), encoding="utf-8")
     model = lagrangia.load(file)
     names = {column.name for column in shown(model.scene)[0].rates} | {m.quantity for m in usual_measures(model.scene)}
     assert {"n", "changes", "der(way.s)"} <= names and not any("before" in name or "integral" in name for name in names)
+    for name in (*model.scene.inner, *(f"der({x})" for x in model.scene.inner)):
+        with pytest.raises(lagrangia.LagError, match="no coordinate or rate") as said:
+            model.simulate(initial={name: 4.0})
+        assert "n.before'" not in str(said.value).replace(f"'{name}'", "")
 
 
 GEARS = """

@@ -209,10 +209,11 @@ def check_values(
 def _start_values(scene: Scene, initial: Mapping[str, float], report: Report) -> tuple[list[float], list[float]]:
     """Of coordinates and rates; of lost ones and their rates."""
     start, lost = [math.nan] * (2 * scene.n), [math.nan] * (2 * scene.sizes["n_lost"])
-    outputs = {column.name for column in scene.outputs}
+    unknown = scene.inner | {f"der({name})" for name in scene.inner}
+    outputs = {column.name for column in scene.outputs} - unknown
     initial, names = _told_attitudes(scene, initial, report), dict[object, str]()
     for name, value in initial.items():
-        slot = scene.slot(name)
+        slot = scene.slot(name) if name not in unknown else None
         place = scene.lost.get(name) if slot is None else slot
         if place is not None and (other := names.setdefault(place, name)) != name:
             report.error("L0712", f"'{name}' is given twice, as '{other}' too", None, "these are names of one and the same")
@@ -231,7 +232,7 @@ def _start_values(scene: Scene, initial: Mapping[str, float], report: Report) ->
                          f"'{name}' in the model: it can then be given here")
         else:
             known = [*(c.name for c in (*scene.coordinates, *scene.rates)), *scene.aliases, *scene.lost]
-            _unknown("coordinate or rate", name, known, report)
+            _unknown("coordinate or rate", name, [x for x in known if x not in unknown], report)
     return start, lost
 
 

@@ -108,14 +108,19 @@ class Scene:
     @property
     def discrete(self) -> tuple[str, ...]:
         """The names of discrete variables, without those that are no one's but their events' (changes.py)."""
-        return tuple(self.signals[name] for name in self.kept if name not in self.notes.get("inner", ()))
+        return tuple(self.signals[name] for name in self.kept if name not in self.inner)
+
+    @property
+    def inner(self) -> frozenset[str]:
+        """The coordinates of discrete variables that are no one's but their events', and these."""
+        found = self.notes.get("inner", ())
+        return frozenset((*found, *(self.signals[name] for name in found)))
 
     @property
     def hidden(self) -> frozenset[str]:
         """Columns of rows that no table has: the coordinates whose rates are first-order states, on which nothing depends, parts
         of attitudes, and discrete variables that are no one's."""
-        inner = (self.signals[name] for name in self.notes.get("inner", ()))
-        return frozenset((*self.signals, *(f"der({name})" for name in self.signals), *self.turned, *inner))
+        return frozenset((*self.signals, *(f"der({name})" for name in self.signals), *self.turned, *self.inner))
 
     @property
     def flowing(self) -> Mapping[str, str]:
