@@ -405,6 +405,14 @@ def test_what_moves_beside_counters_that_are_counted_round(tmp_path: Path) -> No
     assert run(tmp_path, text.replace("last = 9", "last = 3"), "Gears").time[-1] == pytest.approx(math.acos(-0.7), abs=1e-7)
 
 
+@pytest.mark.parametrize("begin", ["equilibrium", {"der(b.s)": 0.0}])
+def test_starts_that_are_found_name_no_inner_ones(begin: "str | dict[str, float]", tmp_path: Path) -> None:
+    file = tmp_path / "gears.lag"
+    file.write_text(GEARS, encoding="utf-8")
+    result = lagrangia.load(file).simulate(from_=begin, stop=1.0)
+    assert (result["gear"][-1], result["b.s"][-1]) == (1, pytest.approx(0, abs=1e-9))
+
+
 STEPPED = """
 model Stepped "pushed from 1 s on by 1 N"
   Block b(m = 1, base = world);

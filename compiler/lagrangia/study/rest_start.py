@@ -39,7 +39,7 @@ def start_at_rest(model: Resting, name: str, parameters: Any, guesses: Any, inpu
                        "try other values with --initial, or `lag equilibrium`, which looks from other places, too")
     scene, rest = model.scene, found[0]
     values = {c.name: rest.position[c.name] for c in scene.told_positions if c.name not in scene.signals}
-    values |= {name: rest.position[name] for name in scene.signals.values()}
+    values |= {name: rest.position[name] for name in scene.signals.values() if name not in scene.inner}
     still = {rate.name: 0.0 for c, rate in zip(scene.coordinates, scene.rates, strict=True) if c.name not in scene.signals}
     shown = [f"{name} = {value:.6g}" for name, value in values.items()]
     more = f", ... ({len(shown)})" if len(shown) > 6 else ""

@@ -63,7 +63,7 @@ def start_steady(model: Any, rates: Mapping[str, float], parameters: Any, guesse
     q, v, turned = steady.state(x)
     point = {c.name: q[k] for k, c in enumerate(scene.coordinates) if k not in signals and c.name not in scene.turned}
     point |= steady.turned.told(np.zeros(scene.n), turned)
-    point |= {scene.signals[scene.coordinates[k].name]: v[k] for k in signals}
+    point |= {scene.signals[name]: v[k] for k in signals if (name := scene.coordinates[k].name) not in scene.inner}
     return _told(scene, given, point, v)
 
 
