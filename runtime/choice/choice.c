@@ -320,7 +320,7 @@ LagFacts lag_facts(const LagModel *model, const LagSettings *settings)
         .has_modes = model->n_modes > 0,
         .has_inputs = model->n_inputs > 0,
         .is_swing = model->is_swing,
-        .may_hide = model->may_hide,
+        .may_hide = model->may_hide || model->n_looks > 0,
         .has_attitudes = model->n_attitudes > 0,
         .rolls = model->n_multipliers > model->n_holonomic,
     };

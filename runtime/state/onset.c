@@ -14,7 +14,7 @@
 #include "numbers/extremes.h"
 
 /* Loads are sums and products of several rounded numbers. */
-static const double ROUNDINGS = 8, SANE = 2, FAINT = 1e-100; /* accelerations below this one are none, in any units */
+static const double ROUNDINGS = 8, SANE = 2, SOON = 100, FAINT = 1e-100; /* accelerations below this one are none, in any units */
 enum { LOOKS = 16 };
 /* Where a jump or a corner that nobody announced sets coordinates of a kind in motion, this has no size to compare errors with but
  * rounding, however short the step: they grow by SUDDEN. After so many rejections, whatever steps lead up to it in between,
@@ -55,6 +55,16 @@ void lag_onset_look(LagMotion *m, LagScale *scale, double end)
         scale->noise[i] = lag_max(scale->onset[i], scale->noise[i]);
 }
 
+/* By how much the rates of a kind that the loads do not move from here may change: on the way they may meet what does, but no wall. */
+static double most_change(const LagMotion *m, const LagScale *scale, int kind)
+{
+    double fastest = 0;
+    for (int i = 0; i < m->n; ++i)
+        if (scale->kind[i] == kind)
+            fastest = lag_max(fabs(m->y[m->n + i]), fastest);
+    return fastest > 0 ? SOON * fastest : INFINITY;
+}
+
 /* Whether each kind ended with rates that the loads can account for. scale->motion: what they do; ->change: the end. */
 static int is_sane(const LagMotion *m, const LagScale *scale)
 {
@@ -68,7 +78,7 @@ static int is_sane(const LagMotion *m, const LagScale *scale)
         *at_end = lag_max(fabs(m->other[n + i] - m->y[n + i]), *at_end);
     }
     for (int k = 0; k < scale->kinds; ++k)
-        if (!(scale->change[k] <= SANE * scale->motion[k]))
+        if (!(scale->change[k] <= (scale->motion[k] > 0 ? SANE * scale->motion[k] : most_change(m, scale, k))))
             return 0;
     return 1;
 }

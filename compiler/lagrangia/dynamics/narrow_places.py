@@ -117,7 +117,7 @@ def find_narrow_places(motion: Motion, switches: Switches) -> ca.SX:
         if op in _FADING:
             found[key] = inner
         elif has_name:
-            least = as_expression(1.0) if _has(_EVEN, inner, moving) else _least(inner, moving)
+            least = as_expression(1.0) if _has(_EVEN, inner, moving) else _least(inner, moving, math.inf)
             if least is not None and moving.isdisjoint(symbols_in(operands[1])):
                 found[key] = _logarithm(as_expression(inner / least), operands[1])
         elif (least := _least(inner, moving)) is not None:
@@ -135,9 +135,9 @@ def _logarithm(value: Expression, power: Expression) -> Expression:
     return as_expression(power / 2 * ca.log(value * value + ca.exp(-2 * _FAINT / ca.fabs(power))))
 
 
-def _least(x: Expression, moving: frozenset[int], power: float = math.inf) -> Expression | None:
-    """w^2 of w^2 + what is even in a difference that may be 0, or swings; None of anything else, and where it swings so little
-    that this power is narrow nowhere."""
+def _least(x: Expression, moving: frozenset[int], power: float = 1.0) -> Expression | None:
+    """w^2 of w^2 + what is even in a difference that may be 0, or swings; None of anything else, of low powers of what swings, where
+    all methods see that, and where it swings so little that this power is narrow nowhere."""
     steady, others = as_expression(0.0), list[Expression]()
     waiting = [x]
     while waiting:
@@ -152,7 +152,7 @@ def _least(x: Expression, moving: frozenset[int], power: float = math.inf) -> Ex
         else:
             others.append(term)
     is_sum = all(_has(_EVEN, term, moving) for term in others)
-    if not is_sum or steady.is_zero():
+    if not is_sum or steady.is_zero() or (power < _HIGH and any(_has(_WAVES, term, moving) for term in others)):
         return None
     middle, swing = abs(float(steady)) if steady.is_constant() else 0.0, sum(_swing(term) for term in others)
     return None if middle > swing and power * math.log((middle + swing) / (middle - swing)) < _FLAT else steady
