@@ -259,8 +259,11 @@ static void choose_open(LagRun *run, double t, const double *y, int count)
     const double moment = look_ahead(run, t, y);
     lag_jumps_begin(run, count);
     lag_jumps_find(run, t + moment, s->state_before, count, LAG_ELSEWHERE);
-    const int is_right = choose_rests(run, t + moment, s->state_before, count, lag_states_choose(run, t + moment, s->state_before, count));
-    take_over_rests(run, count);
+    int is_right = lag_states_choose(run, t + moment, s->state_before, count);
+    if (run->model->n_cones > 0) { /* on lines, what turns round is known by its state alone */
+        is_right = choose_rests(run, t + moment, s->state_before, count, is_right);
+        take_over_rests(run, count);
+    }
     s->grows |= take_over(run, count, is_right);
     lag_candidates_set(run, count);
     if (s->grows)

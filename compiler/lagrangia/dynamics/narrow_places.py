@@ -136,8 +136,8 @@ def _logarithm(value: Expression, power: Expression) -> Expression:
 
 
 def _least(x: Expression, moving: frozenset[int], power: float = 1.0) -> Expression | None:
-    """w^2 of w^2 + what is even in a difference that may be 0, or swings; None of anything else, of low powers of what swings, where
-    all methods see that, and where it swings so little that this power is narrow nowhere."""
+    """w^2 of w^2 + what is even in a difference that may be 0, or swings; None of anything else, of low powers of what swings,
+    where all methods see that, and where it swings so little that this power is narrow nowhere."""
     steady, others = as_expression(0.0), list[Expression]()
     waiting = [x]
     while waiting:
