@@ -152,9 +152,7 @@ class CasadiAlgebra:
 
     def note_divisor(self, x: Scalar) -> None:
         """Keeps whether quotients may turn within a narrow range of what stands under them."""
-        if "ratio" in self.index.asked or not isinstance(x, ca.SX) or self._is_steady(x):
-            return
-        if x.op() == ca.OP_ADD or (x.op() == ca.OP_SUB and self._is_steady(as_expression(x.dep(0)))):
+        if "ratio" not in self.index.asked and isinstance(x, ca.SX) and x.op() == ca.OP_ADD and not self._is_steady(x):
             self.index.asked.add("ratio")
 
     def call(self, function: str, *arguments: Scalar) -> Scalar:

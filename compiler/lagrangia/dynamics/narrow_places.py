@@ -12,6 +12,7 @@ from dataclasses import field
 
 import casadi as ca
 
+from lagrangia.algebra.duals import TINY
 from lagrangia.algebra.numbering import Numbering, rebuilt
 from lagrangia.algebra.scalars import Expression, as_expression, symbols_in
 from lagrangia.base.records import dataclass
@@ -152,7 +153,8 @@ def _least(x: Expression, moving: frozenset[int], power: float = 1.0) -> Express
         else:
             others.append(term)
     is_sum = all(_has(_EVEN, term, moving) for term in others)
-    if not is_sum or steady.is_zero() or (power < _HIGH and any(_has(_WAVES, term, moving) for term in others)):
+    is_nothing = steady.is_constant() and abs(float(steady)) <= TINY  # which keeps lengths of 0 from dividing
+    if not is_sum or is_nothing or (power < _HIGH and any(_has(_WAVES, term, moving) for term in others)):
         return None
     middle, swing = abs(float(steady)) if steady.is_constant() else 0.0, sum(_swing(term) for term in others)
     return None if middle > swing and power * math.log((middle + swing) / (middle - swing)) < _FLAT else steady
