@@ -181,7 +181,8 @@ fmi3Status fmi3GetInt32(fmi3Instance instance, const fmi3ValueReference valueRef
     for (size_t i = 0; i < nValues && answer == LAG_ANSWER_OK; ++i) {
         double value = 0;
         answer = lag_instance_get_whole(core(instance), LAG_GROUP_INTEGER, valueReferences + i, 1, &value);
-        values[i] = (fmi3Int32)value;
+        if (answer < LAG_ANSWER_ERROR)
+            values[i] = (fmi3Int32)value;
     }
     return status(answer);
 }

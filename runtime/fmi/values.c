@@ -1,4 +1,5 @@
 /* Values by reference: read from the state of the instance, worked out when they are asked for. */
+#include <limits.h>
 #include <math.h>
 
 #include "fmi/instance.h"
@@ -98,6 +99,15 @@ LagAnswer lag_instance_get(LagInstance *s, const unsigned int *references, size_
     return worst;
 }
 
+/* Whether a double is a value of the standards' Integer, and said where it is none. */
+static LagAnswer as_integer(const LagInstance *s, unsigned int reference, double value)
+{
+    return value >= INT_MIN && value <= INT_MAX
+        ? LAG_ANSWER_OK
+        : lag_instance_log(s, LAG_ANSWER_ERROR, LAG_ERROR_CATEGORY, "%s is %.9g at t = %.9g s, beyond the whole numbers of 32 bits",
+                           s->fmu->names[reference], value, s->vital.t);
+}
+
 LagAnswer lag_instance_get_whole(LagInstance *s, int group, const unsigned int *references, size_t count, double *values)
 {
     const int is_integer = group == LAG_GROUP_INTEGER, changing = is_integer ? LAG_GROUP_KEPT_INTEGER : LAG_GROUP_KEPT_BOOLEAN;
@@ -115,6 +125,8 @@ LagAnswer lag_instance_get_whole(LagInstance *s, int group, const unsigned int *
         worst = settled > worst ? settled : worst;
         worst = answer > worst ? answer : worst;
         values[i] = is_integer ? nearbyint(values[i]) : values[i] > 0.5;
+        if (is_integer && worst < LAG_ANSWER_ERROR)
+            worst = as_integer(s, references[i], values[i]);
     }
     return worst;
 }

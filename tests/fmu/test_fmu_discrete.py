@@ -8,6 +8,7 @@ import pytest
 pytest.importorskip("fmpy")
 
 from fmpy import read_model_description, simulate_fmu
+from fmpy.fmi1 import FMICallException
 from fmpy.validation import validate_fmu
 
 import lagrangia
@@ -132,3 +133,23 @@ def test_outputs_that_change_at_events_alone(tmp_path: Path, version: str) -> No
     assert {name: end[name] for name, kind in KINDS.items() if kind != "Real"} == {
         "twice": 3, "mm": 0, "pair[1]": 1, "pair[2]": 2, "deep": True, "done": True}
     assert (end["sampled"], end["scaled"], end["chosen"]) == pytest.approx((0, 1, 1), abs=1e-7)
+
+
+@pytest.mark.parametrize("version", ["2", "3"])
+def test_whole_numbers_beyond_32_bits_are_errors(tmp_path: Path, version: str) -> None:
+    """The last that there is, and one that is beyond it from x = 0.5 on."""
+    model = lagrangia.loads("""
+        model Large
+          coordinate Length x(start = 0, fixed = true); Velocity v(start = 1, fixed = true) = der(x);
+          Integer n(start = 0); output Integer last, large;
+        equation
+          when x > 0.5[m] then n = 1; end when;
+          last = 2147483646 + n; large = 2147483647 + n;
+          energy kinetic 0.5*der(x)^2;
+          annotation(experiment(StopTime = 1));
+        end Large;""")
+    (path,) = model.export_fmu(tmp_path / "large.fmu", fmi=version, kind="cs")
+    assert simulate_fmu(str(path), output=["last"])[-1]["last"] == 2147483647
+    assert simulate_fmu(str(path), output=["large"], stop_time=0.4)[-1]["large"] == 2147483647
+    with pytest.raises(FMICallException):
+        simulate_fmu(str(path), output=["large"])

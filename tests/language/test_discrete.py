@@ -323,6 +323,17 @@ def test_results_of_functions(tmp_path: Path) -> None:
             run(tmp_path, OF_FUNCTIONS.replace("twice(pre(z) + 3)", wrong), "OfFunctions")
 
 
+@pytest.mark.parametrize("branches", ['n = 1; elsewhen time >= 1 then terminate("second")',
+                                      'terminate("first"); elsewhen time >= 1 then n = 1'])
+def test_a_run_that_a_branch_ends_is_told(branches: str) -> None:
+    """It ends whichever branch comes first."""
+    text = f"""model M Real x(start = 0, fixed = true); Integer n(start = 0);
+        equation der(x) = 1; when x >= 1 then {branches}; end when; end M;"""
+    assert any("L0237" in told and "`terminate`" in told for told in lagrangia.loads(text).warnings)
+    apart = lagrangia.loads(text.replace("time >= 1", "x < -1"))
+    assert not any("L0237" in told for told in apart.warnings)
+
+
 @pytest.mark.parametrize(("first", "other", "are_told"), [
     ("n == 2", "n >= 2", True), ("n >= 2", "n == 2", True), ("n <= 2 and n >= 2", "n >= 2", True), ("n == 2", "n <> 3", True),
     ("n >= 2", "n <= 2", False), ("n == 2", "n == 3", False), ("n == 2", "n <> 2", False), ("n > 2", "n < 2", False),

@@ -93,3 +93,19 @@ def test_a_body_on_a_circle_about_a_centre() -> None:
     circle, other = (centre.linearize(about="start", initial={"der(p.y)": rate}) for rate in (1.0, 1.2))
     assert STEADY in circle.notes[-1] and nearest(circle, 1.0) < 1e-9 and circle.eigenvalues.real.max() < 1e-4
     assert not any(STEADY in note for note in other.notes)
+
+
+def test_masses_that_nothing_joins_turn_no_axes() -> None:
+    """Two on tracks of their own that swing alike, a quarter of a turn apart: A is constant, and nothing has a heading."""
+    tracks = lag.loads("""
+        model Tracks
+          parameter Mass m = 1; parameter Real k(unit = "N/m") = 4;
+          coordinate Length a(start = 1, fixed = true), b(start = 0, fixed = true);
+          Velocity va(start = 0, fixed = true) = der(a), vb(start = 2, fixed = true) = der(b);
+        energy
+          kinetic m*der(a)^2 + 0.5*m*der(b)^2;
+          potential k*a^2 + 0.5*k*b^2;
+        end Tracks;""")
+    modes, linear = tracks.modes(about="start"), tracks.linearize(about="start")
+    assert [mode.omega for mode in modes.damped] == pytest.approx([2, 2], rel=1e-12)
+    assert not any(STEADY in note for note in linear.notes)

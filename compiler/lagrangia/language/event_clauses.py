@@ -45,16 +45,13 @@ class EventClauses:
     def add(self, block: WhenBlock, scope: Scope, place: Span) -> None:
         """A `when` with its elsewhen. Raises LagError L0215, L0222, L0225."""
         conditions, (chain, branch) = self._conditions(block.condition, scope), self._chain(block, scope)
+        is_kept, is_ended = True, False  # whether all that the branch behind does is give values, and whether it ends the run
         if block.otherwise is not None:
             if any(_is_call(x, "sample") for x in conditions):
                 fail("L0222", "elsewhen cannot follow a sampler", block.otherwise.span, "write two of them: when ... end when;")
             self._chains[id(block.otherwise)] = chain, branch + 1
             self.read("equation", block.otherwise, scope)
-            is_kept = all(reset.is_kept for reset in self._resets)  # those of the branch
-            for first in conditions:
-                for other in self._conditions(block.otherwise.condition, scope):
-                    if not (isinstance(first, Call) or isinstance(other, Call)):
-                        warn_of_both(first, other, block.otherwise, is_kept, self.report)
+            is_kept, is_ended = all(reset.is_kept for reset in self._resets), bool(self._endings)
         if any(_is_call(x, "sample") for x in conditions):
             self._add_sampler(block, conditions, scope, place)
             return
@@ -63,6 +60,11 @@ class EventClauses:
             self.read("when", part, scope)
         if not (self._resets or self._endings) and not self.report.errors:
             fail("L0222", "nothing happens here", block.span, "write: reinit(der(x), value);")
+        if block.otherwise is not None:
+            is_ended |= not self._resets  # what only ends the run is no event that others could come behind
+            others = self._conditions(block.otherwise.condition, scope)
+            for first, other in ((x, y) for x in conditions for y in others if not (isinstance(x, Call) or isinstance(y, Call))):
+                warn_of_both(first, other, block.otherwise, self.report, is_kept=is_kept, is_ended=is_ended)
         for condition in conditions:
             self._add_event(condition, chain, branch, scope.instance.path, place)
 

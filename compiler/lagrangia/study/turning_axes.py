@@ -86,18 +86,18 @@ class TurningAxes:
         A, E, c = self.here.linear.A, self.here.E, self.here.places
         full = self.sizes * np.repeat([1.0, self.pace], self.n)
 
-        def told(dA: Matrix, dE: Matrix, a: Matrix) -> Matrix:
-            parts = (dA * full[c] / full[c][:, None] / self.pace, dE * full[c] / full[:, None], a / full[self.n :])
+        def told(dA: Matrix, dE: Matrix) -> Matrix:
+            parts = (dA * full[c] / full[c][:, None] / self.pace, dE * full[c] / full[:, None])
             return np.concatenate([x.ravel() for x in parts]) / self.pace
 
         dA, dE = self._first_changes()
         columns = []
         for B in skew:
             GE, turned = _both(B, E), _both(B, dE)[c]
-            columns.append(told(GE[c] @ A - A @ GE[c] + turned, GE - E @ GE[c], B @ self.v))
-        table, wanted = np.array(columns).T, told(dA, dE, self.here.a)
+            columns.append(told(GE[c] @ A - A @ GE[c] + turned, GE - E @ GE[c]))
+        table, wanted = np.array(columns).T, told(dA, dE)
         largest = float(np.abs(wanted).max())
-        if not largest > _FITS * float(np.abs(told(A, E, 0 * self.v)).max()):  # nothing turns
+        if not largest > _FITS * float(np.abs(told(A, E)).max()):  # nothing turns
             return None
         weights = np.linalg.lstsq(table, wanted, rcond=_RANK)[0]
         missed = float(np.abs(table @ weights - wanted).max())
