@@ -148,7 +148,7 @@ static void fill_column(LagRun *run, int count, int j)
     LagImpacts *s = &run->impacts;
     LagComplementarity *p = &s->problem;
     const LagModel *model = run->model;
-    const double *way = s->way + (size_t)j * (size_t)model->n, sense = j < count ? s->sense[j] : 1;
+    const double *way = lag_impulses_rates(run, s->way + (size_t)j * (size_t)model->n), sense = j < count ? s->sense[j] : 1;
     double *column = p->jump + (size_t)j * (size_t)p->size;
     lag_impulses_look(run, way, s->rate_after, s->lu.scale);
     for (int i = 0; i < count; ++i) {
@@ -186,9 +186,9 @@ static void fill(LagRun *run, int count)
     const LagModel *model = run->model;
     for (int i = 0; i < p->size; ++i)
         p->kind[i] = i >= count ? LAG_RUBS : lag_impulses_push(run, s->which[i]) ? LAG_PUSHES : LAG_BINDS;
-    memset(s->state, 0, (size_t)model->n * sizeof *s->state);
-    lag_impulses_look(run, s->state, s->impulse, s->rate_after); /* rates that supports have */
-    const double *slip = slips(run, s->state);
+    const double *still = lag_impulses_rates(run, NULL);
+    lag_impulses_look(run, still, s->impulse, s->rate_after); /* rates that supports have */
+    const double *slip = slips(run, still);
     for (int k = 0; k < model->n_rubs; ++k)
         s->slip[k] = slip[switch_of(model, k)];
     for (int j = 0; j < p->size; ++j)

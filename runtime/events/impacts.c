@@ -35,6 +35,7 @@ void lag_impacts_layout(LagImpacts *s, const LagModel *model, int size, LagArena
     s->comes = lag_take_ints(arena, (size_t)model->n_whens);
     s->at_once = lag_take_ints(arena, (size_t)model->n_whens);
     s->before = lag_take(arena, (size_t)model->n_whens);
+    s->gap_before = lag_take(arena, (size_t)model->n_whens);
     s->met = lag_take(arena, (size_t)model->n_whens);
     s->rounding = lag_take(arena, resets > 0 ? 2 * (size_t)model->n : 0);
     s->by_time = lag_take(arena, (size_t)model->n_whens);
@@ -239,6 +240,7 @@ static void begin(LagRun *run)
         s->comes[k] = turned == LAG_JUMPS || (turned == LAG_CHANGES && switches->held[i] == 0);
         s->is_on[k] = !s->comes[k] && holds(switches, i);
         s->before[k] = switches->g[i];
+        s->gap_before[k] = switches->g[lag_gap(model, k)];
         if (s->has_contact[k] && s->comes[k]) {
             const double passed = switches->g[lag_gap(model, k)], near = run->sliding.error[lag_gap(model, k)];
             switches->turned[i] = passed > near && (turned == LAG_JUMPS || switches->g[i] < passed) ? LAG_TO_1 : LAG_TO_0;
@@ -250,6 +252,26 @@ static void begin(LagRun *run)
 static int is_behind(const LagModel *model, int k, int first)
 {
     return lag_chain_of(model, first) == lag_chain_of(model, k) && lag_branch_of(model, first) < lag_branch_of(model, k);
+}
+
+/* Contact k as resets have made it. Where its condition has come true while its place was passed already, by discrete variables, which
+ * gates and walls have, nothing holds it there; nor at a wall that has gone. Where all but its gap has become false, the event is over,
+ * and may come again. */
+static void note_change(LagRun *run, int k)
+{
+    LagSwitches *s = &run->switches;
+    const LagImpacts *before = &run->impacts;
+    const int i = lag_when(run->model, k), gap = lag_gap(run->model, k), is_true = s->g[i] > 0;
+    const double near = run->sliding.error[gap];
+    const int is_moved = fabs(s->g[gap] - before->gap_before[k]) > lag_max(s->unknown[gap], near);
+    const int was_passed = before->before[k] > 0 && before->gap_before[k] > near;
+    if (is_moved)
+        s->slides[lag_contact(run->model, k)] = 0;
+    if (is_true && s->g[gap] > near && !was_passed && (is_moved || before->before[k] <= 0)) {
+        s->turned[i] = LAG_TO_1;
+        run->impacts.comes[k] = 1;
+    } else if (s->turned[i] == LAG_TO_1 && ((!is_true && has_jumped(run, k)) || (is_moved && s->g[gap] <= 0)))
+        s->turned[i] = LAG_TO_0;
 }
 
 /* Of a `when` with elsewhen, the first branch that comes is the one; contacts are struck nevertheless. */
@@ -279,6 +301,8 @@ static int find_events(LagRun *run, int rank, int is_new)
         s->fires[k] = 0;
         if (lag_rank_of(model, k) != rank)
             continue;
+        if (s->has_contact[k] == LAG_CONTACT && !is_new)
+            note_change(run, k);
         if (s->has_contact[k])
             found |= find_contact(run, k, s->comes[k] && !(has_jumped(run, k) && switches->g[i] <= 0));
         else {
@@ -289,6 +313,7 @@ static int find_events(LagRun *run, int rank, int is_new)
         }
         s->comes[k] = 0;
         s->before[k] = switches->g[i];
+        s->gap_before[k] = switches->g[lag_gap(model, k)];
     }
     if (model->order)
         leave_to_first(run);

@@ -65,6 +65,17 @@ void lag_impulses_look(LagRun *run, const double *v, double *rate, double *wante
     lag_call(&run->model->resets, in, out, run->work);
 }
 
+const double *lag_impulses_rates(LagRun *run, const double *way)
+{
+    const int n = run->model->n;
+    double *v = run->impacts.state;
+    for (int i = 0; i < n; ++i)
+        v[i] = way ? way[i] : 0;
+    for (int k = 0; k < run->model->n_kept; ++k)
+        v[run->model->kept[k]] += run->motion.y[n + run->model->kept[k]];
+    return v;
+}
+
 void lag_impulses_find_ways(LagRun *run, int count)
 {
     LagImpacts *s = &run->impacts;
@@ -78,11 +89,10 @@ static void fill_matrix(LagRun *run, int count)
 {
     LagImpacts *s = &run->impacts;
     const int n = run->model->n;
-    memset(s->state, 0, (size_t)n * sizeof *s->state);
-    lag_impulses_look(run, s->state, s->impulse, s->rate_after); /* rates that supports have */
+    lag_impulses_look(run, lag_impulses_rates(run, NULL), s->impulse, s->rate_after); /* rates that supports have */
     s->lu.size = count;
     for (int j = 0; j < count; ++j) {
-        lag_impulses_look(run, s->way + (size_t)j * (size_t)n, s->rate_after, s->lu.scale);
+        lag_impulses_look(run, lag_impulses_rates(run, s->way + (size_t)j * (size_t)n), s->rate_after, s->lu.scale);
         for (int i = 0; i < count; ++i)
             s->lu.re[i + count * j] = s->rate_after[s->which[i]] - s->impulse[s->which[i]];
     }
@@ -111,13 +121,12 @@ static void look_at_conditions(LagRun *run, const double *v, double *g)
 
 void lag_impulses_look_at_rest(LagRun *run)
 {
-    memset(run->impacts.state, 0, (size_t)run->model->n * sizeof *run->impacts.state);
-    look_at_conditions(run, run->impacts.state, run->switches.g_inside);
+    look_at_conditions(run, lag_impulses_rates(run, NULL), run->switches.g_inside);
 }
 
 void lag_impulses_look_along(LagRun *run, int k)
 {
-    look_at_conditions(run, run->impacts.way + k * run->model->n, run->switches.g_begin);
+    look_at_conditions(run, lag_impulses_rates(run, run->impacts.way + k * run->model->n), run->switches.g_begin);
 }
 
 double lag_impulses_closing(const LagRun *run, int k)

@@ -7,6 +7,9 @@
 /* Rates of what is reset, and what they are to become, at rates v[n]. */
 void lag_impulses_look(LagRun *run, const double *v, double *rate, double *wanted);
 
+/* Rates (n) where nothing moves but along a way, NULL: none; and what discrete variables are. Into impacts.state. */
+const double *lag_impulses_rates(LagRun *run, const double *way);
+
 /* The ways of the `count` resets in impacts.which: into impacts.way. */
 void lag_impulses_find_ways(LagRun *run, int count);
 

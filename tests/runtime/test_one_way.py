@@ -230,3 +230,82 @@ def test_the_force_that_carries_along_is_known(scene: Write) -> None:
       AppliedForce P(at = a.center, force = {3[N]*sin(2[rad/s]*time), 0}); output Force N = contact_force(ahead);
       equation when der(ahead) < 0 then reinit(der(ahead), 0); end when; end Carried;""").simulate(at=[0.3, 1.1, 1.5, 1.7, 2.5])
     assert run["N"] == pytest.approx(np.maximum(2 * np.sin(2 * run.time), 0) * (run.time < np.pi / 2), abs=1e-12)
+
+
+GATES = [
+    ("time > 0.5 then open = true", "y.s < 0 and open", 3.0, 0.2 - G * 0.125 - G * 2.5**2 / 2),  # is below when it opens
+    ("y.s < -1 then open = true", "y.s < 0 and open", 3.0, -1 - G * (3 - np.sqrt(2.4 / G)) ** 2 / 2),  # by its own fall
+    ("time > 0.1 then open = true", "y.s < 0 and time < 1 and open", 3.0, -G * 2),  # is above: held until the time is up
+]
+
+
+@pytest.mark.parametrize(("event", "condition", "t", "right"), GATES)
+def test_an_edge_that_an_event_opens(scene: Write, event: str, condition: str, t: float, right: float) -> None:
+    """What events set makes the rest of a condition true: what is below then was lifted to the edge, 1 m, at once."""
+    model = scene(f"""model Gate
+      Prismatic y(a = world, along = {{0, 1}}, s(start = 0.2));
+      PointMass p(m = 1, center = y.b);
+      discrete Boolean open(start = false);
+    equation
+      when {event}; end when;
+      when {condition} then reinit(y.v, 0); end when;
+    end Gate;""")
+    for solver in SOLVERS:
+        assert model.simulate(at=[t], solver=solver, tolerance=1e-9)["y.s"][-1] == pytest.approx(right, abs=1e-9), solver
+
+
+def test_a_condition_on_a_rate_below_the_edge(scene: Write) -> None:
+    """Each time that it falls faster than 1 m/s below, it is thrown up anew: Taylor's long steps missed the fifth time."""
+    model = scene("""model Again
+      Prismatic y(a = world, along = {0, 1}, s(start = 0.2));
+      PointMass p(m = 1, center = y.b);
+    equation
+      when y.s < 0 and y.v < -1 then reinit(y.v, -0.25*pre(y.v)); end when;
+    end Again;""")
+    first, speed = np.sqrt(0.4 / G), 0.25 * np.sqrt(0.4 * G)
+    below, period, fall = first + (speed + 1) / G, 1.25 / G, (1 - 0.25**2) / (2 * G)
+    count, rest = divmod(2.0 - below, period)
+    right = (speed**2 - 1) / (2 * G) - count * fall + 0.25 * rest - G * rest**2 / 2
+    for solver in ("taylor", *SOLVERS):
+        assert model.simulate(at=[2.0], solver=solver, tolerance=1e-9)["y.s"][-1] == pytest.approx(right, abs=1e-9), solver
+
+
+WALLS = [
+    ("b.s > wall", "0", 3.0, [1.0, 1.5, 3.0]),  # it goes away, and waits elsewhere
+    ("b.s > wall", "0", 0.5, [1.0, 1.5, 3.0]),  # it appears behind what rests at it
+    ("wall*b.s > 1", "0", 0.25, [1.0, 1.5, 3.0]),
+    ("der(b.s) > wall", "wall", 2.0, [1.9, 3.5, 5.5]),  # a limit of speed
+]
+
+
+@pytest.mark.parametrize(("condition", "value", "wall", "right"), WALLS)
+def test_a_wall_that_events_move(scene: Write, condition: str, value: str, wall: float, right: list[float]) -> None:
+    """What rests at it is held, and let go when it moves: it had been stopped once, and went on through it."""
+    model = scene(f"""model Wall
+      World world(gravity = {{0, 0}});
+      Block b(m = 1, base = world, v(start = 1));
+      AppliedForce push(at = b.center, force = {{1, 0}});
+      discrete Real wall(start = 1);
+    equation
+      when time > 2 then wall = {wall}; end when;
+      when {condition} then reinit(b.v, {value}); end when;
+    end Wall;""")
+    for solver in SOLVERS:
+        run = model.simulate(at=[1.9, 3.0, 4.0], solver=solver, tolerance=1e-9)
+        np.testing.assert_allclose(run["b.s"], right, rtol=0, atol=1e-9, err_msg=solver)
+
+
+def test_a_stop_of_the_library_that_events_move(scene: Write) -> None:
+    """Its gap was refused, as if discrete variables had accelerations."""
+    run = scene("""model Lift
+      World world(gravity = {0, -10});
+      Prismatic y(a = world, along = {0, 1});
+      PointMass p(m = 1, center = y.b);
+      discrete Length level(start = 0);
+      Stop floor(gap = y.s - level);
+      output Force F = floor.force;
+    equation
+      when time > 1 then level = -5; end when;
+    end Lift;""").simulate(at=[0.5, 1.5, 3.0], tolerance=1e-9)
+    np.testing.assert_allclose(run["y.s"], [0.0, -1.25, -5.0], rtol=0, atol=1e-9)
+    np.testing.assert_allclose(run["F"], [10.0, 0.0, 10.0], rtol=0, atol=1e-8)

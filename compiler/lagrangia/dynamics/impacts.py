@@ -164,7 +164,9 @@ class _Event:
             self._require_change()
 
     def _expression(self, x: Scalar) -> ca.SX:
-        return ca.substitute(ca.SX(x), self.kinematics.symbols.tau, ca.SX(1))
+        """With der(n) = 0 of discrete variables."""
+        at_rest = self.meetings.at_rest
+        return ca.substitute(ca.SX(x), ca.vertcat(self.kinematics.symbols.tau, at_rest), ca.vertcat(1, ca.SX.zeros(at_rest.numel())))
 
     def _level(self, node: Flat) -> ca.SX:
         """Positive where a condition is true, else 0 or negative."""
@@ -240,17 +242,17 @@ class _Event:
 
     def _turns_back(self, g: ca.SX, rate: ca.SX, wanted: ca.SX) -> bool:
         """By numbers: at two states, with parameters beside those that are declared."""
-        symbols = self.kinematics.symbols
-        q, v = (ca.vertcat(_NONE, *x.values()) for x in (symbols.positions, symbols.rates))
+        symbols, v = self.kinematics.symbols, self.meetings.rates
         if ca.depends_on(g, v):
             return False
-        pace = ca.jtimes(g, ca.vertcat(q, symbols.time), ca.vertcat(self.kinematics.paced(v.elements()), 1))
+        q, rates = (ca.vertcat(_NONE, *x.values()) for x in (symbols.positions, symbols.rates))
+        pace = ca.jtimes(g, ca.vertcat(q, symbols.time), ca.vertcat(self.kinematics.paced(rates.elements()), 1))
         look, numbers = self._numbers_of([pace, rate, wanted, *(ca.densify(ca.gradient(x, v)) for x in (pace, rate))])
         return all(_turns_back(look, numbers, np.random.default_rng(seed)) for seed in (3, 4))
 
     def _stops(self, g: ca.SX, rate: ca.SX, wanted: ca.SX) -> int:
         """On which side of what the rate is reset to g is positive: 1 above, -1 below, 0 if it does not end there. By numbers."""
-        v = ca.vertcat(_NONE, *self.kinematics.symbols.rates.values())
+        v = self.meetings.rates
         if not ca.depends_on(g, v) or len(self.places) != len(self.positions):
             return 0
         beyond = rate - wanted
@@ -260,7 +262,7 @@ class _Event:
 
     def _require_change(self) -> None:
         """A rate comes to the place where its condition changes without a jump: there, it has to be set to something else."""
-        v = ca.vertcat(_NONE, *self.kinematics.symbols.rates.values())
+        v = self.meetings.rates
         for reset, rate, wanted in zip(self.when.resets, self.rates, self.wanted, strict=False):
             if reset.is_kept:
                 continue
@@ -273,9 +275,9 @@ class _Event:
                      "a collision is told by a distance: when gap < 0 then reinit(der(gap), -e*pre(der(gap)))")
 
     def _numbers_of(self, results: list[ca.SX]) -> tuple[ca.Function, Numbers]:
-        """Of rates, all else that moves or may be given, and parameters; and the parameters."""
-        symbols = self.kinematics.symbols
-        q, v = (ca.vertcat(_NONE, *x.values()) for x in (symbols.positions, symbols.rates))
+        """Of rates, all else that moves or is given, as discrete variables are, and parameters; and the parameters."""
+        symbols, v = self.kinematics.symbols, self.meetings.rates
+        q = ca.vertcat(_NONE, *symbols.positions.values())
         p, numbers = usual_parameters(self.kinematics)
         known = ca.vertcat(q, v, symbols.time, p)
         others = [x for x in ca.symvar(ca.vertcat(*results)) if not ca.depends_on(x, known)]

@@ -261,6 +261,7 @@ class Meetings:
         kept = {state.coordinate for state in kinematics.graph.model.states.values() if state.is_kept}
         moving = [rate for coordinate, rate in kinematics.symbols.rates.items() if coordinate not in kept]
         self.rates = ca.vertcat(ca.SX(0, 1), *moving)
+        self.at_rest = ca.vertcat(ca.SX(0, 1), *(kinematics.symbols.accelerations[name] for name in sorted(kept)))
         self.kinds = set[int]()  # 1 inclusive, 0 strict, -1 neither
 
     def note(self, node: Flat, difference: ca.SX) -> None:
