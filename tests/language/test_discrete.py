@@ -353,6 +353,23 @@ def test_a_condition_that_is_said_to_be_true_is_a_contact(tmp_path: Path) -> Non
     assert run(tmp_path, text, "Ball", stop=4.0)["n"][-1] == run(tmp_path, BALL, "Ball", stop=4.0)["n"][-1] > 3
 
 
+def test_a_number_that_is_not_what_it_was_has_changed(tmp_path: Path) -> None:
+    """n <> pre(n), as Modelica has it, is change(n); for what is true or false, too."""
+    text = """model Told "n goes to 1 at 1 s and to 5 at 2 s, o to and fro at 1.5 and 1.7 s"
+      Block b(m = 1, base = world, v(start = 1));
+      Integer n(start = 0), k(start = 0), j(start = 0), f(start = 0);
+      Boolean o(start = false);
+    equation
+      when b.s > 1 then n = pre(n) + 1; elsewhen b.s > 2 then n = 5; end when;
+      when {b.s > 1.5, b.s > 1.7} then o = not pre(o); end when;
+      when n <> pre(n) then k = pre(k) + 10*n + pre(n); end when;
+      when pre(n) <> n then j = pre(j) + 1; end when;
+      when o <> pre(o) then f = pre(f) + 1; end when;
+    end Told;"""
+    found = run(tmp_path, text, "Told", stop=2.5)
+    assert [found[name][-1] for name in "nkjf"] == [5, 61, 2, 2]
+
+
 def test_what_events_know_of_changes_is_in_no_table(tmp_path: Path) -> None:
     """n.before is the event's own, in results, sweeps and FMUs, and cannot be started."""
     file = tmp_path / "ball.lag"

@@ -42,6 +42,7 @@ class Row:
     equation: Equation | None = None
     start: Callable[[Kinematics], Scalar] | None = None  # vanishes with it, and nowhere else: asked for at the start
     balanced: str = ""  # the coordinate that moves no mass, whose forces are in balance
+    follows: tuple[str, ...] = ()  # of a balance the coordinates that it gives rather than others, which dampers hold back
 
     @property
     def told(self) -> str:
@@ -257,7 +258,7 @@ class _Reduction:
         if max(sizes, default=0.0) <= _NEGLIGIBLE:
             self._repeat(row, [constant, *ca.vertsplit(slopes.T)], named)
             return True
-        pivot = self._choose(sizes, slopes, places)
+        pivot = self._choose(sizes, slopes, places, row.follows)
         if pivot is None:
             return False
         others = slopes[:]
@@ -298,14 +299,14 @@ class _Reduction:
         values = [self.defaults[x.__hash__()] for x in symbols]
         return ca.evalf(ca.substitute(expression, ca.vertcat(*symbols), ca.DM(values)) if symbols else expression)
 
-    def _choose(self, sizes: list[float], slopes: ca.SX, places: list[int]) -> int | None:
-        """The coordinate to give up: one with a coefficient of 1 and no start of its own, the last declared among equals. None
-        where none may be given up."""
+    def _choose(self, sizes: list[float], slopes: ca.SX, places: list[int], follows: tuple[str, ...]) -> int | None:
+        """The coordinate to give up: one with no start of its own, that `follows`, and with a coefficient of 1, the last declared
+        among equals. None where none may be given up."""
         largest = max(sizes)
 
-        def preference(k: int) -> tuple[bool, bool, int]:
-            is_unit = slopes[k].is_constant() and abs(float(slopes[k])) == 1.0
-            return (self.names[places[k]] not in self.started, is_unit, k)
+        def preference(k: int) -> tuple[bool, bool, bool, int]:
+            name, is_unit = self.names[places[k]], slopes[k].is_constant() and abs(float(slopes[k])) == 1.0
+            return (name not in self.started, name in follows, is_unit, k)
 
         open_ones = (k for k, size in enumerate(sizes) if size > 1e-6 * largest and self.names[places[k]] in self.among)
         return max(open_ones, key=preference, default=None)

@@ -128,19 +128,21 @@ def _refuse(direction: Direction, why: str, *hints: str) -> NoReturn:
 
 @dataclass(frozen=True)
 class _Balance:
-    """A sum of what acts on places without mass, in the symbols of `base`; `factors` by their names, `is_still` without rates."""
+    """A sum of what acts on places without mass, in the symbols of `base`; `factors` by their names, `is_still` without rates;
+    `follows` those of them that no damper holds back, or all."""
 
     base: Kinematics
     direction: Direction
     value: ca.SX
     factors: tuple[tuple[str, ca.SX], ...]
     is_still: bool
+    follows: tuple[str, ...]
 
     def row(self) -> Row:
         """As a constraint."""
         is_timed = self.base.symbols.time.__hash__() in symbols_in(self.value)
         coordinate = self.direction.coordinate
-        return Row(self._at, self.is_still, None, coordinate.span, balanced=coordinate.name, is_timed=is_timed)
+        return Row(self._at, self.is_still, None, coordinate.span, balanced=coordinate.name, follows=self.follows, is_timed=is_timed)
 
     def slope_along(self, other: "_Balance", kinematics: Kinematics) -> ca.SX:
         """How it grows where the places of another one move by its factors, in the symbols of these kinematics."""
@@ -284,13 +286,16 @@ class _Places:
         slopes = ca.jacobian(self.balances, self.rates)
         order, factors = self._eliminate(ca.densify(ca.jacobian(self.balances, self.v) @ self.factors), slopes)
         still = ca.substitute(self.balances, self.rates, ca.SX.zeros(self.rates.numel()))
-        found = []
+        resisted, found = symbols_in(self.balances), []
+        held_back = {name for name in self.names if self.kinematics.symbols.rates[name].__hash__() in resisted}
         for k, row in zip(order, factors, strict=True):
             parts = [(k, ca.SX(1))] if row is None else [(i, row[i]) for i in range(row.numel()) if not row[i].is_zero()]
             value = sum((factor * (self.balances if row is None else still)[i] for i, factor in parts), ca.SX(0))
             summed = sum((factor * self.factors[:, i] for i, factor in parts), ca.SX.zeros(len(self.names))).elements()
             named = tuple((name, x) for name, x in zip(self.names, summed, strict=True) if not x.is_zero())
-            found.append(_Balance(self.kinematics, self.directions[k], value, named, row is not None))
+            own = [name for name, _ in named]
+            follows = tuple(name for name in own if name not in held_back) or tuple(own)
+            found.append(_Balance(self.kinematics, self.directions[k], value, named, row is not None, follows))
         return found
 
     def _eliminate(self, damping: ca.SX, slopes: ca.SX) -> tuple[list[int], list[ca.SX | None]]:

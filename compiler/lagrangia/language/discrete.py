@@ -12,6 +12,7 @@ from functools import partial
 
 from lagrangia.base.diagnostics import Report, Span, fail
 from lagrangia.base.records import dataclass
+from lagrangia.language.events import are_alike
 from lagrangia.language.flat import Equation, Reset, Variable, When
 from lagrangia.language.mentions import nodes, read_now, rebuilt
 from lagrangia.language.number_checks import CONDITIONS
@@ -63,8 +64,25 @@ def compared(condition: Flat, whole: WholeNumbers) -> Flat:
     return same if operator == "==" else Unary("not", same, span)
 
 
+def of_own_past(condition: Flat) -> Flat | None:
+    """n of n <> pre(n)."""
+    if not (isinstance(condition, Binary) and condition.operator == "<>"):
+        return None
+
+    def now(node: Flat) -> Flat | None:
+        return node.arguments[0] if isinstance(node, Call) and node.function == "pre" else None
+
+    def is_past(node: Flat) -> bool:
+        return any(now(x) is not None for x in nodes(node))
+
+    for own, past in ((condition.left, condition.right), (condition.right, condition.left)):
+        if is_past(past) and not is_past(own) and are_alike(rebuilt(past, now), own):
+            return own
+    return None
+
+
 def refuse_own_past(conditions: Iterable[Flat]) -> None:
-    """n <> pre(n) and its like say that something changes, which is so at no time but the event's own. Raises LagError L0225."""
+    """n > pre(n) and its like say that something changes, which is so at no time but the event's own. Raises LagError L0225."""
     for condition in conditions:
         now = set(read_now([condition], {}))
         for node in nodes(condition):

@@ -8,7 +8,7 @@ from lagrangia.base.diagnostics import Report, Span, fail
 from lagrangia.language.assertions import ending_of
 from lagrangia.language.at_one_instant import in_order
 from lagrangia.language.changes import at_change, changed, events_of_changes, variables_of_changes
-from lagrangia.language.discrete import Discrete, Event, bindings_of, compared, find_discrete, is_condition, refuse_own_past
+from lagrangia.language.discrete import Discrete, Event, bindings_of, compared, find_discrete, is_condition, of_own_past, refuse_own_past
 from lagrangia.language.elsewhen import warn_of_both
 from lagrangia.language.events import level_of
 from lagrangia.language.flat import Equation, Guard, Held, Reset, Sampler, Variable
@@ -85,9 +85,14 @@ class EventClauses:
         if (_is_call(node, "edge") or _is_call(node, "change")) and len(node.arguments) == 1 and not node.named:
             return [x for inner in self._conditions(node.arguments[0], scope) for x in self._changes(inner, node)]
         condition = self.names.without_known(self.names.flatten(node, scope))
-        parts = list(_elements_of(condition))
-        refuse_own_past(parts)
-        return [compared(part, self.whole) for part in parts]
+        return [x for part in _elements_of(condition) for x in self._compared(part, node)]
+
+    def _compared(self, condition: Flat, node: Expression) -> list[Flat]:
+        """With comparisons of what is whole; n <> pre(n) is change(n)."""
+        if (own := of_own_past(condition)) is not None:
+            return self._changes(own, Call("change", (node,), (), node.span))
+        refuse_own_past([condition])
+        return [compared(condition, self.whole)]
 
     def _changes(self, inner: Flat, node: Call[Expression]) -> list[Flat]:
         """What edge and change say, as `node` does, of a condition or a variable. Raises LagError L0901."""

@@ -8,7 +8,7 @@ from lagrangia.run.request import Values
 from lagrangia.run.scene import Column, Scene
 from lagrangia.run.simulate import Progress
 
-GUESS, FIXED, FREE = range(3)  # LAG_START_... of runtime/model/model.h
+GUESS, FIXED, FREE, LOOSE = range(4)  # LAG_START_... of runtime/model/model.h
 _MOVED = 1e-3  # less is taken for the rounding of a start value
 _ROUNDING = 1e-14  # m or rad
 
@@ -47,10 +47,13 @@ def _lost(scene: Scene, progress: Progress, values: Values, row: Sequence[float]
 
 
 def _balanced(scene: Scene, row: Sequence[float]) -> Iterator[str]:
-    """Places without mass that others give, beside such that dampers hold back: where these begin, those follow."""
-    balanced, places = scene.notes["balanced"], {column.name for column in scene.coordinates}
-    for k, column in enumerate(scene.outputs, 1 + 2 * scene.n):
-        if column.name in balanced and not places.isdisjoint(balanced) and abs(row[k]) > _ROUNDING:
+    """Places without mass where nobody stated one, if dampers hold back some of them: where these begin, the others follow."""
+    balanced, kinds = {*scene.notes["balanced"]}, dict(zip((x.name for x in scene.coordinates), scene.fixed, strict=False))
+    if all(name not in balanced or kind == LOOSE for name, kind in kinds.items()):
+        return
+    told = {x.name for x in scene.outputs} | {name for name, kind in kinds.items() if kind >= FREE}
+    for k, column in enumerate((*scene.coordinates, *scene.rates, *scene.outputs), 1):
+        if column.name in balanced & told and abs(row[k]) > _ROUNDING:
             yield f"{column.name} begins at {quantity(row[k], column.unit)}, where the forces on it are in balance"
 
 
