@@ -144,8 +144,8 @@ def test_a_place_that_a_constraint_holds_in_part(scene: Write) -> None:
 @pytest.mark.parametrize("spring", ["Spring k1(k = 100, ", "DuffingSpring k1(k = 100, k3 = 1000, "])
 @pytest.mark.parametrize("order", [("n1", "n2"), ("n2", "n1")])
 def test_a_place_that_a_damper_holds_begins_where_it_is(scene: Write, spring: str, order: tuple[str, str]) -> None:
-    """Springs in a row behind a damper: the place between the springs follows; it had been the damped one, by -0.2 m, where that was
-    declared last, and untold where a spring is not linear."""
+    """Springs in a row behind a damper: the place between the springs follows; it had been the damped one, by -0.2 m, where that
+    was declared last, and untold where a spring is not linear."""
     run = scene(f"""model Row
       Block m(m = 1, base = world, s(start = 0.1));
       Prismatic {order[0]}(a = world), {order[1]}(a = world);

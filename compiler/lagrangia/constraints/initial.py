@@ -39,8 +39,8 @@ GUESS, FIXED, FREE, LOOSE = range(4)  # LAG_START_... of runtime/model/model.h
 @dataclass(frozen=True)
 class InitialConditions:
     """q and v in SX of the parameters, each followed by the values of `lost` coordinates; `fixed` says of each, q then v,
-    whether it is a GUESS, FIXED, FREE or, where nobody guessed a rate that moves no mass, or a place without mass whose balance is one
-    of positions, LOOSE; the residuals have the spans of their equations."""
+    whether it is a GUESS, FIXED, FREE or, where nobody guessed it, a rate that moves no mass, or a place without whose balance
+    is one of positions, LOOSE; the residuals have the spans of their equations."""
 
     q: ca.SX
     v: ca.SX
@@ -220,12 +220,12 @@ class _Starts:
         loops += [row.loop.around if row.loop else "" for _, row in constraints.agreements]
         self.report.raise_errors()
         n, rates = self.n, ca.vertcat(column(*self.kinematics.symbols.rates.values()), self.lost_v)
-        freedom = map(self._freedom, range(2 * n))
+        freedom = tuple(LOOSE if k in loose and self._freedom(k) == FREE else self._freedom(k) for k in range(2 * n))
         moving = [ca.depends_on(ca.SX(g), rates) for g, _ in self.residuals]
         order = sorted(range(len(moving)), key=lambda k: moving[k])
         return InitialConditions(
             column(*self.values[:n]), column(*self.values[n:]), self.lost, self.lost_q, self.lost_v,
-            ca.vertcat(*self.lost_values), tuple(LOOSE if k in loose and kind == FREE else kind for k, kind in enumerate(freedom)),
+            ca.vertcat(*self.lost_values), freedom,
             ca.vertcat(*[self.residuals[k][0] for k in order]), tuple(self.residuals[k][1] for k in order),
             tuple(loops[k] for k in order), moving.count(False), tuple(self.steady), level,
         )

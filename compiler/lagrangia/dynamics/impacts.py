@@ -165,8 +165,8 @@ class _Event:
 
     def _expression(self, x: Scalar) -> ca.SX:
         """With der(n) = 0 of discrete variables."""
-        at_rest = self.meetings.at_rest
-        return ca.substitute(ca.SX(x), ca.vertcat(self.kinematics.symbols.tau, at_rest), ca.vertcat(1, ca.SX.zeros(at_rest.numel())))
+        tau, at_rest = self.kinematics.symbols.tau, self.meetings.at_rest
+        return ca.substitute(ca.SX(x), ca.vertcat(tau, at_rest), ca.vertcat(1, ca.SX.zeros(at_rest.numel())))
 
     def _level(self, node: Flat) -> ca.SX:
         """Positive where a condition is true, else 0 or negative."""

@@ -141,8 +141,8 @@ class _Balance:
     def row(self) -> Row:
         """As a constraint."""
         is_timed = self.base.symbols.time.__hash__() in symbols_in(self.value)
-        coordinate = self.direction.coordinate
-        return Row(self._at, self.is_still, None, coordinate.span, balanced=coordinate.name, follows=self.follows, is_timed=is_timed)
+        coordinate, follows = self.direction.coordinate, self.follows
+        return Row(self._at, self.is_still, None, coordinate.span, balanced=coordinate.name, follows=follows, is_timed=is_timed)
 
     def slope_along(self, other: "_Balance", kinematics: Kinematics) -> ca.SX:
         """How it grows where the places of another one move by its factors, in the symbols of these kinematics."""

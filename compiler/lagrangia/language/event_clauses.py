@@ -8,7 +8,16 @@ from lagrangia.base.diagnostics import Report, Span, fail
 from lagrangia.language.assertions import ending_of
 from lagrangia.language.at_one_instant import in_order
 from lagrangia.language.changes import at_change, changed, events_of_changes, variables_of_changes
-from lagrangia.language.discrete import Discrete, Event, bindings_of, compared, find_discrete, is_condition, of_own_past, refuse_own_past
+from lagrangia.language.discrete import (
+    Discrete,
+    Event,
+    bindings_of,
+    compared,
+    find_discrete,
+    is_condition,
+    of_own_past,
+    refuse_own_past,
+)
 from lagrangia.language.elsewhen import warn_of_both
 from lagrangia.language.events import level_of
 from lagrangia.language.flat import Equation, Guard, Held, Reset, Sampler, Variable
