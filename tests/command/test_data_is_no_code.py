@@ -15,6 +15,7 @@ import pytest
 import lagrangia as lag
 from lagrangia.base.diagnostics import Source
 from lagrangia.base.folders import cache_folder, data_folder
+from lagrangia.base.own_python import own_command, own_environment
 from lagrangia.base.store import find_kept, keep, key_of, prune
 from lagrangia.command.cli import main
 from lagrangia.language.plain_tree import read_trees, write_trees
@@ -278,3 +279,44 @@ def test_brackets_of_names_are_no_index_of_inputs(tmp_path: Path) -> None:
     file.write_text("model Two\n  World world;\n  model P\n    outer World world; Block b(m = 1, base = world); input Force u;\n"
                     "    AppliedForce F(at = b.center, force = {u, 0});\n  end P;\n  P c[2];\nend Two;\n")
     assert main(["equations", str(file), "--form", "lagrange", "-o", str(page)]) == 0
+
+
+def test_quoted_names_are_whole_on_the_command_line(capsys: pytest.CaptureFixture[str]) -> None:
+    """What is in them is no sign of the command line: = parted them, and a prime at their end was a rate."""
+    Path("scene.lag").write_text(r"""model M
+  parameter Integer 'n[x]' = 3; parameter Stiffness 'k=\'1,' = 3; parameter Boolean 'is:b=' = true;
+  Block 'b=c'[2](each m = 'n[x]', each base = world); Spring s(k = 'k=\'1,', stretch = 'b=c'[1].s) if 'is:b=';
+  input Force 'u=,(x'; AppliedForce f(at = 'b=c'[1].center, force = {'u=,(x', 0});
+  output Length 'o,<3>=' = 'b=c'[1].s;
+end M;""", encoding="utf-8")
+    Path("u.csv").write_text("time,f\n0,0\n1,0\n")
+    given = ["-p", r"'k=\'1,'=2", "--initial", "'b=c'[1].s=1", "-u", "'u=,(x'=u.csv", "--stop", "1"]
+    assert main(["simulate", "scene.lag", *given, "-p", "'n[x]'=2", "-p", "'is:b='=true", "--outputs", "'o,<3>='", "-o", "r.csv",
+                 "--plot-quantities", "'b=c'[1].s:'b=c'[1].s','o,<3>='", "--beside", r"'k=\'1,'=8", "--plot", "p.svg"]) == 0
+    assert float(Path("r.csv").read_text().splitlines()[-1].rpartition(",")[2]) == pytest.approx(np.cos(1), abs=1e-7)
+    assert main(["sweep", "scene.lag", "-p", r"'k=\'1,'=3,12", *given[2:], "--outputs", "final('o,<3>=')", "-o", "s.csv"]) == 0
+    ends = [float(line.split(",")[-2]) for line in Path("s.csv").read_text().splitlines()[1:]]
+    assert ends == pytest.approx([np.cos(1), np.cos(2)], abs=1e-7)
+    assert main(["sweep", "scene.lag", "-p", "'n[x]'=1,2", *given, "--outputs", "final('o,<3>=')"]) == 2
+    assert "which is compiled in" in capsys.readouterr().err
+
+
+def test_pictures_are_drawn_without_latex() -> None:
+    """A matplotlibrc in the folder had names read as commands of LaTeX, and where there is none it was 'bug:'."""
+    import matplotlib
+
+    Path("scene.lag").write_text(SWING % "", encoding="utf-8")
+    with matplotlib.rc_context({"text.usetex": True}):
+        assert main(["simulate", "scene.lag", "--stop", "0.1", "--plot", "p.svg"]) == 0
+        assert main(["modes", "scene.lag", "--plot", "m.svg"]) == 0
+
+
+def test_files_of_the_working_folder_are_not_run() -> None:
+    """As what looks at saved texts did, with the folder that the editor had open in its path."""
+    Path("scene.lag").write_text(SWING % "", encoding="utf-8")
+    Path("json.py").write_text(MARK)
+    Path("lagrangia").mkdir()
+    Path("lagrangia/__init__.py").write_text(MARK)
+    done = subprocess.run([*own_command("lagrangia.editor.whole"), "scene.lag"], env=own_environment(), capture_output=True,
+                          timeout=60, check=False)
+    assert done.stdout.strip() == b"[]" and not Path("MARK").exists()

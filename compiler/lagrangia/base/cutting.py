@@ -4,7 +4,7 @@ import re
 
 from lagrangia.base.diagnostics import fail
 
-QUOTED = re.compile(r"(?<![\w'\])])'[^'\n]+'")  # a name; the sign behind a name, or behind another prime, is a prime
+QUOTED = re.compile(r"(?<![\w'\])])'(?:[^'\\\n]|\\.)+'")  # a name; the sign behind a name, or behind another prime, is a prime
 _INDEX = re.compile(r"\[[\d, ]+\]$")
 
 
@@ -16,7 +16,7 @@ def split_list(text: str) -> list[str]:
 def cut_list(text: str) -> list[str]:
     """What stands between commas; those in parentheses, brackets and quoted names belong to theirs. Raises LagError L0711."""
     items, depth, begin = [], 0, 0
-    for k, character in enumerate(QUOTED.sub(lambda name: "_" * len(name[0]), text)):
+    for k, character in enumerate(unquoted(text)):
         depth += (character in "([{") - (character in ")]}")
         if depth < 0:
             break
@@ -26,6 +26,17 @@ def cut_list(text: str) -> list[str]:
     if depth:
         fail("L0711", f"'{text}': a parenthesis or bracket is {'missing' if depth > 0 else 'too many'}")
     return [item.strip() for item in (*items, text[begin:])]
+
+
+def cut_pair(text: str) -> tuple[str, str, str]:
+    """What stands before the first `=`, it, and what stands behind it, as of `str.partition`; those in quoted names are theirs."""
+    name, sign, _ = unquoted(text).partition("=")
+    return text[:len(name)], sign, text[len(name) + len(sign):]
+
+
+def unquoted(text: str) -> str:
+    """As long as `text`, with nothing in its quoted names that could be a sign."""
+    return QUOTED.sub(lambda name: "_" * len(name[0]), text)
 
 
 def stem(label: str) -> str:

@@ -5,11 +5,12 @@ from pathlib import Path
 
 from lagrangia.bench.measure import Point
 from lagrangia.bench.table import by_solver
-from lagrangia.view.curves import require_format, save
+from lagrangia.view.curves import require_format, save, without_latex
 
 _MARKERS = "osD^v<>pP*Xhd"
 
 
+@without_latex()
 def draw_points(title: str, points: Sequence[Point], ours: Sequence[str], floor: float, path: Path) -> None:
     """Ours with strong lines; the grey area lies below the reference's own error. Raises LagError L0004."""
     from matplotlib.figure import Figure

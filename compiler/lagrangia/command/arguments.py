@@ -10,7 +10,7 @@ from math import isfinite
 from pathlib import Path
 from typing import Any
 
-from lagrangia.base.cutting import split_list
+from lagrangia.base.cutting import cut_pair, split_list, stem
 from lagrangia.base.diagnostics import WARNINGS, fail, suggest
 from lagrangia.base.folders import kept_remarks
 from lagrangia.base.memory import keep_freed_memory
@@ -142,7 +142,7 @@ def split_names(text: str | None) -> tuple[str, ...]:
 
 def assignment(text: str, option: str) -> tuple[str, str]:
     """`NAME=VALUE`. Raises LagError L0706."""
-    name, equals, value = text.partition("=")
+    name, equals, value = cut_pair(text)
     if not equals or not name.strip() or not value.strip():
         fail("L0706", f"'{text}' after {option} is not of the form NAME=VALUE")
     return name.strip(), value.strip()
@@ -153,7 +153,7 @@ def assignments(texts: Iterable[str], option: str) -> list[tuple[str, str]]:
     pairs = [assignment(text, option) for text in texts]
     names: set[str] = set()
     for name, _ in pairs:
-        base = name.partition("[")[0]
+        base = stem(name)
         if name in names or base in names or (name == base and any(other.startswith(f"{name}[") for other in names)):
             fail("L0712", f"'{name}' is given twice", None, f"{option} takes each name once")
         names.add(name)
@@ -242,7 +242,7 @@ def start_values(texts: Iterable[str], scene: Any) -> dict[str, Any]:
 
 def open_parameters(scene: Any, given: list[tuple[str, str]]) -> dict[str, float]:
     """Those given that are not structural, in SI units."""
-    return values_with_units([(name, value) for name, value in given if name.partition("[")[0] not in scene.structural],
+    return values_with_units([(name, value) for name, value in given if stem(name) not in scene.structural],
                              {p.name: p.unit for p in scene.parameters})
 
 
@@ -271,12 +271,12 @@ def input_tables(given: list[str]) -> list[str]:
 
 def whole_tables(given: list[str], named: Mapping[str, str]) -> list[str]:
     """The files among them that have a column for each input; `named` are those of single ones."""
-    return [text for text in given if "=" not in text or (Path(text).suffix == ".csv" and not is_named(text, named))]
+    return [text for text in given if not cut_pair(text)[1] or (Path(text).suffix == ".csv" and not is_named(text, named))]
 
 
 def is_named(text: str, named: Mapping[str, str]) -> bool:
     """Whether it gives the table of one input."""
-    name, _, path = text.partition("=")
+    name, _, path = cut_pair(text)
     return named.get(name) == path
 
 

@@ -9,6 +9,7 @@ from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from lagrangia.base.cutting import cut_pair
 from lagrangia.base.diagnostics import fail
 from lagrangia.language.units import Unit, parse_unit
 
@@ -34,7 +35,7 @@ def named_tables(given: Sequence[str]) -> dict[str, str]:
     """Files by the inputs that they are given for. Raises LagError L0712 where one is given twice."""
     found: dict[str, str] = {}
     for text in given:
-        name, sign, path = text.partition("=")
+        name, sign, path = cut_pair(text)
         if sign and Path(path_of(path)).suffix.lower() in _KINDS and not os.path.isfile(text):
             if name in found:
                 fail("L0712", f"'{name}' is given twice", None, f"by -u {name}={found[name]} and by -u {text}")

@@ -4,6 +4,7 @@ import sys
 from argparse import Namespace
 from pathlib import Path
 
+from lagrangia.base.cutting import cut_pair
 from lagrangia.base.diagnostics import RunError, fail
 from lagrangia.base.records import dataclass
 from lagrangia.command.arguments import names_once
@@ -42,9 +43,9 @@ def _section(text: str | None, sight: Sight) -> tuple[str, float] | None:
     """`theta`, where it rises through 0, or `theta=30[deg]`."""
     if text is None:
         return None
-    name, _, value = text.partition("=")
+    name, sign, value = cut_pair(text)
     name = read_pair(name).y
-    if not value and "=" in text:
+    if not value and sign:
         fail("L0706", f"--section {text}: a value is missing", None, "--section theta=30[deg]")
     try:
         level = read_value(value or "0", sight.columns_of(name)[0].unit)

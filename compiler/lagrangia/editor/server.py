@@ -3,7 +3,6 @@
 import asyncio
 import logging
 import os
-import sys
 import time
 from collections.abc import Iterator
 from contextlib import suppress
@@ -15,6 +14,7 @@ from pygls.lsp.server import LanguageServer
 from pygls.uris import to_fs_path
 
 from lagrangia.base.diagnostics import LIBRARY, Diagnostic, LagError, Source
+from lagrangia.base.own_python import own_command, own_environment
 from lagrangia.base.version import VERSION
 from lagrangia.compile.sources import read_source
 from lagrangia.editor.changes import fixes, renamed, same
@@ -132,8 +132,9 @@ async def saved(ls: Server, asked: types.DidSaveTextDocumentParams) -> None:
     reading = ls.reading(uri)
     if reading.is_part or any(found.severity == "error" for found in reading.diagnostics):
         return
-    process = await asyncio.create_subprocess_exec(sys.executable, "-m", "lagrangia.editor.whole", reading.source.name,
-                                                   stdout=asyncio.subprocess.PIPE, stderr=asyncio.subprocess.DEVNULL)
+    process = await asyncio.create_subprocess_exec(*own_command("lagrangia.editor.whole"), reading.source.name,
+                                                   env=own_environment(), stdout=asyncio.subprocess.PIPE,
+                                                   stderr=asyncio.subprocess.DEVNULL)
     try:
         printed, _ = await asyncio.wait_for(process.communicate(), _PATIENCE)
     except TimeoutError:

@@ -10,7 +10,6 @@ import os
 import signal
 import stat
 import subprocess
-import sys
 import threading
 import time
 from array import array
@@ -22,6 +21,7 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 from lagrangia.base.diagnostics import fail
+from lagrangia.base.own_python import own_command, own_environment
 from lagrangia.base.records import dataclass
 from lagrangia.base.spelling import plain_text
 
@@ -143,11 +143,8 @@ class _Tail(threading.Thread):
 
 def _wait(folder: Path, seconds: float | None) -> tuple[bytes, dict[str, Any]]:
     """The end of what was printed, and what the worker itself cannot tell of its end."""
-    home = str(Path(__file__).resolve().parents[2])
-    paths = [home, *filter(None, [os.environ.get("PYTHONPATH")])]
-    environment = os.environ | {"PYTHONPATH": os.pathsep.join(paths), "PYTHONIOENCODING": "utf-8", "OPENBLAS_NUM_THREADS": "1",
-                                _RUN: folder.name}
-    command = [sys.executable, "-m", "lagrangia.fmu.worker", str(folder)]
+    environment = own_environment() | {"PYTHONIOENCODING": "utf-8", "OPENBLAS_NUM_THREADS": "1", _RUN: folder.name}
+    command = [*own_command("lagrangia.fmu.worker"), str(folder)]
     process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, cwd=folder, env=environment,
                                start_new_session=True)
     tail = _Tail(process.stdout)

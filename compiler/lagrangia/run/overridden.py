@@ -3,6 +3,7 @@ p.L alone reads L; -p phi0=1 --initial p.phi=2, where phi0 is where p.phi starts
 
 from collections.abc import Collection, Iterable, Mapping
 
+from lagrangia.base.cutting import stem
 from lagrangia.run.scene import Scene
 
 Readers = Mapping[str, list[str]]  # as parameter_readers.find_readers has them
@@ -18,7 +19,7 @@ def overridden_remarks(scene: Scene, readers: Readers, parameters: Collection[st
     values = _Given(scene, parameters, initial)
     found = []
     for name in parameters:
-        base = name.partition("[")[0]
+        base = stem(name)
         if base in readers and not values.counts(base, readers) and (told := values.instead_of(base, readers)):
             verb = "is" if len(told) == 1 else "are"
             shown = " and ".join(map("'{}'".format, told[:3])) + (f" and {len(told) - 3} more" if len(told) > 3 else "")
@@ -35,7 +36,7 @@ class _Given:
         self.places = {place for name in initial if (place := self._place(name)) is not None}
         self.elements: dict[str, list[str]] = {}
         for parameter in scene.parameters:
-            self.elements.setdefault(parameter.name.partition("[")[0], []).append(parameter.name)
+            self.elements.setdefault(stem(parameter.name), []).append(parameter.name)
 
     def counts(self, name: str, readers: Readers) -> bool:
         """Whether something that the run computes depends on it."""

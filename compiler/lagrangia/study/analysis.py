@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lagrangia.base.checked_values import a_number
+from lagrangia.base.cutting import stem
 from lagrangia.base.diagnostics import RunError, fail
 from lagrangia.constraints.singular_positions import told
 from lagrangia.dynamics.constrained_motion import constraint_rows
@@ -371,7 +372,7 @@ class Study(Beginning):
         prescribed = {name for name, x in self.c.kinematics.dependents.items() if not x.terms}
         others = [x.name for x in self.scene.own_outputs if not x.name.startswith("der(") and x.name not in prescribed]
         declared = [name for name, variable in variables.items() if variable.is_output]
-        told = [x.name for x in self.scene.outputs if x.name.partition("[")[0] in declared]
+        told = [x.name for x in self.scene.outputs if stem(x.name) in declared]
         kept = {self.scene.signals[name] for name in self.scene.kept}
         return tuple(name for name in dict.fromkeys((*self.signals.names, *(x for x in others if x not in told), *told))
                      if name not in kept)

@@ -9,6 +9,7 @@ from dataclasses import replace
 import casadi as ca
 import numpy as np
 
+from lagrangia.base.cutting import stem
 from lagrangia.base.diagnostics import fail
 from lagrangia.dynamics.sampling import find_sampling
 from lagrangia.language.moving_inputs import rate_inputs
@@ -25,7 +26,7 @@ def with_sampled_system(study: Study, linear: Linearization, about: str) -> Line
     """The linearisation of the mechanism with the sampled system beside it. Raises LagError L0901 for several intervals."""
     held = [name for sampler in study.c.flat.samplers for name in (x.name for x in sampler.held)]
     moving = {name for name, is_placing in study.c.flat.moving_inputs.items() if is_placing} | rate_inputs(study.c.flat)
-    inputs = [item.name for item in study.scene.inputs if item.name.partition("[")[0] not in moving and item.name not in moving]
+    inputs = [item.name for item in study.scene.inputs if stem(item.name) not in moving and item.name not in moving]
     flow = study.linearize(about, [*inputs, *held], ())
     columns = {name: flow.B[:, k] for k, name in enumerate(flow.inputs)}
     nothing = np.zeros(len(flow.states))

@@ -2,7 +2,8 @@
 
 import io
 import os
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -55,6 +56,15 @@ def new_figure(width: float, height: float) -> Any:
     return _figure_class()(figsize=(width, height), layout="constrained")
 
 
+@contextmanager
+def without_latex() -> Iterator[None]:
+    """Texts are names and descriptions, and no commands: whatever a matplotlibrc says of text.usetex, in this folder or at home."""
+    from matplotlib import rc_context
+
+    with rc_context({"text.usetex": False}):
+        yield
+
+
 def draw(title: str, time: "np.ndarray", curves: "Sequence[tuple[Column, np.ndarray]]",
          path: str | os.PathLike[str] | None = None) -> Any:
     """Quantities over time, one panel a unit, angles in degrees when the quantity is shown so; returns the matplotlib Figure.
@@ -69,6 +79,7 @@ def draw(title: str, time: "np.ndarray", curves: "Sequence[tuple[Column, np.ndar
     return draw_panels(title, build_picture([Series("", time, values.get)], wanted, columns.__getitem__).panels, path)
 
 
+@without_latex()
 def draw_panels(title: str, panels: "Sequence[Panel]", path: str | os.PathLike[str] | None = None) -> Any:
     """One below the other, those over time with one time axis; returns the matplotlib Figure. Raises LagError L0004."""
     if path is not None:

@@ -4,8 +4,10 @@ import math
 import re
 from collections.abc import Callable, Sequence
 from dataclasses import field, replace
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
+from lagrangia.base.cutting import unquoted
 from lagrangia.base.diagnostics import fail
 from lagrangia.base.records import dataclass
 from lagrangia.run.scene import Column
@@ -103,14 +105,15 @@ class Picture:
 
 def read_pair(text: str) -> Pair:
     """`y`, or `x:y`; x' is der(x). Raises LagError L0706."""
-    parts = [_rate(part.strip()) for part in re.split(r":(?![^\[]*\])", text)]
+    cuts = [0, *(found.end() for found in re.finditer(r":(?![^\[]*\])", unquoted(text))), len(text) + 1]
+    parts = [_rate(text[begin:end - 1].strip()) for begin, end in pairwise(cuts)]
     if len(parts) > 2 or not all(parts):
         fail("L0706", f"'{text}' names no curve", None, "a quantity over time, or two with a colon between: theta:theta'")
     return Pair("", parts[0]) if len(parts) == 1 else Pair(parts[0], parts[1])
 
 
 def _rate(name: str) -> str:
-    bare = name.rstrip("'")
+    bare = name[:len(unquoted(name).rstrip("'"))]
     for _ in range(len(name) - len(bare)):
         bare = f"der({bare})"
     return bare

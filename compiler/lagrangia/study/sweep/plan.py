@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from lagrangia.base.attitude_values import HINT
 from lagrangia.base.checked_values import a_count, a_number, by_name
+from lagrangia.base.cutting import stem
 from lagrangia.base.diagnostics import LagError, Report, fail, suggest
 from lagrangia.base.records import dataclass
 from lagrangia.language.values import read_value
@@ -274,7 +275,7 @@ def _resolve(scene: Scene, kind: str, name: str) -> _Name:
                 fail("L0701", f"the parameter '{name}' is {locked}: it cannot be set", None,
                      f"declared at {scene.parameters[place[elements[0]]].place}")
             return _Name(name, kind, elements, tuple(place[n] for n in elements), scene.parameters[place[elements[0]]].unit)
-        if name.partition("[")[0] in scene.structural:
+        if stem(name) in scene.structural:
             fail("L0901", f"not supported yet: a sweep over '{name}', which is compiled in, as all Integers and Booleans", None,
                  f"run once for each of its values, with -p {name}=...; a parameter Real need not be compiled in")
         fail("L0701", f"the scene has no parameter '{name}'", None, *filter(None, [suggest(name, [*place, *scene.structural])]))
