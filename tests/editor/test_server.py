@@ -1,5 +1,6 @@
 """`lag server`, driven through its pipes by the protocol, as an editor drives it."""
 
+import json
 import shutil
 import subprocess
 import sys
@@ -288,3 +289,25 @@ def test_what_the_server_lays_out_is_what_the_command_does() -> None:
     from lagrangia.editor import server
 
     assert server.formatted is formatted
+
+
+def test_messages_that_are_none_end_nothing(tmp_path: Path) -> None:
+    """Each is told in a line, what comes behind them is answered, and no text is read that is none."""
+    client = Client(tmp_path)
+    asked = {"jsonrpc": "2.0", "id": 500, "method": "textDocument/hover"}
+    place = {"position": {"line": 0, "character": 0}}
+    for content in (b"{", b"\xff", b"[]", b"null", b'{"jsonrpc":"2.0","id":' + b"9" * 5000 + b"}", b"[" * 100_000, b'{"id":{}}',
+                    *(json.dumps(asked | {"params": place | {"textDocument": {"uri": uri}}}).encode()
+                      for uri in ("file:///dev/zero", "file:///%00", "file:///nowhere.lag", "untitled:1", "http://a/b.lag")),
+                    json.dumps(asked | {"params": [1]}).encode()):
+        client.process.stdin.write(b"Content-Length: %d\r\n\r\n" % len(content) + content)
+    _, found = client.open("a.lag", "model M\n  Block b(m = 1, bass = world);\nend M;\n")
+    assert found and client.close() == 0
+    assert "Traceback" not in client.written and max(map(len, client.written.splitlines())) <= 300
+
+
+@pytest.mark.parametrize("size", ["1000000000", "9" * 30])
+def test_messages_are_bounded(size: str, tmp_path: Path) -> None:
+    done = subprocess.run([sys.executable, "-m", "lagrangia", "server"], input=f"Content-Length: {size}\r\n\r\n{{}}".encode(),
+                          capture_output=True, timeout=60, check=False)
+    assert done.returncode == 2 and done.stderr.startswith(b"error[L0715]: the editor announces a message of")

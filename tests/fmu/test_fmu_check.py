@@ -348,3 +348,14 @@ def test_what_friction_holds_has_derivatives_of_nothing(tmp_path: Path, capsys: 
     Model(tmp_path / "held.lag").export_fmu(tmp_path / "held.fmu")
     assert main(["fmu", "check", str(tmp_path / "held.fmu")]) == 0
     assert "no fault" in capsys.readouterr().out
+
+
+def test_what_is_no_number_and_texts_without_end_are_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A start that was no number ended in 'bug:', and a name of 50 MB was printed whole."""
+    for command, old, new in ((("fmu", "check"), r'(causality="parameter"[^<]*<Real [^>]*start=")', r"\1x"),
+                              (("simulate", "--stop", "0.01"), 'modelName="', 'modelName="' + "n" * 100_000),
+                              (("simulate", "--stop", "0.01"), 'modelIdentifier="', 'modelIdentifier="' + "n" * 100_000)):
+        target = broken(fmu_of(PATH, "2"), tmp_path / "x.fmu", {"modelDescription.xml": replaced(old, new)})
+        assert main([*command, str(target), *(("-o", str(tmp_path / "x.csv")) if command[0] == "simulate" else ())]) in (0, 1, 2)
+        said = capsys.readouterr()
+        assert "bug:" not in said.err and len(said.out) < 10_000 and len(said.err) < 20_000

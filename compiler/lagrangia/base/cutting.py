@@ -29,7 +29,7 @@ def cut_list(text: str) -> list[str]:
 
 
 def cut_pair(text: str) -> tuple[str, str, str]:
-    """What stands before the first `=`, it, and what stands behind it, as of `str.partition`; those in quoted names are theirs."""
+    """What stands before the first `=`, it, and what stands behind it, as `str.partition` has it; not in quoted names."""
     name, sign, _ = unquoted(text).partition("=")
     return text[:len(name)], sign, text[len(name) + len(sign):]
 

@@ -26,6 +26,7 @@ WARNINGS = ("L0224", "L0237", "L0238", "L0239", "L0305", "L0306", "L0607", "L060
 Severity = Literal["error", "warning", "note"]
 LIBRARY = "library/"  # with which the names of its sources begin
 _LONGEST_LINE = 160
+_LONGEST_MESSAGE = 6000  # a name in it may be any text, as those of foreign files are
 _MOST_SHOWN = 20
 _ELEMENT = re.compile(r"\[\d+(, ?\d+)*\]")
 
@@ -103,11 +104,11 @@ class Diagnostic:
         data, and command no terminal."""
         paint = _PAINT[self.severity] if color else ""
         bold, reset = ("\033[1m", "\033[0m") if color else ("", "")
-        lines = [f"{paint}{self.severity}[{self.code}]{reset}{bold}: {plain_text(self.message)}{reset}"]
+        lines = [f"{paint}{self.severity}[{self.code}]{reset}{bold}: {_shown(self.message)}{reset}"]
         if self.span is not None:
             lines += _excerpt(self.span, self.label, paint, reset)
         lines += self.excerpt.splitlines()
-        lines += [f"   = {plain_text(hint)}" for hint in self.hints]
+        lines += [f"   = {_shown(hint)}" for hint in self.hints]
         return "\n".join(lines)
 
 
@@ -253,6 +254,13 @@ def render_all(diagnostics: Iterable[Diagnostic], color: bool = False) -> str:
 
 
 _PAINT = {"error": "\033[1;31m", "warning": "\033[1;33m", "note": "\033[1;36m"}
+
+
+def _shown(text: str) -> str:
+    """As a terminal may have it, without the middle of what is longer than people read."""
+    if len(text) > _LONGEST_MESSAGE:
+        text = f"{text[: _LONGEST_MESSAGE // 2]} [...] {text[-_LONGEST_MESSAGE // 2 :]}"
+    return plain_text(text)
 
 
 def _excerpt(span: Span, label: str, paint: str, reset: str) -> list[str]:

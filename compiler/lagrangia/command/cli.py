@@ -20,6 +20,7 @@ from lagrangia.command.parser import WRONG, build_parser
 
 DONE, FAILED = 0, 1
 _RARELY = 50_000  # objects more than were freed: then cycles are looked for
+_WITHOUT_MEMORY = ("std::bad_alloc", "failed to map segment", "Cannot allocate memory")  # in words of CasADi and of the system
 _SLEEP_SOON = "4"  # threads of NumPy's OpenBLAS that have nothing to do: else they spin for 30 ms when it is imported
 
 
@@ -30,15 +31,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
     prepare_output()
     os.environ.setdefault("OPENBLAS_THREAD_TIMEOUT", _SLEEP_SOON)
     words = sys.argv[1:] if arguments is None else arguments
-    parsed = build_parser(*words[:1]).parse_args(words)
     warnings.filterwarnings("ignore", category=RuntimeWarning)  # of NumPy: what is not finite is told in our words
     warnings.filterwarnings("ignore", category=EngineWarning)  # so is this
     with ended_as_by_control_c():
-        return _execute(parsed)
+        return _execute(words)
 
 
-def _execute(parsed: argparse.Namespace) -> int:
+def _execute(words: Sequence[str]) -> int:
     try:
+        parsed = build_parser(*words[:1]).parse_args(words)  # what it imports may find no memory
         refuse_idle(parsed, parsed.parser.get_default)
         with remarks_kept(), searching_in(getattr(parsed, "path", [])):
             for text in environment_remarks():
@@ -67,9 +68,12 @@ def _execute(parsed: argparse.Namespace) -> int:
         _drop_output()
         return FAILED
     except Exception as error:
-        if "std::bad_alloc" in str(error):  # as CasADi says it
+        if any(words in str(error) for words in _WITHOUT_MEMORY):
             return _out_of_memory()
-        return _refused(error) or _confess(error)
+        try:
+            return _refused(error) or _confess(error)
+        except MemoryError:
+            return _out_of_memory()
 
 
 def _tell_rest(parsed: argparse.Namespace) -> None:

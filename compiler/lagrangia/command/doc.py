@@ -36,6 +36,7 @@ def doc_command(options: Namespace) -> int:
     components = [Package(library_title(file.source), (file,), table, None) for file in library]
     examples = [_package(file) for file in sorted((data_folder("models") / "examples").glob("*.lag"))]
     target.mkdir(parents=True, exist_ok=True)
+    write_text(target / _MARK, "")  # at once: what was ended half way is written anew
     with TemporaryDirectory() as folder, searching_in(list(filter(None, map(_around, options.files)))):
         drawings = _Drawings(Path(folder), {id(c): p.imported for p in own for c in p.classes if p.imported is not None})
         count = 0

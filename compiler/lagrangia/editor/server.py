@@ -15,6 +15,7 @@ from pygls.uris import to_fs_path
 
 from lagrangia.base.diagnostics import LIBRARY, Diagnostic, LagError, Source
 from lagrangia.base.own_python import own_command, own_environment
+from lagrangia.base.spelling import plain_text
 from lagrangia.base.version import VERSION
 from lagrangia.compile.sources import read_source
 from lagrangia.editor.changes import fixes, renamed, same
@@ -31,6 +32,7 @@ from lagrangia.editor.whole import read_back
 _PAUSE = 0.003  # s in which the changes come in that were written while a text was looked at; the last one is looked at
 _REST = 0.3  # s without a change after which the next one is looked at at once
 _MOST_FILES = 500  # of a folder that are looked through
+_LONGEST_LINE = 300  # of what is told of messages that are none
 _PATIENCE = 60.0  # s for all phases of a saved text
 
 
@@ -52,7 +54,7 @@ class Server(LanguageServer):
 
     def path(self, uri: str) -> Path:
         """The file; a text that is in none yet has a name of its own."""
-        return Path(os.path.realpath(to_fs_path(uri) or uri.replace(":", "_")))
+        return Path(os.path.realpath((to_fs_path(uri) or uri.replace(":", "_")).replace("\0", "_")))
 
     def read(self, path: Path) -> Source:
         """The text that is open in the editor, or the file. Raises LagError."""
@@ -63,9 +65,12 @@ class Server(LanguageServer):
         return read_source(Path(name))
 
     def reading(self, uri: str) -> Reading:
-        """What is known of an open text now."""
+        """What is known of an open text now. Raises JsonRpcInvalidParams where it is none, and no file."""
         if self.read_at.get(uri) != self.changes:
-            self.readings[uri] = read_text(self.path(uri), self.read, self.known)
+            try:
+                self.readings[uri] = read_text(self.path(uri), self.read, self.known)
+            except LagError as error:
+                raise JsonRpcInvalidParams(error.diagnostics[0].message) from None
             self.read_at[uri] = self.changes
         return self.readings[uri]
 
@@ -102,6 +107,21 @@ def _is_fault(record: logging.LogRecord) -> bool:
     return not (record.exc_info and isinstance(record.exc_info[1], JsonRpcException))
 
 
+class _OneLine(logging.Formatter):
+    """Of messages that are none, and of faults: LAGRANGIA_TRACEBACK=1 shows where they happened."""
+
+    def format(self, record: logging.LogRecord) -> str:
+        if os.environ.get("LAGRANGIA_TRACEBACK"):
+            return super().format(record)
+        error = record.exc_info[1] if record.exc_info else None
+        what = record.getMessage().partition("\n")[0]
+        return plain_text(f"{what}{f': {type(error).__name__}: {error}' if error else ''}".partition("\n")[0][:_LONGEST_LINE])
+
+
+_handler = logging.StreamHandler()
+_handler.setFormatter(_OneLine())
+for name in ("pygls", "asyncio"):
+    logging.getLogger(name).addHandler(_handler)
 logging.getLogger("pygls.protocol.json_rpc").addFilter(_is_fault)
 server = Server()
 Asked = types.TextDocumentPositionParams

@@ -1,6 +1,7 @@
 """An FMU beside the run of the model it was made from, when its source is inside (export.py puts it there)."""
 
 import json
+import math
 import os
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -9,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 from lagrangia.base.diagnostics import LagError, RunError
 from lagrangia.base.records import dataclass
 from lagrangia.base.search_path import searching_in
-from lagrangia.fmu.description import labels
+from lagrangia.fmu.description import labels, number_in
 from lagrangia.fmu.export import EXTRA, SCENE
 from lagrangia.fmu.process import SPOKEN, Job, Outcome, run_job
 from lagrangia.fmu.run import Opened
@@ -113,7 +114,7 @@ def _parameters(opened: Opened, model: Native) -> dict[str, float]:
     description = opened.description
     free = [q for q in description.quantities if q.causality == "parameter" and q.is_float]
     starts = {name: text for q in free for name, text in zip(labels(q.name, description.shape(q)), q.starts, strict=False)}
-    return {name: float(text) for name, text in starts.items() if name in known}
+    return {name: x for name, text in starts.items() if name in known and not math.isnan(x := number_in(text))}
 
 
 class _NativeRun:

@@ -1,5 +1,6 @@
 """modelDescription.xml of FMI 2 and 3 -> what it says, in the words of both, with what is left out filled in."""
 
+import math
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from functools import cached_property
@@ -27,6 +28,14 @@ _UNKNOWNS: Mapping[str, Mapping[str, tuple[str, ...]]] = {
           "initial": ("InitialUnknowns", "Unknown"), "indicator": ("EventIndicators", "Unknown")},
     "3": {"output": ("Output",), "derivative": ("ContinuousStateDerivative",), "initial": ("InitialUnknown",),
           "indicator": ("EventIndicator",)}}
+
+
+def number_in(text: str | None) -> float:
+    """NaN, which is in no order with any number, where there is none."""
+    try:
+        return float(text or "nan")
+    except ValueError:
+        return math.nan
 
 
 @dataclass(frozen=True, eq=False)

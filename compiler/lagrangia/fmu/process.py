@@ -29,6 +29,8 @@ KINDS = {"me": "ModelExchange", "cs": "CoSimulation"}
 SPOKEN = {"me": "Model Exchange", "cs": "Co-Simulation"}
 _MOST_LOG = 20_000  # bytes
 _MOST_FILE = 1 << 30  # bytes
+_MOST_TOLD = 1 << 27  # bytes of names and of how it ended
+_MOST_MESSAGE, _MOST_FAULTS = 2000, 100  # characters of each
 _MEMORY = (2 << 30, 8 << 30)  # bytes: half of the machine's, within these
 _PATIENCE = 5  # seconds: of processor time beyond the time that is allowed; for the end of the log
 _LINES = 6  # of the log, in a message
@@ -208,24 +210,24 @@ def _collect(folder: Path, job: Job, log: bytes, ended: Mapping[str, Any]) -> Ou
     faults = result.get("faults")
     reached = rows[-1 - len(columns)] if rows else job.times[0]
     told = {"message": "", **known, **ended, "time": reached}
-    told["faults"] = tuple(map(str, faults)) if isinstance(faults, list) else ()
-    told["message"] = plain_text(told["message"])
+    told["faults"] = tuple(str(fault)[:_MOST_MESSAGE] for fault in faults[:_MOST_FAULTS]) if isinstance(faults, list) else ()
+    told["message"] = plain_text(told["message"][:_MOST_MESSAGE])
     return Outcome(columns, rows, log=log.decode(errors="replace"), **told)
 
 
 def _plain(file: Path, kind: type) -> Any:
     """What a file says in JSON, an empty one of the kind where that is none of it."""
     try:
-        found = json.loads(_read(file) or b"null")
+        found = json.loads(_read(file, _MOST_TOLD) or b"null")
     except (ValueError, RecursionError):
         found = None
     return found if isinstance(found, kind) else kind()
 
 
-def _read(file: Path) -> bytes:
-    """A file that is one, and no link, pipe or device; empty where it is not there."""
+def _read(file: Path, most: int = -1) -> bytes:
+    """The begin of a file that is one, and no link, pipe or device; empty where it is not there."""
     try:
         with open(os.open(file, os.O_RDONLY | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0)), "rb") as stream:
-            return stream.read() if stat.S_ISREG(os.fstat(stream.fileno()).st_mode) else b""
+            return stream.read(most) if stat.S_ISREG(os.fstat(stream.fileno()).st_mode) else b""
     except OSError:
         return b""

@@ -1,11 +1,10 @@
 """Rules for the variables and units of an FMU (FMI 2.0.5, 2.2; FMI 3.0.2, 2.4), beside those that FMPy's validation knows."""
 
-import math
 from collections.abc import Iterator
 from math import prod
 
 from lagrangia.base.diagnostics import Diagnostic
-from lagrangia.fmu.description import Description, Quantity
+from lagrangia.fmu.description import Description, Quantity, number_in
 from lagrangia.fmu.xmltree import Element
 
 VARIABLES, UNITS = "L0732", "L0733"
@@ -36,7 +35,7 @@ def unit_rules(description: Description) -> Iterator[Diagnostic]:
         if name == "":
             yield unit.fault(UNITS, "a unit has no name", "name", "leave it out, and the attribute unit of numbers without one")
         for part in unit.children:
-            if _number(part.get("factor") or "1") == 0:
+            if number_in(part.get("factor") or "1") == 0:
                 yield part.fault(UNITS, f"a factor of 0 in the unit '{name}'", "factor")
     for kind in description.root.all("TypeDefinitions", "*"):
         holder = kind if description.version == "3" or not kind.children else kind.children[0]
@@ -72,25 +71,17 @@ def _size_rules(q: Quantity, description: Description) -> Iterator[Diagnostic]:
 
 
 def _range_rules(q: Quantity) -> Iterator[Diagnostic]:
-    low, high = _number(q.get("min")), _number(q.get("max"))
+    low, high = number_in(q.get("min")), number_in(q.get("max"))
     if low > high:
         yield q.value.fault(VARIABLES, f"'{q.name}' is at least {low:g} and at most {high:g}", "min")
     for text in (q.start or "").split() if q.kind not in ("String", "Boolean", "Binary", "Clock") else ():
-        value = _number(text)
+        value = number_in(text)
         if value < low or value > high:
             where = f"below its minimum {low:g}" if value < low else f"above its maximum {high:g}"
             yield q.value.fault(VARIABLES, f"'{q.name}' starts at {value:g}, {where}", "start")
             break
-    if _number(q.get("nominal")) == 0:
+    if number_in(q.get("nominal")) == 0:
         yield q.value.fault(VARIABLES, f"the nominal value of '{q.name}' is 0: importers divide by it", "nominal")
-
-
-def _number(text: str | None) -> float:
-    """NaN, which is in no order with any number, where there is none."""
-    try:
-        return float(text or "nan")
-    except ValueError:
-        return math.nan
 
 
 def _unit_rules(q: Quantity, description: Description) -> Iterator[Diagnostic]:

@@ -24,6 +24,7 @@ _USUAL_TOLERANCE = 1e-6
 _MOST_ROWS = 10_000_000
 _MOST_COLUMNS = 100  # of an FMU without states and outputs
 _MOST_NUMBERS = 1_000_000  # a row
+_LONGEST_TEXT = 500  # characters of what an FMU says of itself
 
 
 @dataclass(frozen=True)
@@ -35,13 +36,13 @@ class Opened:
 
     @property
     def name(self) -> str:
-        """The model's, or the file's where it has none."""
-        return self.description.root.get("modelName") or self.archive.path.stem
+        """The model's, or the file's where it has none; the begin of a very long one."""
+        return (self.description.root.get("modelName") or self.archive.path.stem)[:_LONGEST_TEXT]
 
     @property
     def text(self) -> str:
         """What it says that it is."""
-        return self.description.root.get("description") or ""
+        return (self.description.root.get("description") or "")[:_LONGEST_TEXT]
 
     @property
     def offers(self) -> list[str]:

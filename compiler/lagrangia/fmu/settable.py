@@ -1,11 +1,12 @@
 """Values that are given to variables of an FMU: which can be, of arrays whole or element by element, and what becomes of them."""
 
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, NoReturn
 
 from lagrangia.base.diagnostics import fail, suggest
 from lagrangia.base.records import dataclass
-from lagrangia.fmu.description import Description, Quantity, element_of, labels
+from lagrangia.fmu.description import Description, Quantity, element_of, labels, number_in
 
 _SET = ("input", "parameter", "structuralParameter")
 _LARGEST = 1_000_000  # numbers of an array
@@ -76,9 +77,9 @@ def check_values(description: Description, values: Mapping[str, Any]) -> None:
     """Raises LagError for what cannot be set, or lies outside its bounds."""
     for name, value in values.items():
         quantity = settable(description, name).quantity
-        low, high = (float(text) if (text := quantity.get(bound)) else None for bound in ("min", "max"))
-        if isinstance(value, float) and ((low is not None and value < low) or (high is not None and value > high)):
-            limits = f"from {low if low is not None else '-inf'} to {high if high is not None else 'inf'}"
+        low, high = number_in(quantity.get("min")), number_in(quantity.get("max"))
+        if isinstance(value, float) and (value < low or value > high):
+            limits = f"from {-math.inf if math.isnan(low) else low} to {math.inf if math.isnan(high) else high}"
             fail("L0605", f"'{name}' is {value:g}, and the FMU says it lies {limits}")
         if quantity.causality == "structuralParameter" and any(
                 description.find(dimension.get("valueReference")) is quantity
@@ -105,7 +106,12 @@ def start_values(description: Description, quantity: Quantity) -> list[Any]:
     if len(starts) not in (1, size):
         fail("L0732", f"'{quantity.name}' has {size} elements and {len(starts)} start values", quantity.value.span("start"))
     texts = starts * size if len(starts) == 1 else starts
-    return texts if quantity.kind in ("String", "Boolean") else [float(text) for text in texts]
+    if quantity.kind in ("String", "Boolean"):
+        return texts
+    try:
+        return list(map(float, texts))
+    except ValueError:
+        fail("L0732", f"the start values of '{quantity.name}' are no numbers", quantity.value.span("start"))
 
 
 def with_whole_arrays(description: Description, columns: Mapping[str, Sequence[float]], rows: int) -> dict[str, list[float]]:

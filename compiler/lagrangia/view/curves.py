@@ -58,7 +58,7 @@ def new_figure(width: float, height: float) -> Any:
 
 @contextmanager
 def without_latex() -> Iterator[None]:
-    """Texts are names and descriptions, and no commands: whatever a matplotlibrc says of text.usetex, in this folder or at home."""
+    """Texts are names and descriptions, and no commands, whatever a matplotlibrc in this folder or at home says."""
     from matplotlib import rc_context
 
     with rc_context({"text.usetex": False}):
