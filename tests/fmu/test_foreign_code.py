@@ -29,12 +29,16 @@ EVIL = """#include <arpa/inet.h>
 #include <string.h>
 #include <sys/mman.h>
 #include <unistd.h>
+extern char **environ;
 __attribute__((constructor)) static void act(void) { %s }
 """
 ACTS = {
-    "child": ("for (int i = 0; i < 2; ++i) if (fork() == 0) { if (i) setsid(); sleep(3); "
+    "child": ("for (int i = 0; i < 2; ++i) if (fork() == 0) { if (i) { setsid(); for (char **e = environ; *e; ++e) memset(*e, 0, strlen(*e)); } "
+              "sleep(3); "
               "struct sockaddr_in to = {.sin_family = AF_INET, .sin_port = htons(PORT), .sin_addr = {htonl(INADDR_LOOPBACK)}}; "
               'sendto(socket(AF_INET, SOCK_DGRAM, 0), "x", 1, 0, (void *)&to, sizeof to); _exit(0); } abort();', "SIGABRT"),
+    "children": ("for (int i = 0; i < 400; ++i) if (fork() == 0) { sleep(60); _exit(0); } sleep(60);",
+                 "more than 256 processes"),
     "log": ('for (int i = 0; i < 400000; ++i) printf("noise, \\033[31m, noise, noise, noise\\n"); fflush(stdout); abort();',
             "SIGABRT"),
     "memory": ('char *x = malloc((size_t)9 << 30); if (!x) { puts("no memory"); fflush(stdout); } else memset(x, 1, 1); abort();',

@@ -165,7 +165,11 @@ def _wait(folder: Path, seconds: float | None) -> tuple[bytes, dict[str, Any]]:
 
 
 def _end(process: "subprocess.Popen[bytes]", run: str) -> None:
-    """With all that it has started: what is left in its group, and what has left that, but not forgotten which run it is of."""
+    """With all that it has started: as watched.py does it, where that does not the group, and those that have left it, but not
+    forgotten which run they are of."""
+    with contextlib.suppress(OSError, subprocess.TimeoutExpired):
+        process.terminate()
+        process.wait(_PATIENCE)
     with contextlib.suppress(OSError):
         if hasattr(os, "killpg"):
             os.killpg(process.pid, signal.SIGKILL)
