@@ -122,6 +122,16 @@ def test_no_line_of_a_foreign_file_is_shown(name: str, capsys: pytest.CaptureFix
     assert "mountain" not in told
 
 
+@pytest.mark.parametrize("name", ["link.urdf", "link.xml", "link.mo", "page.xml", "page.urdf"])
+def test_no_line_of_a_file_that_is_not_imported_is_shown(name: str, capsys: pytest.CaptureFixture[str]) -> None:
+    Path("secret.txt").write_text("account: anna, pass phrase: mountain-lake-17\n", encoding="utf-8")
+    Path("page").write_text('<secrets of="mountain-lake-17"/>', encoding="utf-8")
+    Path(name).symlink_to("page" if name.startswith("page") else "secret.txt")
+    assert main(["import", name]) == 2
+    told = capsys.readouterr().err
+    assert f"'{name}' is" in told and "mountain" not in told
+
+
 @pytest.mark.skipif(not hasattr(os, "getuid"), reason="POSIX owners and modes")
 @needs_compiler
 def test_a_cache_that_others_may_write_is_not_used(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:

@@ -238,7 +238,7 @@ HOSTILE = {
     "spoilt": (spoilt, "cannot be read"), "nested": (nested, "pack what is in that folder"),
     "without description": (file(DESCRIPTION, None), f"there is no {DESCRIPTION} at its top"),
     "no XML": (file(DESCRIPTION, b"<fmiModelDescription>\n<a></b>"), "this is no XML: mismatched tag"),
-    "nothing": (file(DESCRIPTION, b""), "this is no XML"),
+    "nothing": (file(DESCRIPTION, b""), "is no XML: no element found in line 1"),
     "bomb": (file(DESCRIPTION, BOMB), "document types and entities are not read"),
     "not UTF-8": (file(DESCRIPTION, b"<a>\xff</a>"), "is not the text"),
     "another root": (file(DESCRIPTION, b"<a fmiVersion='2.0'/>"), "the root is <a>"),

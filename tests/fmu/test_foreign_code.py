@@ -33,8 +33,8 @@ extern char **environ;
 __attribute__((constructor)) static void act(void) { %s }
 """
 ACTS = {
-    "child": ("for (int i = 0; i < 2; ++i) if (fork() == 0) { if (i) { setsid(); for (char **e = environ; *e; ++e) memset(*e, 0, strlen(*e)); } "
-              "sleep(3); "
+    "child": ("for (int i = 0; i < 2; ++i) if (fork() == 0) { "
+              "if (i) { setsid(); for (char **e = environ; *e; ++e) memset(*e, 0, strlen(*e)); } sleep(3); "
               "struct sockaddr_in to = {.sin_family = AF_INET, .sin_port = htons(PORT), .sin_addr = {htonl(INADDR_LOOPBACK)}}; "
               'sendto(socket(AF_INET, SOCK_DGRAM, 0), "x", 1, 0, (void *)&to, sizeof to); _exit(0); } abort();', "SIGABRT"),
     "children": ("for (int i = 0; i < 400; ++i) if (fork() == 0) { sleep(60); _exit(0); } sleep(60);",

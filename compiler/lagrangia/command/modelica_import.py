@@ -1,5 +1,6 @@
 """`lag import`: a Modelica file, a robot in URDF, or a scene in MJCF -> a .lag file."""
 
+import re
 import sys
 from argparse import Namespace
 from dataclasses import replace
@@ -12,6 +13,8 @@ from lagrangia.compile.sources import read_source
 from lagrangia.editor.formatting import formatted
 from lagrangia.editor.modelica_import import Imported, imported, without_leading_dots
 from lagrangia.language.syntax import parse
+
+_COMMENT = re.compile(r"//[^\n]*|/\*.*?\*/", re.DOTALL)
 
 
 def import_command(options: Namespace) -> int:
@@ -36,7 +39,13 @@ def import_command(options: Namespace) -> int:
 def _modelica(file: Path) -> Imported:
     source = read_source(file)
     text = without_leading_dots(source.text)
-    if not parse(Source(source.name, text)).classes:  # which tells what is wrong, or not of this language, where it stands
+    try:
+        classes = parse(Source(source.name, text)).classes  # which tells what is wrong, or not of this language, where it stands
+    except LagError as error:
+        if (place := error.diagnostics[0].span) is not None and not _COMMENT.sub("", text[: place.start]).strip():
+            fail("L0703", f"'{file}' is no Modelica file: it begins with no class", None, "as in model Name ... end Name;")
+        raise
+    if not classes:
         fail("L0703", f"there is nothing to import in '{file}': it has no class", None,
              "a Modelica file has one: model Name ... end Name;")
     return imported(text)
@@ -70,7 +79,7 @@ def _scene(file: Path) -> Imported:
     if root.tag == "robot":
         return _robot(file)
     if root.tag != "mujoco":
-        fail("L0730", f"this is neither a scene in MJCF nor a robot but <{root.tag}>", root.span(),
+        fail("L0730", f"'{file}' is neither a scene in MJCF nor a robot but <{root.tag}>", None,
              "a scene in MJCF stands in <mujoco>, with bodies in <worldbody>")
     return replace(imported_scene(root, file.name, read), read=tuple(included))
 

@@ -36,7 +36,7 @@ def imported_robot(name: str, content: bytes) -> Imported:
     """The text of the file called `name`, and what was left out. Raises LagError L0730 for what is no URDF."""
     root = read_xml(name, content)
     if root.tag != "robot":
-        fail("L0730", f"this is no robot but <{root.tag}>", root.span(), "a URDF file holds <robot>, with links and joints")
+        fail("L0730", f"'{name}' is no robot but <{root.tag}>", None, "a URDF file holds <robot>, with links and joints")
     if any(word.startswith("xacro:") for word in _tags(root)):
         fail("L0730", "this is xacro, which writes URDF", root.span(), f"run it first: xacro {name} > robot.urdf")
     return _Robot(root, name).text()

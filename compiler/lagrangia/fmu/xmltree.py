@@ -71,6 +71,8 @@ def read_xml(name: str, content: bytes) -> Element:
     try:
         parser.Parse(builder.content, True)
     except expat.ExpatError as error:
+        if builder.root is None:  # any text: nothing of it is shown
+            fail("L0730", f"'{name}' is no XML: {expat.ErrorString(error.code)} in line {error.lineno}")
         offset = _offset(source.text, error.lineno, error.offset)
         fail("L0730", f"this is no XML: {expat.ErrorString(error.code)}", Span(source, offset, offset + 1))
     assert builder.root is not None
