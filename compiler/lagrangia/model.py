@@ -383,8 +383,8 @@ class Model(Analysed, Swept):
         return small_run(self.compilation, values, rows, names)
 
     def __reduce__(self) -> "tuple[Any, ...]":
-        """Pickled as what it was loaded from: where it is unpickled, the file must be there."""
-        return Model, (self.path, self.model, self.structural, self.outputs, self.formulas)
+        """Pickled as what it was loaded from: where it is unpickled, in whatever folder, the file must be there."""
+        return Model, (self.path.absolute(), self.model, self.structural, self.outputs, self.formulas)
 
     def study(self, parameters: Given = None, initial: Given = None, inputs: Any = None, time: float | None = None) -> "Study":
         """What small motion and rest are found of, with these numbers, at one time (s). Raises LagError."""

@@ -263,12 +263,16 @@ def test_results_and_errors_are_pickled() -> None:
     assert isinstance(again, lag.LagError) and str(again) == str(raised.value)
 
 
-def test_models_and_trajectories_are_pickled() -> None:
+def test_models_and_trajectories_are_pickled(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     Path("scene.lag").write_text(SWING % "", encoding="utf-8")
     model = lag.load("scene.lag")
     fresh = pickle.loads(pickle.dumps(model))
     run, again = model.simulate(), fresh.simulate()
-    used = pickle.loads(pickle.dumps(model))
+    sent = pickle.dumps(model)
+    (tmp_path / "elsewhere").mkdir()
+    with monkeypatch.context() as other:  # processes may work in other folders
+        other.chdir(tmp_path / "elsewhere")
+        used = pickle.loads(sent)
     assert used.parameter_names == model.parameter_names
     np.testing.assert_array_equal(run.rows, again.rows)
     kept = pickle.loads(pickle.dumps(run))

@@ -76,7 +76,7 @@ class Journal(Ledger):
         try:
             self.stream: IO[bytes] = path.open("r+b" if path.exists() else "x+b")
         except OSError as error:
-            fail("L0004", f"'{path}' cannot be written: {error.strerror}")
+            fail("L0004", f"'{path}' cannot be written: {error.strerror or 'it is no file'}")
         try:
             self._lock()
             self._take_over(restart)
