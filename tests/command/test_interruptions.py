@@ -93,3 +93,20 @@ def test_without_a_compiler_python_says_what_runs(pendulum: lag.Model, tmp_path:
     assert told[0].category is lag.EngineWarning and told[0].filename == __file__ and "CasADi's cvodes" in str(told[0].message)
     assert run.engine == "casadi:cvodes" and other.simulate(solver="casadi:idas").engine == "casadi:idas"
     assert abs(run["hinge.phi"] - usual["hinge.phi"]).max() < 1e-9
+
+
+def test_an_import_that_turns_control_c_into_an_error_is_no_bug(tmp_path: Path, capsys: pytest.CaptureFixture[str],
+                                                                monkeypatch: pytest.MonkeyPatch) -> None:
+    """As NumPy's core does: 'PyCapsule_Import could not import module'."""
+    from lagrangia.command import cli
+
+    def imported(*_: object) -> None:
+        try:
+            os.kill(os.getpid(), signal.SIGINT)
+        except KeyboardInterrupt:
+            raise ImportError("could not import module") from None
+
+    monkeypatch.setattr(cli, "refuse_idle", imported)
+    assert cli.main(["check", str(tmp_path / "none.lag")]) == 130
+    assert capsys.readouterr().err == "interrupted\n"
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler

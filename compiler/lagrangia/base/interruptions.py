@@ -3,18 +3,30 @@
 import contextlib
 import signal
 from collections.abc import Callable, Iterator
-from typing import Any
+from typing import Any, NoReturn
 
 INTERRUPTED = 130  # exit code, as shells have it for SIGINT
 _ENDING = tuple(getattr(signal, name) for name in ("SIGTERM", "SIGHUP", "SIGINT") if hasattr(signal, name))
+_came: list[int] = []
 
 
 @contextlib.contextmanager
 def ended_as_by_control_c() -> Iterator[None]:
     """SIGTERM, by which schedulers and `timeout` end a process, and SIGHUP, by which a closed terminal does, act as Ctrl-C;
     what is ignored (`nohup`, shells that start something in the background) stays so."""
-    with _handled(signal.default_int_handler, lambda earlier: earlier != signal.SIG_IGN):
+    _came.clear()
+    with _handled(_end, lambda earlier: earlier != signal.SIG_IGN):
         yield
+
+
+def _end(number: int, frame: Any) -> NoReturn:
+    _came.append(number)
+    raise KeyboardInterrupt
+
+
+def is_ended() -> bool:
+    """Whether a signal has come that ends the command: imports of modules in C turn its KeyboardInterrupt into an ImportError."""
+    return bool(_came)
 
 
 @contextlib.contextmanager
@@ -31,7 +43,7 @@ def undisturbed() -> Iterator[None]:
 def held_back() -> Iterator[list[int]]:
     """What would raise KeyboardInterrupt is only noted: who looks at the list ends where nothing is half done."""
     came: list[int] = []
-    with _handled(lambda number, frame: came.append(number), lambda earlier: earlier is signal.default_int_handler):
+    with _handled(lambda number, frame: came.append(number), lambda earlier: earlier in (signal.default_int_handler, _end)):
         yield came
 
 

@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from lagrangia.base.diagnostics import EngineWarning, LagError, RunError, render_all
 from lagrangia.base.environment import environment_remarks
 from lagrangia.base.folders import kept_remarks, remark, remarks_kept
-from lagrangia.base.interruptions import INTERRUPTED, ended_as_by_control_c
+from lagrangia.base.interruptions import INTERRUPTED, ended_as_by_control_c, is_ended
 from lagrangia.base.search_path import searching_in
 from lagrangia.base.spelling import plain_text, prepare_output
 from lagrangia.command.idle_options import refuse_idle
@@ -58,8 +58,7 @@ def _execute(words: Sequence[str]) -> int:
         _drop_output()
         return FAILED
     except KeyboardInterrupt:
-        print("interrupted", file=sys.stderr)
-        return INTERRUPTED
+        return _interrupted()
     except MemoryError:
         return _out_of_memory()
     except OSError as error:
@@ -68,6 +67,8 @@ def _execute(words: Sequence[str]) -> int:
         _drop_output()
         return FAILED
     except Exception as error:
+        if is_ended():
+            return _interrupted()
         if any(words in str(error) for words in _WITHOUT_MEMORY):
             return _out_of_memory()
         try:
@@ -92,6 +93,11 @@ def _refused(error: Exception) -> int:
         return DONE
     print(f"error: the C compiler refused\n{error}\n   = LAGRANGIA_CC names another one, or none", file=sys.stderr)
     return FAILED
+
+
+def _interrupted() -> int:
+    print("interrupted", file=sys.stderr)
+    return INTERRUPTED
 
 
 def _out_of_memory() -> int:

@@ -4,7 +4,7 @@ import os
 import sys
 from argparse import Namespace
 from contextlib import redirect_stdout
-from typing import BinaryIO
+from typing import BinaryIO, cast
 
 from lagrangia.base.diagnostics import fail
 
@@ -22,7 +22,7 @@ def server_command(options: Namespace) -> int:
     from lagrangia.editor.server import server
 
     with os.fdopen(os.dup(0), "rb") as asked, os.fdopen(os.dup(1), "wb") as answers, redirect_stdout(sys.stderr):
-        server.start_io(_Bounded(asked), answers)  # which nothing else may write to
+        server.start_io(cast("BinaryIO", _Bounded(asked)), answers)  # which nothing else may write to
     return 0
 
 
