@@ -154,8 +154,8 @@ static double attempt(LagRadau *s, LagRun *run, double t_new, LagConvergence *co
     *convergence = lag_radau_solve(s, run, h, asked, worst);
     if (*convergence != LAG_STAGES_CONVERGED || !lag_radau_finish(s, run, h))
         return INFINITY;
-    /* Forces of stiff ties are known to few digits: energies count where motion is given by time, and has no errors of its own. */
-    const double unit = run->model->n_multipliers >= run->model->n ? run->scale.tolerance * fmax(m->energy, h * h * m->strength) : 0;
+    /* Of the account's integrals, too: motion that is given by time, or even, has hardly errors of its own. */
+    const double unit = run->scale.tolerance * fmax(m->energy, h * h * m->strength);
     const double work = unit > 0 ? lag_account_count(m, h, s->doubt / unit) : 0;
     const double error = fmax(lag_radau_error(s, run, h, again, worst), work);
     run->statistics.worst = *worst;

@@ -318,3 +318,19 @@ def test_rates_that_do_not_go_together_are_told_as_rates(scene: Write) -> None:
     with pytest.raises(lag.LagError, match=r"the rates that are stated at the start do not go together in the loop.* by 1 "):
         model.simulate(stop=0.1)
     assert "do not go together" in model.freedom["problem"]
+
+
+@pytest.mark.parametrize(("equation", "place"), [
+    ("floor(p.center.x/1[m]) + p.center.x/1[m] = 2.5", 1.5),
+    ("(if p.center.x > 1 then 1 else 0) + p.center.x/1[m] = 2.5", 1.5),
+    ("mod(p.center.x/1[m], 2) = 0.5", 2.5),
+])
+def test_what_is_linear_between_jumps_gives_no_coordinate(equation: str, place: float, scene: Write) -> None:
+    """x + floor(x) = 2.5 gave x = 2.5, with floor(x) as it is at x = 0."""
+    model = scene(f"model M PointMass p(m = 1, center(x(start = 2.3))); equation {equation}; end M;")
+    assert model.simulate(at=[1])["p.center.x"][0] == pytest.approx(place, abs=1e-12)
+
+
+def test_jumps_that_leave_no_place_are_told(scene: Write) -> None:
+    with pytest.raises(lag.LagError, match="L0606"):
+        scene("model M PointMass p(m = 1); equation sign(p.center.x) + p.center.x/1[m] = -0.5; end M;").simulate(at=[1])

@@ -167,6 +167,8 @@ class CasadiAlgebra:
                 return mode if function == "floor" else -mode
         if function == "mod":
             a, b = arguments
+            if isinstance(b, float | int) and b == 0:
+                raise ZeroDivisionError  # which 0 times infinity would hide
             return a - b * self.call("floor", a / b)
         if function == "abs" and isinstance(arguments[0], ca.SX):
             return apply_to_one(ca.OP_FABS, _without_sign(arguments[0]))
@@ -421,11 +423,27 @@ def operations_in(expression: ca.SX) -> frozenset[int]:
     return frozenset(map(function.instruction_id, range(function.n_instructions())))
 
 
+def jumps_with(expression: ca.SX, places: ca.SX) -> bool:
+    """Whether it takes another value at once where these symbols pass some place, as signs, conditions and whole numbers do."""
+    known = symbols_in(places)
+    others = ca.vertcat(ca.SX(0, 1), *[x for x in ca.symvar(expression) if x.__hash__() not in known])
+    function = ca.Function("looked", [places, others], [expression])
+    moved: dict[int, bool] = {}
+    for k in range(function.n_instructions()):
+        operation, read = function.instruction_id(k), function.instruction_input(k)
+        is_moved = read[0] == 0 if operation == ca.OP_INPUT else any(moved[place] for place in read if operation != ca.OP_CONST)
+        if is_moved and operation in _JUMPS:
+            return True
+        moved |= dict.fromkeys(function.instruction_output(k), is_moved)
+    return False
+
+
 def uses(function: ca.Function, operations: frozenset[int]) -> bool:
     """Whether one of CasADi's operations is among a function's instructions."""
     return not operations.isdisjoint(function.instruction_id(k) for k in range(function.n_instructions()))
 
 
+_JUMPS = frozenset({ca.OP_LT, ca.OP_LE, ca.OP_EQ, ca.OP_NE, ca.OP_SIGN, ca.OP_FLOOR, ca.OP_CEIL})
 _SX_FUNCTIONS: Mapping[str, Callable[..., Any]] = {
     **{name: partial(apply_to_one, getattr(ca, f"OP_{name.upper()}")) for name in (
         "sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh", "asinh", "acosh", "atanh", "exp", "log", "sqrt",

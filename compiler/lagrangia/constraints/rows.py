@@ -16,6 +16,7 @@ import numpy as np
 from lagrangia.algebra.duals import Dual, Scalar, plus, rate_of, times
 from lagrangia.algebra.orthogonal import general_numbers
 from lagrangia.algebra.scalars import symbols_in
+from lagrangia.algebra.with_casadi import jumps_with
 from lagrangia.base.diagnostics import Report, Span, fail
 from lagrangia.base.records import dataclass
 from lagrangia.constraints.parameters import default_parameters
@@ -26,6 +27,7 @@ from lagrangia.frames.kinematics import Dependent, Kinematics
 from lagrangia.language.flat import Equation
 
 _NEGLIGIBLE = 1e-12
+_OF_JUMPS = frozenset({"choice", "sign", "floor", "ceil"})  # what is asked of the algebra for them
 
 
 @dataclass(frozen=True)
@@ -251,7 +253,7 @@ class _Reduction:
             self.report.error("L0909", "not supported yet: a constraint whose coefficients jump at times", row.span,
                               "let them go over quickly, as with 1/(1 + exp(-(time - t0)/0.01[s]))")
             return True
-        if not in_slopes.isdisjoint(self.moving):
+        if not in_slopes.isdisjoint(self.moving) or self._jumps(gap, q):
             return False
         constant = ca.substitute(gap, q, ca.SX.zeros(len(places)))
         sizes = [abs(float(x)) for x in self._numbers(slopes).full().ravel()]
@@ -265,6 +267,10 @@ class _Reduction:
         others[pivot] = 0
         solution = -(constant + ca.dot(others, q.T)) / slopes[pivot]
         return self._give(places.pop(pivot), solution, places, row)
+
+    def _jumps(self, gap: ca.SX, q: ca.SX) -> bool:
+        """Whether it is linear between jumps alone, as x + floor(x) is."""
+        return not self.kinematics.algebra.index.asked.isdisjoint(_OF_JUMPS) and jumps_with(gap, q)
 
     def _give(self, place: int, solution: ca.SX, others: list[int], row: Row) -> bool:
         """The coordinate at this place is given up for others, in earlier solutions as well. False for the last one."""

@@ -115,7 +115,7 @@ def constrain(
     regular = None if is_robust else _regular(rows, free, system.without_small())
     place, steer = free.moved(_place(system, rows, is_robust)), system.least(-rows.rate)
     held = ConstrainedMotion(rows, J, free.load_power, multipliers, lambdas, place, steer, ca.SX(0, 1) if is_robust else evenness,
-                             regular, _tree_of(system))
+                             regular, free.tree if _tree_of(system) else None)
     return acceleration, free.load_power + _power(rows.rate, free.v, multipliers), held
 
 

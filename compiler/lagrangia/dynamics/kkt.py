@@ -64,10 +64,10 @@ class KKT:
         top = a if self.weight is None else a + self.J.T @ (self.weight * b)
         found = self._backsolve(ca.vertcat(top, b))
         if refine:
-            x, multipliers = found[:n], found[n:]
+            x, multipliers = found[:n, :], found[n:, :]
             rest = ca.vertcat(top - self.M @ x - self.J.T @ multipliers, b - self.J @ x)
             found = found + self._backsolve(rest)
-        return found[:n], found[n:]
+        return found[:n, :], found[n:, :]
 
     def least(self, b: ca.SX) -> ca.SX:
         """The x of least x^T M x with J x = b."""

@@ -95,12 +95,12 @@ class WithOwnRows:
         held = ca.densify(a)[[k for _, k in self.own.pairs]] / self._scale
         pull = self._slopes.T @ held
         is_free = bool(ca.densify(held).is_zero())
-        others = ca.densify(a)[list(self.own.others)]
+        others = ca.densify(a)[list(self.own.others), 0]
         if not isinstance(self.inner, KKT):
             others = others if is_free else others - self.inner.tree.solve(pull)
         elif not is_free:
             others = others - pull
-        x, multipliers = self.inner.solve(others, ca.densify(b)[list(self.own.rows)], refine)
+        x, multipliers = self.inner.solve(others, ca.densify(b)[list(self.own.rows), 0], refine)
         whole = ca.SX.zeros(self.J.size1())
         whole[list(self.own.rows)] = multipliers
         whole[[row for row, _ in self.own.pairs]] = held
@@ -108,7 +108,7 @@ class WithOwnRows:
 
     def least(self, b: ca.SX) -> ca.SX:
         """The x of least x^T M x with J x = b."""
-        return self._with_own(self.inner.least(ca.densify(b)[list(self.own.rows)]), b)
+        return self._with_own(self.inner.least(ca.densify(b)[list(self.own.rows), 0]), b)
 
     def first(self, k: int) -> "WithOwnRows":
         """The system of the first k constraints alone."""

@@ -61,7 +61,7 @@ class FreeTree:
 
     def part(self, among: Sequence[int], rows: Sequence[int]) -> "FreeTree":
         """Some of these coordinates, with their constraints."""
-        return FreeTree(self.bodies, self.acceleration[list(among)], [self.forces[k] for k in rows],
+        return FreeTree(self.bodies, self.acceleration[list(among), 0], [self.forces[k] for k in rows],
                         [self.chosen[k] for k in among], self.acting)
 
     def solve(self, r: ca.SX) -> ca.SX:
