@@ -141,6 +141,21 @@ static int is_lost(const LagAssembly *s, int j)
     return lost;
 }
 
+/* What steps aside, in turn: places that move no mass, places, rates; what is guessed, last. */
+enum { ASIDE_LOOSE, ASIDE_PLACES, ASIDE_FREE, ASIDE_GUESSED_PLACES, ASIDE_ALL, ASIDE_ROUNDS };
+
+static int steps_aside(const int *fixed, int n, int j, int round)
+{
+    const int is_free = fixed[j] >= LAG_START_FREE;
+    switch (round) {
+    case ASIDE_LOOSE: return is_free && j < n && fixed[n + j] == LAG_START_LOOSE;
+    case ASIDE_PLACES: return is_free && j < n;
+    case ASIDE_FREE: return is_free;
+    case ASIDE_GUESSED_PLACES: return j < n;
+    default: return 1;
+    }
+}
+
 /* Moves the guess x to where all equations are finite, the values that these speak of alone; leaves it where there is no such place. */
 static void step_aside(LagAssembly *s, const double *p, const int *fixed, double *x, double *work)
 {
@@ -153,11 +168,14 @@ static void step_aside(LagAssembly *s, const double *p, const int *fixed, double
         const double like = is_angle(s, j % n) ? 0 : largest_like(s, j < n ? x : x + n, j % n);
         s->lean[j] = fixed[j] == LAG_START_FIXED || !is_lost(s, j) ? 0 : like > 0 ? like : 1;
     }
-    for (int guesses = 0; guesses < 2; ++guesses) {
-        for (int turn = 1; turn <= MOST_ASIDE; ++turn) {
+    for (int round = 0; round < ASIDE_ROUNDS; ++round) {
+        int moves = 0;
+        for (int j = 0; j < 2 * n; ++j)
+            moves |= s->lean[j] > 0 && steps_aside(fixed, n, j, round);
+        for (int turn = 1; moves && turn <= MOST_ASIDE; ++turn) {
             const double width = STEPS_ASIDE[turn % widths];
             for (int j = 0; j < 2 * n; ++j)
-                x[j] += guesses || fixed[j] >= LAG_START_FREE ? width * s->lean[j] * all_ways(j, turn) : 0;
+                x[j] += steps_aside(fixed, n, j, round) ? width * s->lean[j] * all_ways(j, turn) : 0;
             if (lag_newton_evaluate(&s->newton, p, x, work) == 0 && are_finite(s))
                 return;
             copy(s, s->kept, x);

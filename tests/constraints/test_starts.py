@@ -201,3 +201,17 @@ def test_a_steady_start_that_inputs_decide(scene: Write) -> None:
 def test_a_steady_start_that_contacts_decide_is_refused(scene: Write) -> None:
     with pytest.raises(lag.LagError, match=r"L0603.*of accelerations that contacts"):
         scene(f"model M {PUSHED} Stop floor(gap = b.s + 1); initial equation der(b.v) = 0; end M;").scene  # noqa: B018
+
+
+@pytest.mark.parametrize(("text", "rates"), [
+    ("PointMass a(m = 1), b(m = 2); equation a.center.y/a.center.x = 0.5;", ["a.center.v"]),
+    ("PointMass a(m = 1), b(m = 2); equation a.center.x/b.center.x = 0.5;", ["a.center.v", "b.center.v"]),
+    ("""PointMass a(m = 1), k(m = 0); Spring r(a = world, b = k.center, k = 100, s_rel0 = 0.3);
+        Spring s(a = shift(world, {0.4, 0.1}), b = k.center, k = 100, s_rel0 = 0.3), t(a = k.center, b = a.center, k = 70);
+        initial equation a.center.x = 1; a.center.y = -0.6;""", ["a.center.v"]),
+])
+def test_places_step_aside_without_a_speed(text: str, rates: list[str]) -> None:
+    """Where equations say nothing (0/0, a spring of no length) the guess moves: rates moved with it, and were kept (0.24 m/s)."""
+    run = lag.loads(f"model M {text} end M;").simulate(at=[0.0, 0.1])
+    for name in rates:
+        assert np.abs(run[name][0]).max() < 1e-12, name

@@ -4,7 +4,7 @@ The same algorithm as runtime/start/assemble.c, constant for constant, which sta
 together.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 
 import casadi as ca
 import numpy as np
@@ -108,14 +108,21 @@ class Assembly:
         like = np.concatenate([self._like(guess[:n]), self._like(guess[n:])])
         size = np.where((like > 0) & ~np.tile(self.equations.is_angle, 2), like, 1.0)
         concerned = (slopes[lost] != 0).any(axis=0) & (fixed != FIXED)
-        for least in (FREE, GUESS):
-            moving = concerned & (fixed >= least)
+        for moving in self._in_turn(concerned):
             for turn in range(1, _MOST_ASIDE + 1):
                 width = _STEPS_ASIDE[turn % len(_STEPS_ASIDE)]
                 trial = guess + np.where(moving, width * size * _all_ways(2 * n, turn), 0.0)
                 if not self._lost_at(trial)[0].any():
                     return trial
         return guess
+
+    def _in_turn(self, concerned: NDArray[np.bool_]) -> Iterator[NDArray[np.bool_]]:
+        """Of these values what steps aside first: places that move no mass, places, rates; what is guessed, last."""
+        places, free = np.arange(2 * self.n) < self.n, self.fixed >= FREE
+        loose = places & np.tile(self.fixed[self.n :] == LOOSE, 2)
+        for among in (loose & free, places & free, free, places, concerned):
+            if (concerned & among).any():
+                yield concerned & among
 
     def _lost_at(self, x: Vector) -> tuple[NDArray[np.bool_], Vector]:
         """The equations that are not finite, or whose slopes are not, and all slopes."""

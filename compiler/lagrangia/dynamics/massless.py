@@ -10,7 +10,8 @@ Places in series that share a rate, with nothing on the frame between them, are 
 which they go against each other is in balance (massless_directions.py).
 
 Where dampers join places without mass to each other alone, some sums of balances have no rate in them (those along which the
-dampers do not resist): such a sum takes the place of one of its balances.
+dampers do not resist): such a sum takes the place of one of its balances. So it is across the line of a damper in the plane,
+which turns: springs alone decide where the place is there.
 """
 
 from collections.abc import Iterator, Sequence
@@ -284,24 +285,24 @@ class _Places:
     def balances_of_rows(self) -> list[_Balance]:
         """Of each coordinate one; those that have no rates in them first."""
         slopes = ca.jacobian(self.balances, self.rates)
-        order, factors = self._eliminate(ca.densify(ca.jacobian(self.balances, self.v) @ self.factors), slopes)
+        sums = self._eliminate(ca.densify(ca.jacobian(self.balances, self.v) @ self.factors), slopes)
         still = ca.substitute(self.balances, self.rates, ca.SX.zeros(self.rates.numel()))
         resisted, found = symbols_in(self.balances), []
         held_back = {name for name in self.names if self.kinematics.symbols.rates[name].__hash__() in resisted}
-        for k, row in zip(order, factors, strict=True):
-            parts = [(k, ca.SX(1))] if row is None else [(i, row[i]) for i in range(row.numel()) if not row[i].is_zero()]
-            value = sum((factor * (self.balances if row is None else still)[i] for i, factor in parts), ca.SX(0))
+        for k, row, is_still in sums:
+            parts = [(i, row[i]) for i in range(row.numel()) if not row[i].is_zero()]
+            value = sum((factor * (still if is_still else self.balances)[i] for i, factor in parts), ca.SX(0))
             summed = sum((factor * self.factors[:, i] for i, factor in parts), ca.SX.zeros(len(self.names))).elements()
             named = tuple((name, x) for name, x in zip(self.names, summed, strict=True) if not x.is_zero())
             own = [name for name, _ in named]
             follows = tuple(name for name in own if name not in held_back) or tuple(own)
-            found.append(_Balance(self.kinematics, self.directions[k], value, named, row is not None, follows))
+            found.append(_Balance(self.kinematics, self.directions[k], value, named, is_still, follows))
         return found
 
-    def _eliminate(self, damping: ca.SX, slopes: ca.SX) -> tuple[list[int], list[ca.SX | None]]:
-        """Gaussian elimination of the rates: first the rows that are left without one, each with the sum of all balances that has
-        none, as its factors, then those that keep their rates, with None."""
-        m = len(self.directions)
+    def _eliminate(self, damping: ca.SX, slopes: ca.SX) -> list[tuple[int, ca.SX, bool]]:
+        """Gaussian elimination of the rates: of each direction the sum of all balances that stands for its own, as their factors,
+        and whether no rate is left in it; these come first."""
+        m, whole = len(self.directions), ca.SX(damping)
         sums, (C, all_of_them) = ca.SX.eye(m), numbers_at(self.kinematics, [damping, slopes])
         scale = float(np.abs(all_of_them).max(initial=0.0))
         numbers, left, with_pivot = np.eye(m), list(range(m)), list[int]()
@@ -319,11 +320,29 @@ class _Places:
                     sums[i, :] -= factor * sums[pivot, :]
                     C[i] -= number * C[pivot]
                     numbers[i] -= number * numbers[pivot]
+        rows = {k: ca.SX.eye(m)[:, k] for k in with_pivot} | {i: _simple(sums[i, :].T) for i in left}
+        alone = set(with_pivot)
         for i in left:
-            if np.abs(numbers[i] @ all_of_them).max(initial=0.0) > _NOTHING * scale or ca.depends_on(sums[i, :], self.state):
+            is_free = np.abs(numbers[i] @ all_of_them).max(initial=0.0) <= _NOTHING * scale
+            if is_free and not ca.depends_on(sums[i, :], self.state):
+                continue
+            pivots = [k for k in with_pivot if abs(numbers[i, k]) > _NOTHING]
+            if len(pivots) != 1 or not alone.issuperset(pivots) or not self._turn(rows, pivots[0], i, whole, slopes):
                 _refuse(self.directions[i], "and dampers act on it that do not say how fast it is across their lines "
                          "(not supported yet)", _IN_A_ROW, _SMALL_MASS)
-        return [*left, *with_pivot], [*(_simple(sums[i, :].T) for i in left), *([None] * len(with_pivot))]
+            alone.discard(pivots[0])
+        return [(k, rows[k], k in left) for k in (*left, *with_pivot)]
+
+    def _turn(self, rows: dict[int, ca.SX], k: int, i: int, damping: ca.SX, slopes: ca.SX) -> bool:
+        """Along and across the line of a damper whose line turns: the rows of this pair of directions, at its angle between them.
+        That turns back by pi at once somewhere, and both rows change their signs. False where there are rates across, too."""
+        angle = ca.atan2(2 * damping[i, k], damping[k, k] - damping[i, i]) / 2
+        along, across = ca.SX(damping.size1(), 1), ca.SX(damping.size1(), 1)
+        along[k], along[i] = ca.cos(angle), ca.sin(angle)
+        across[k], across[i] = -ca.sin(angle), ca.cos(angle)
+        rows[k], rows[i] = along, across
+        looks = [numbers_at(self.kinematics, [across.T @ slopes, slopes], seed) for seed in range(_LOOKS)]
+        return all(np.abs(a).max(initial=0.0) <= _NOTHING * np.abs(b).max(initial=0.0) for a, b in looks)
 
 
 def _values(terms: Sequence[Term]) -> list[Scalar]:
