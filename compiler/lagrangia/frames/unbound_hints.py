@@ -8,7 +8,7 @@ from lagrangia.language.tree import Ref
 
 def hint_of_equation(model: FlatModel, component: str) -> str | None:
     """Where an equation names a variable of the component, which has a value of its own that reads its ports."""
-    sides = (x for e in model.constraints for x in (e.left, e.right) if isinstance(x, Ref))
+    sides = (x for e in model.constraints if e.component != component for x in (e.left, e.right) if isinstance(x, Ref))
     for x in sides:
         owner, _, name = x.name.rpartition(".")
         if owner == component and (variable := model.variables.get(x.name)) and variable.binding is not None:
