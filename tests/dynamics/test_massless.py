@@ -156,6 +156,8 @@ def test_a_place_that_a_damper_holds_begins_where_it_is(scene: Write, spring: st
     n1 = run["n1.s"][0]
     assert run["n2.s"][0] == 0.0 and run["m.s"][0] == 0.1
     assert 100 * (0.1 - n1) + ("k3" in spring) * 1000 * (0.1 - n1) ** 3 == pytest.approx(50 * n1, abs=1e-9)
+
+
 KNOT_ON_A_LINE = """model M PointMass m(m = 1), q(m = 2), k(m = 0%s); Damper d(a = world, b = k.center, c = 20);
   Spring a(a = q.center, b = k.center, k = 100), c(a = k.center, b = m.center, k = 70);
 initial equation m.center.x = 1; m.center.y = 0.3; q.center.x = -1; q.center.y = 0.2; end M;"""
