@@ -92,12 +92,25 @@ void lag_impacts_await_jump(LagRun *run, double t, const double *y)
     if (run->model->n_whens == 0)
         return;
     look_at_events(run, t, y);
-    for (int k = 0; k < run->model->n_whens; ++k)
+    for (int k = 0; k < run->model->n_whens; ++k) {
         run->impacts.before[k] = truth(run, k);
+        run->impacts.gap_before[k] = run->switches.g_inside[lag_gap(run->model, k)];
+    }
 }
 
 /* What a condition has been last, also by events of the same moment. */
 static int holds(const LagSwitches *s, int i) { return s->turned[i] == LAG_TO_1 || (s->turned[i] != LAG_TO_0 && s->held[i] > 0); }
+
+/* Whether the place of contact k is another one now, by its gap; what rested there is let go. */
+static int has_moved(LagRun *run, int k, double gap)
+{
+    LagSwitches *s = &run->switches;
+    const int i = lag_gap(run->model, k), is_place = run->impacts.has_contact[k] == LAG_CONTACT;
+    const int is_moved = is_place && fabs(gap - run->impacts.gap_before[k]) > lag_max(s->unknown[i], run->sliding.error[i]);
+    if (is_moved)
+        s->slides[lag_contact(run->model, k)] = 0;
+    return is_moved;
+}
 
 int lag_impacts_note_jump(LagRun *run, double t, const double *y)
 {
@@ -106,8 +119,11 @@ int lag_impacts_note_jump(LagRun *run, double t, const double *y)
         return 0;
     look_at_events(run, t, y);
     for (int k = 0; k < run->model->n_whens; ++k) {
-        const int i = lag_when(run->model, k), is_after = truth(run, k) > 0;
-        if (run->impacts.before[k] <= 0 && is_after && !holds(&run->switches, i)) {
+        const int i = lag_when(run->model, k), gap = lag_gap(run->model, k), is_after = truth(run, k) > 0;
+        const double depth = run->switches.g_inside[gap];
+        const int is_moved = has_moved(run, k, depth), is_new = is_moved && depth > run->sliding.error[gap];
+        some |= is_moved;
+        if ((is_new || run->impacts.before[k] <= 0) && is_after && !holds(&run->switches, i)) {
             run->switches.turned[i] = LAG_JUMPS;
             some = 1;
         } else if (run->switches.turned[i] == LAG_TO_1 && !run->impacts.has_contact[k] && !is_after)
@@ -263,10 +279,7 @@ static void note_change(LagRun *run, int k)
     const LagImpacts *before = &run->impacts;
     const int i = lag_when(run->model, k), gap = lag_gap(run->model, k), is_true = s->g[i] > 0;
     const double near = run->sliding.error[gap];
-    const int is_moved = fabs(s->g[gap] - before->gap_before[k]) > lag_max(s->unknown[gap], near);
-    const int was_passed = before->before[k] > 0 && before->gap_before[k] > near;
-    if (is_moved)
-        s->slides[lag_contact(run->model, k)] = 0;
+    const int is_moved = has_moved(run, k, s->g[gap]), was_passed = before->before[k] > 0 && before->gap_before[k] > near;
     if (is_true && s->g[gap] > near && !was_passed && (is_moved || before->before[k] <= 0)) {
         s->turned[i] = LAG_TO_1;
         run->impacts.comes[k] = 1;

@@ -309,3 +309,27 @@ def test_a_stop_of_the_library_that_events_move(scene: Write) -> None:
     end Lift;""").simulate(at=[0.5, 1.5, 3.0], tolerance=1e-9)
     np.testing.assert_allclose(run["y.s"], [0.0, -1.25, -5.0], rtol=0, atol=1e-9)
     np.testing.assert_allclose(run["F"], [10.0, 0.0, 10.0], rtol=0, atol=1e-8)
+
+
+JUMPS = [
+    ("gap = 0.5 + step(time - 1) - b.s", "", "", [0.5, 0.625, 1.0, 1.5]),  # gone, and back in its way
+    ("gap = (if time < 1 then 0.5 else 0.25) - b.s", "", "", [0.5, 0.625, 1.0, 2.5]),  # behind what rested at it
+    ("gap = w - b.s", "Real w;", "when sample(0, 1) then w = 0.5 + time/1[s]; end when;", [0.5, 0.625, 1.0, 2.5]),
+]
+
+
+@pytest.mark.parametrize(("gap", "declared", "sampled", "right"), JUMPS)
+def test_a_wall_that_jumps_in_time(scene: Write, gap: str, declared: str, sampled: str, right: list[float]) -> None:
+    """What rested at it had gone with it, 1 m at once, or stayed where it had been."""
+    model = scene(f"""model Jump
+      World world(gravity = {{0, 0}});
+      Block b(m = 1, base = world, v(start = 1));
+      AppliedForce push(at = b.center, force = {{1, 0}});
+      Stop wall({gap});
+      {declared}
+    equation
+      {sampled}
+    end Jump;""")
+    for solver in SOLVERS:
+        run = model.simulate(at=[0.9, 1.5, 2.0, 3.0], solver=solver, tolerance=1e-9)
+        np.testing.assert_allclose(run["b.s"], right, rtol=0, atol=1e-9, err_msg=solver)
