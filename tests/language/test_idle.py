@@ -20,6 +20,23 @@ IDLE = {  # the text, and what is named
                                       "nothing reads 'y', which reads 'z'"),
     "in a component of one's own": (PULL.format(more="equation f = 5[N/m]*distance(a, b);"), "'pull.f'"),
     "an input": (BLOCK.format("input Force u;"), "nothing reads the input 'u'"),
+    "one force of several": (BLOCK.format("Force f[3] = {1, 2, 3}; "
+                            "AppliedForce p(at = b.center, force = {f[1] + f[3], 0});"),
+                             "nothing reads 'f[2]'"),
+    "one that a loop gives": (BLOCK.format("Force f[2]; AppliedForce p(at = b.center, force = {f[2], 0}); "
+                                           "equation for i in 1:2 loop f[i] = i*b.s*1[N/m]; end for;"), "nothing reads 'f[1]'"),
+    "elements of parameters": (BLOCK.format("parameter Force f[2,3] = {{1, 2, 3}, {4, 5, 6}}; AppliedForce p(at = b.center, "
+                                            "force = {f[1,2] + sum(f[2]), 0});"),
+                               "nothing reads the parameter 'f[1,1]', 'f[1,3]'"),
+    "elements of inputs": (BLOCK.format("input Force u[5]; AppliedForce p(at = b.center, force = {u[5], 0});"),
+                           "the input 'u[1]', 'u[2]', 'u[3]' and 1 more"),
+    "of a record": ("record D Mass m; Length L; end D; model M parameter D d = D(m = 2, L = 3); Block b(m = d.m, base = world); "
+                    "end M;", "nothing reads 'L' of D 'd'"),
+    "of a record, by its place": ("record D Mass m; Length L = 1; end D; model C parameter D d; Block b(m = d.m, "
+                                  "base = world); end C; model M C c(d = D(2, 3)); end M;", "nothing reads 'L' of D 'c.d'"),
+    "of a record in a record": ("record D Mass m; Length L = 1; end D; record E D d; end E; model M "
+                                "parameter E e = E(D(2, L = 3)); Block b(m = e.d.m, base = world); end M;",
+                                "nothing reads 'L' of D 'e.d'"),
     "a parameter": (BLOCK.format("parameter Length L = 2;"), "nothing reads the parameter 'L'"),
 }
 USED = {
@@ -27,6 +44,9 @@ USED = {
     "it works on something": PULL.format(more="equation f = 5[N/m]*distance(a, b); energy work -f on distance(a, b);"),
     "a chain that ends in a component": BLOCK.format(
         "Force f = 3; Real y = f/2[N]; AppliedForce push(at = b.center, force = {y*1[N], 0});"),
+    "each of several": BLOCK.format("Force f[2] = {1, 2}; AppliedForce push(at = b.center, force = {sum(f), 0});"),
+    "a record that is an output": "record D Mass m; Length L = 1; end D; model M Block b(m = 1, base = world); "
+                                  "output D d = D(m = 2); end M;",
     "it is an output": BLOCK.format("output Force f = 3;"),
     "an output reads it": BLOCK.format("Force f = 3; output Power P = f*b.v;"),
     "a contact's": BLOCK.format("Stop s(gap = b.s); Force N = s.force;"),

@@ -23,6 +23,7 @@ VAIN = {
     "energy dissipation 1[N/s]*b.s;": "speaks of no rate", "energy work 3[N] on 2[m/s]*time;": "speaks of nothing that moves",
     "equation when b.s < 0 then reinit(b.v, b.v); end when;": "sets a rate to what it is",
     "equation when b.s < 0 then reinit(b.v, pre(b.v)); end when;": "sets a rate to what it is",
+    "Integer n(start = 1); equation when b.s < 0 then n = pre(n); end when;": "sets 'n' to what it is",
     "equation if true then end if;": "nothing stands in this block",
     "equation for i in 1:3 loop end for;": "nothing stands in this block",
     "Disc d(each m = 1, r = 1, center = b.center);": "'each' has no effect", "discrete Real x = 1;": "'discrete' has no effect",

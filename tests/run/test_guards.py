@@ -195,7 +195,11 @@ def test_models_that_test_others_fail_with_their_text(tmp_path: Path, monkeypatc
     assert main(["test", "t.lag"]) == FAILED
     told, warned = capsys.readouterr()
     assert "FAILED TestFails" in told and "low (a.s > 0.5" in told and "passed TestWarns" in told
-    assert "warning[L0610]" in warned and "lower" in warned
+    assert "warning[L0610]" in warned and "lower" in warned and "^^^" in warned
+    Path("t.lag").write_text(FALLING.replace("STATED", LOWER.replace("b.s", "a.s")))
+    for command in ("sweep t.lag --samples 2 -p n.m=normal(1,0.1) --strict -o t.csv", "animate t.lag --strict -o t.html"):
+        assert main(command.split()) == WRONG
+        assert "warning[L0610]" in (told := capsys.readouterr().err) and "^^^" in told
 
 
 @pytest.mark.parametrize(("stated", "code", "said"), [

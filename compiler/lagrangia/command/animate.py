@@ -12,6 +12,7 @@ from lagrangia.command.arguments import (
     load_asked,
     named_pairs,
     names_once,
+    tell_broken,
     tell_inputs,
     titles,
     view_asked,
@@ -34,6 +35,8 @@ def animate_command(options: Namespace) -> int:
     tell_inputs(options, model, plan(model.scene, request), request.inputs)
     run, failure = run_as_far(model, request)
     beside = {label: model.run(other) for label, other in others}
+    for shown in (run, *beside.values()):
+        tell_broken(options, model, shown.progress)
     traces = names_once(options.trace, "--trace")
     if options.stroboscope is not None:
         stroboscope_of_any(run, options.stroboscope, target, traces)

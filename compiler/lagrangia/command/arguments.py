@@ -98,7 +98,7 @@ def tell_given(options: Namespace, model: Model, request: Request, more: Iterabl
 
 def tell_broken(options: Namespace, model: Model, progress: Progress) -> None:
     """Says which assertions of level warning a run has broken. Raises LagError L0710."""
-    tell(options, model, [f"warning[L0610]: {text}" for text in progress.warned])
+    tell(options, model, [warning.render() for warning in progress.warned])
 
 
 def _structural_names(options: Namespace, outputs: tuple[str, ...]) -> set[str]:

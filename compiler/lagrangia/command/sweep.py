@@ -55,13 +55,13 @@ def sweep_command(options: Namespace) -> int:
     if options.keep and (target == "-" or is_device(target)):
         fail("L0706", "--keep puts its folder beside the table: the table needs a file", None, "-o FILE.csv")
     if target == "-" or is_device(target):
-        return _finish(options, _run(options, model, job, Ledger(job)), target, None)
+        return _finish(options, model, _run(options, model, job, Ledger(job)), target, None)
     Target(Path(target)).abandon()  # better told now than after the runs
     with Journal(job, Path(f"{target}.part"), options.restart) as journal:
         if journal.found and not options.quiet:
             print(f"goes on with {target}.part: {journal.found} of {job.runs} runs are done", file=sys.stderr)
         keeper = Dataset(_folder(target), job.scene, journal) if options.keep else None
-        code = _finish(options, _run(options, model, job, journal, keeper), target, journal)
+        code = _finish(options, model, _run(options, model, job, journal, keeper), target, journal)
         if keeper is not None and code == 0 and not options.quiet:
             print(f"  {len(job.sweep.row_times)} rows of each run in {keeper.folder}")
         return code
@@ -96,7 +96,7 @@ def _run(options: Namespace, model: Model, job: Job, ledger: Ledger, keeper: Kee
         bar.close()
 
 
-def _finish(options: Namespace, sweep: Sweep, target: str, journal: Journal | None) -> int:
+def _finish(options: Namespace, model: Model, sweep: Sweep, target: str, journal: Journal | None) -> int:
     entered = sweep.ledger.entered
     if sweep.interrupted:
         how = f"kept in {journal.path}; the same command goes on with them" if journal is not None else "lost"
@@ -113,6 +113,7 @@ def _finish(options: Namespace, sweep: Sweep, target: str, journal: Journal | No
         sweep.plot(options.plot)
     if not options.quiet:
         _summarise(sweep, target, entered - (journal.found if journal is not None else 0), options.stats)
+    tell(options, model, [warning.render() for warning in sweep.broken()])
     if not sweep.ok.any():
         print("error: no run went well" + "".join(f"\n   = {count} runs: {what}" for what, count in sweep.common_failures()),
               file=sys.stderr)
@@ -166,8 +167,6 @@ def _summarise(sweep: Sweep, target: str, now: int, has_stats: bool) -> None:
     say(f"  {sweep.experiment}")
     for what, count in sweep.common_failures() if failed else []:
         say(f"  {count} failed: {what}")
-    for what in sweep.warnings():
-        say(f"  {what}")
     for measure in sweep.job.measures[:_MOST_SHOWN]:
         say(f"  {measure.text}: {_spread(sweep, measure)}")
         for line in told_of_chance(sweep, measure):

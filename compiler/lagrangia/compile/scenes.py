@@ -21,8 +21,10 @@ from lagrangia.constraints.virtual_forces import find_idle_displacements
 from lagrangia.dynamics.double_roots import touching_notes
 from lagrangia.dynamics.guarding import is_of_parameters, tell_guards
 from lagrangia.dynamics.hamilton import is_separable
+from lagrangia.dynamics.idle_events import find_idle_events
 from lagrangia.dynamics.idle_lines import find_idle_lines
 from lagrangia.dynamics.idle_statements import find_idle_equations, find_idle_statements
+from lagrangia.dynamics.impacts import Impacts
 from lagrangia.dynamics.jumping_energies import find_jumping_energies
 from lagrangia.dynamics.motion import Motion
 from lagrangia.dynamics.negative_inertia import tell_unlooked, written_inertias
@@ -88,7 +90,7 @@ def build_scene(
         event_kind=functions.event_kinds, initial_places=_initial_places(initial), lost=_lost_starts(model, initial),
         notes=_notes(motion, tapes)
         | {"form": functions.form.why if functions.form else "", "thresholds": [*functions.thresholds]}
-        | _freedom(kinematics, motion, constraints, is_still) | _told(kinematics, constraints, initial, functions)
+        | _freedom(kinematics, motion, constraints, is_still) | _told(kinematics, constraints, initial, functions, motion.impacts)
         | ({"guards": tell_guards(model, functions.guarding)} if model.guards else {}),
         refused={**functions.refused, **({"conservative": no_momenta} if no_momenta else {}), **_refusals(kinematics)},
     ))
@@ -280,8 +282,8 @@ def _freedom(kinematics: Kinematics, motion: Motion, constraints: Constraints, i
             "balanced": sorted(row.balanced for row in constraints.all_rows if row.balanced)}
 
 
-def _told(kinematics: Kinematics, constraints: Constraints, initial: InitialConditions, functions: Functions
-          ) -> dict[str, object]:
+def _told(kinematics: Kinematics, constraints: Constraints, initial: InitialConditions, functions: Functions,
+          impacts: Impacts) -> dict[str, object]:
     """As text: the scene outlives the source it points at."""
     model = kinematics.graph.model
     contacts = [_called(model, when) for when in model.whens]
@@ -291,7 +293,8 @@ def _told(kinematics: Kinematics, constraints: Constraints, initial: InitialCond
     found = (*model.warnings, *lines, *idle.diagnostics, *find_idle_equations(constraints).diagnostics, *jumping.diagnostics,
              *tell_unlooked(kinematics).diagnostics, *odd.diagnostics, *find_idle_starts(kinematics).diagnostics,
              *find_several_starts(kinematics, initial, functions.table).diagnostics,
-             *find_idle_displacements(kinematics, constraints).diagnostics)
+             *find_idle_displacements(kinematics, constraints).diagnostics,
+             *find_idle_events(kinematics, constraints, impacts, model.warnings).diagnostics)
     found = tuple(warning for warning in found if warning.code not in model.allowed)
     told, timed = [w.render() for w in found], {w.render(): list(w.interval) for w in found if w.interval is not None}
     files = sorted({lookup.path for lookup in model.lookups})

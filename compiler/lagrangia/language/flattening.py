@@ -289,7 +289,7 @@ class _Flattening:
             display_unit_of(slot.attributes, self.names.flatten_bound), binding, start,
             flag_of(self.names, slot, "fixed"), least_of(slot, read_limit(self.names, slot, "min")),
             read_limit(self.names, slot, "max"),
-            "output" in declaration.prefixes and owner.parent is None, declaration.description,
+            "output" in declaration.prefixes and _is_of_scene(owner), declaration.description,
             self._place(declaration.name_span, owner), kind == "parameter" and has_annotation(declaration, "Evaluate"),
             kind == "parameter" and has_annotation(declaration, "Varying"),
             "final" if slot.is_final else "protected" if "protected" in declaration.prefixes else "",
@@ -464,3 +464,10 @@ class _Flattening:
             if variable.may_vary and variable.binding is not None and any(
                     not isinstance(leaf, Ref) or leaf.name in moving for leaf in leaves([variable.binding], bindings)):
                 self.variables[name] = replace(variable, kind="variable")
+
+
+def _is_of_scene(owner: Instance) -> bool:
+    """Whether what belongs to it is the scene's own: also what its records are made of."""
+    while owner.definition.kind == "record" and owner.parent is not None:
+        owner = owner.parent
+    return owner.parent is None

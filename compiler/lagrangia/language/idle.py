@@ -1,6 +1,6 @@
 """What people declare and nothing reads: a force that acts on nothing, an input or a parameter that changes nothing."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Mapping
 
 from lagrangia.base.diagnostics import Report, Span
 from lagrangia.language.classes import ClassTable
@@ -12,6 +12,7 @@ from lagrangia.language.tree import Call, Flat, FrameRef, Ref
 from lagrangia.language.unread import inside
 
 _FORCES = ("N", "N.m")
+_MOST_NAMED = 3
 _ACTS = "give it to a component, as AppliedForce(force = ...) or ForcePair, or write in a section `energy`: work {name} on ...;"
 
 
@@ -22,19 +23,43 @@ def find_idle(model: FlatModel, root: Instance, table: ClassTable) -> Report:
            if isinstance(slot, Slot) and slot.declaration.name_span.source not in table.library_sources
            and (variable := model.variables.get(slot.path)) is not None
            and (_could_act(variable) or (instance is root and variable.kind in ("input", "parameter")))]
-    mentioned = {node.name for node in nodes(*expressions_of(model)) if isinstance(node, Ref)} if own else set()
+    mentioned = _mentioned(nodes(*expressions_of(model)) if own else ())
     told = set()
     for slot, variable in own:
         place, is_force = slot.declaration.name_span, variable.kind == "variable"
-        if slot.path in mentioned or place in told or (is_force and _follows_from_motion(model, variable)):
+        unread = _unread(variable, mentioned)
+        if not unread or place in told or (is_force and _follows_from_motion(model, variable)):
             continue
         told.add(place)
         what = "this force acts on nothing: nothing reads" if is_force else f"nothing reads the {variable.kind}"
+        out = "leave it out" if slot.path not in mentioned else "read it, or make the array smaller"
         acts = _ACTS.format(name=slot.declaration.name), "or let it be looked at: output"
-        report.warning("L0224", f"{what} '{slot.path}'", place, *(acts if is_force else ("leave it out",)))
-    _find_read_in_vain(model, root, [v for s, v in own if s.path in mentioned and v.kind == "variable"], told, report)
+        report.warning("L0224", f"{what} {unread}", place, *(acts if is_force else (out,)))
+    forces = [v for s, v in own if v.kind == "variable" and v.span not in told and v.name in mentioned]
+    _find_read_in_vain(model, root, forces, told, report)
     _find_useless(root, table, report)
     return report
+
+
+def _mentioned(parts: Iterable[Flat]) -> dict[str, set[tuple[int, ...]]]:
+    """The variables among parts of expressions, and by which indices; () stands for all of one."""
+    found: dict[str, set[tuple[int, ...]]] = {}
+    for node in parts:
+        if isinstance(node, Ref):
+            found.setdefault(node.name, set()).add(node.index)
+    return found
+
+
+def _unread(variable: Variable, mentioned: Mapping[str, set[tuple[int, ...]]]) -> str:
+    """What of a variable nobody mentions, for people: its name, or those of its elements; "" where there is none."""
+    read = mentioned.get(variable.name, set())
+    if not read:
+        return f"'{variable.name}'"
+    if () in read:
+        return ""
+    left = [label for label, index in variable.elements() if not any(index[:k] in read for k in range(1, len(index) + 1))]
+    more = f" and {len(left) - _MOST_NAMED} more" if len(left) > _MOST_NAMED else ""
+    return ", ".join(f"'{label}'" for label in left[:_MOST_NAMED]) + more
 
 
 def _find_read_in_vain(model: FlatModel, root: Instance, forces: list[Variable], told: set[Span], report: Report) -> None:

@@ -4,7 +4,7 @@ Mostly another value was given in place of the expression that reads it, as in S
 """
 
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import fields, is_dataclass
 from functools import cached_property
 from typing import Any
@@ -18,7 +18,9 @@ from lagrangia.language.hinge_angles import frames_behind
 from lagrangia.language.instances import Bound, FrameSlot, Instance, Member, Slot
 from lagrangia.language.mentions import leaves
 from lagrangia.language.tree import (
+    Array,
     Binary,
+    Call,
     Declaration,
     Expression,
     Field,
@@ -66,14 +68,15 @@ class _Finder:
     def visit(self, instance: Instance) -> None:
         """What the class names itself it reads; of the rest, all expressions of the scene are asked."""
         own = self._class(instance)
+        required: frozenset[str] = own.required if instance.definition.kind != "record" else frozenset()
         given = {name: member for name, member in instance.members.items() if isinstance(member, Slot | FrameSlot)
-                 and name not in own.named and (isinstance(member, FrameSlot) or name not in own.required)
+                 and name not in own.named and (isinstance(member, FrameSlot) or name not in required)
                  and (isinstance(member, Slot) or name in own.readers) and self._is_given(instance, member)}
         unread = {name: member for name, member in given.items() if member.path not in self._read}
         if unread:
             verb = "it is" if len(unread) == 1 else "they are"
             what = f"nothing reads {_listed(unread)} of {instance.definition.name} '{instance.path}', though {verb} given"
-            places = [member.binding.expression.span for member in unread.values() if member.binding is not None]
+            places = [value.span for member in unread.values() if (value := self._written(member)) is not None]
             self.report.warning("L0224", what, places[0], *_advice(instance, unread, own.readers))
 
     @cached_property
@@ -100,12 +103,28 @@ class _Finder:
 
     def _is_given(self, instance: Instance, member: Slot | FrameSlot) -> bool:
         """From outside, in a model of the user's."""
+        bound, written = member.binding, self._written(member)
+        if bound is None or written is None or written.span.source in self.table.library_sources:
+            return False
+        if isinstance(member, Slot) and any(v.is_output for v in variables_of(member, self.model.variables)):
+            return False
+        return bound.scope.instance is not instance and not (isinstance(member, Slot) and member.is_structural)
+
+    def _written(self, member: Slot | FrameSlot) -> Expression | None:
+        """What is given alone: of a record that is given as a whole, the argument of its constructor, or None."""
         bound = member.binding
-        if bound is not None and isinstance(bound.expression, Field):  # a part of a record that is given as a whole
-            return False
-        if bound is None or bound.scope.instance is instance or bound.expression.span.source in self.table.library_sources:
-            return False
-        return not (isinstance(member, Slot) and member.is_structural)
+        if bound is None or not isinstance(bound.expression, Field):
+            return None if bound is None else bound.expression
+        return self._argument(bound.expression, bound.selection)
+
+    def _argument(self, field: Field, selection: Sequence[tuple[int, int]] = ()) -> Expression | None:
+        record = self._argument(field.record) if isinstance(field.record, Field) else field.record
+        for index, _ in selection:
+            record = record.items[index - 1] if isinstance(record, Array) else record
+        if not isinstance(record, Call) or (made := self.table.found(record.function, record.span)) is None or (
+                made.kind != "record"):
+            return None
+        return {**dict(zip(self.table.declared(made), record.arguments, strict=False)), **dict(record.named)}.get(field.name)
 
     def _class(self, instance: Instance) -> _Class:
         key = id(instance.definition)
@@ -147,7 +166,9 @@ def _advice(instance: Instance, unread: Mapping[str, Slot | FrameSlot], readers:
         write = "".join(f": write {reader.variable} = {text}" for _, text in instead[:1])
         yield f"'{reader.variable}' is given in place of {_text(reader.expression)}{write}"
     if left:
-        yield f"leave {_listed(left)} out, or read {'it' if len(left) == 1 else 'them'} in what is given"
+        them = "it" if len(left) == 1 else "them"
+        yield f"leave {_listed(left)} out, or read {them} in what is given" if instance.definition.kind != "record" else (
+            f"read {_listed(left)}, or leave {them} out; what has no default, of {instance.definition.name} itself, too")
 
 
 def _moved(expression: Expression, name: str, member: Slot | FrameSlot, given: Bound) -> str:

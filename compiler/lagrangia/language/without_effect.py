@@ -82,7 +82,8 @@ def find_without_effect(model: FlatModel, root: Instance, table: ClassTable) -> 
     for when in model.whens:
         for reset in when.resets:
             if _is_idle(reset) and reset.span.source not in table.library_sources:
-                report.warning(CODE, "this sets a rate to what it is: nothing happens", reset.span, "give another value")
+                what = f"'{reset.rate.span.text}'" if reset.is_kept else "a rate"
+                report.warning(CODE, f"this sets {what} to what it is: nothing happens", reset.span, "give another value")
     find_never(model, report, CODE)
     if any("virtual" in source.text for source in {c.name_span.source for c in own}):
         _look_at_virtual(model, table, report)

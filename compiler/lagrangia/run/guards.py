@@ -28,18 +28,25 @@ def refuse_parameters(scene: Scene, failure: Failure) -> None:
     raise LagError([Diagnostic("error", "L0605", of_guard(scene, failure), hints=(hint,), excerpt=excerpt)])
 
 
-def warnings_of(scene: Scene, run: Run) -> Iterator[str]:
+def warnings_of(scene: Scene, run: Run) -> Iterator[Diagnostic]:
     """Those that are news, but where the model allows them."""
     for index, time in run.warnings() if "guards" in scene.notes else ():
         guard = _guards(scene)[index]
         if "L0610" not in scene.notes["allowed"]:
-            yield f"an assertion does not hold, first at t = {time:.9g}: {guard['text']} ({guard['condition']}, {_place(guard)})"
+            what = f"an assertion does not hold, first at t = {time:.9g}: {guard['text']} ({guard['condition']}, {_place(guard)})"
+            yield Diagnostic("warning", "L0610", what, excerpt=str(guard["excerpt"]))
 
 
 def guard_in_general(scene: Scene, index: int) -> str:
     """What does not hold, and where it is written."""
     guard = _guards(scene)[index]
     return f"an assertion does not hold: {guard['text']} ({guard['condition']}, {_place(guard)})"
+
+
+def broken_in_general(scene: Scene, index: int, before: str, after: str) -> Diagnostic:
+    """The same as a warning, between what else there is to say."""
+    what = f"{before}{guard_in_general(scene, index)}{after}"
+    return Diagnostic("warning", "L0610", what, excerpt=str(_guards(scene)[index]["excerpt"]))
 
 
 def _guards(scene: Scene) -> list[Mapping[str, Any]]:

@@ -52,7 +52,7 @@ class Progress:
     ended: str = ""  # what terminate(...) has said, and when
     limits: Counter[int] = field(default_factory=Counter)  # what limited steps when somebody looked, as Statistics.worst has it
     failed: Status | None = None  # how the run time ended the run, where that raised RunError
-    warned: list[str] = field(default_factory=list)  # assertions that warn and do not hold, and since when
+    warned: list[Diagnostic] = field(default_factory=list)  # assertions that warn and do not hold, and since when
 
 
 # -------------------------------------------------------------------- the run

@@ -149,7 +149,8 @@ class Trajectory:
     @property
     def warnings(self) -> list[str]:
         """What assertions warn of, what kept the run from its tolerance, and why it cannot be right; empty when nothing did."""
-        return [*self.progress.warned, *shortcomings(self.progress), *filter(None, [loss(self.progress)])]
+        broken = [warning.message for warning in self.progress.warned]
+        return [*broken, *shortcomings(self.progress), *filter(None, [loss(self.progress)])]
 
     @property
     def notes(self) -> list[str]:

@@ -8,12 +8,12 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from lagrangia.base.diagnostics import fail, suggest
+from lagrangia.base.diagnostics import Diagnostic, fail, suggest
 from lagrangia.base.html_table import headed, html_notes, html_table
 from lagrangia.base.records import dataclass
 from lagrangia.base.result_files import Target, cells, quoted, require_parquet
 from lagrangia.run.batch import GUARD_BITS, Ending
-from lagrangia.run.guards import guard_in_general
+from lagrangia.run.guards import broken_in_general, guard_in_general
 from lagrangia.run.runtime import Failure, Status
 from lagrangia.run.scene import Scene
 from lagrangia.run.simulate import explain
@@ -97,13 +97,17 @@ class Sweep:
         told = Counter(kinds.tolist())
         return [(_in_general(self.job.scene, *key), count) for key, count in told.most_common(most)]
 
-    def warnings(self) -> list[str]:
-        """What assertions warned of, and in how many runs."""
+    def broken(self) -> list[Diagnostic]:
+        """L0610: what assertions warned of, and in how many runs."""
         warned = self.ledger.outcomes["warned"]
         counts = [int((warned >> guard & 1).sum()) for guard in range(GUARD_BITS)] if warned.any() else []
         later = dict.fromkeys([GUARD_BITS - 1], ", or a later one")
-        return [f"{count} of {self.runs} runs: {guard_in_general(self.job.scene, guard)}{later.get(guard, '')}"
+        return [broken_in_general(self.job.scene, guard, f"{count} of {self.runs} runs: ", later.get(guard, ""))
                 for guard, count in enumerate(counts) if count]
+
+    def warnings(self) -> list[str]:
+        """What assertions warned of, as text."""
+        return [warning.message for warning in self.broken()]
 
     def _rows(self) -> Iterator[list[tuple[Any, ...]]]:
         """Cells, None where there is nothing, in portions."""

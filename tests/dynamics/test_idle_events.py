@@ -1,0 +1,38 @@
+"""Events that compare what never changes are pointed at; those that other parameters or motions bring are not."""
+
+from collections.abc import Callable
+
+import pytest
+
+import lagrangia as lag
+
+Write = Callable[[str], lag.Model]
+BAR = "model M Revolute h(a = world, phi(start = 0.3)); Bar b(m = 1, L = 1, a = h.b); {} end M;"
+ROD = "model M PointMass p(m = 1), q(m = 1); Link l(a = p.center, b = q.center, L = 1); {} initial equation p.center.x = 0; "\
+      "p.center.y = 0; q.center.x = 1; q.center.y = 0; end M;"
+IDLE = {
+    "a stop on one body": BAR.format("Stop stop(gap = distance(b.a, b.b) - 0.5);"),
+    "a stop that a rod keeps": ROD.format("Stop stop(gap = distance(p.center, q.center) - 0.5);"),
+    "a distance on one body": BAR.format("equation when distance(b.center, b.b) > 3 then reinit(h.w, 0); end when;"),
+}
+COMING = {
+    "in the world": BAR.format("Stop stop(a = b.a, b = b.b, along = {1, 0});"),
+    "with another rod": ROD.format("Stop stop(gap = q.center.x - p.center.x + 2);"),
+    "with other parameters": BAR.format("parameter Length e = 0; Stop stop(gap = e*cos(h.phi) + 1[m]);"),
+    "with time": BAR.format("Stop stop(gap = distance(b.a, b.b) - time*1[m/s]);"),
+}
+
+
+def _told(model: lag.Model) -> list[str]:
+    return [text for text in model.scene.notes["warnings"] if "L0224" in text]
+
+
+@pytest.mark.parametrize("case", IDLE)
+def test_what_never_changes_is_told(case: str, scene: Write) -> None:
+    (told,) = _told(scene(IDLE[case]))
+    assert "what it compares never changes" in told and "^^^" in told
+
+
+@pytest.mark.parametrize("case", COMING)
+def test_what_may_change_is_not(case: str, scene: Write) -> None:
+    assert _told(scene(COMING[case])) == []
