@@ -88,6 +88,14 @@ def test_values_of_parameters_are_taken_without_a_word(tmp_path: Path, options: 
     assert not capsys.readouterr().err
 
 
+@pytest.mark.parametrize("options", ["", "--format markdown", "--form matrix", "--form 5.16"])
+def test_values_of_parameters_on_a_page_of_symbols_are_told(tmp_path: Path, options: str, capsys: pytest.CaptureFixture[str]
+                                                            ) -> None:
+    (tmp_path / "c.lag").write_text(SCENE)
+    assert main(["equations", str(tmp_path / "c.lag"), "-p", "m=2", *options.split(), "--strict"]) == WRONG
+    assert "-p m=2 has no effect: this page is in symbols" in capsys.readouterr().err
+
+
 def test_what_is_usual_may_be_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     Path("c.lag").write_text(SCENE)

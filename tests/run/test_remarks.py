@@ -48,7 +48,7 @@ def test_an_input_is_given_once(scene: Callable[[str], lag.Model]) -> None:
 
 GIVEN = """model M parameter Length L = 1[m]; parameter Length two = 2*L; parameter Angle phi0 = 0.1;
   parameter Angle G[2] = {phi0, 2*phi0}; parameter Real k = 1;
-  Revolute r(a = world, phi(start = G[2])), t(a = world); Bar p(m = 1, L = two, a = r.b), o(m = k*1[kg], L = 1, a = t.b);
+  Revolute r(a = world, phi(start = sum(G))), t(a = world); Bar p(m = 1, L = two, a = r.b), o(m = k*1[kg], L = 1, a = t.b);
   annotation(experiment(StopTime = 0.01)%s); end M;"""
 IN_VAIN: list[tuple[dict[str, float], dict[str, float], str]] = [
     ({"L": 2, "p.L": 3}, {}, "'L' changes nothing: 'p.L' is given"),

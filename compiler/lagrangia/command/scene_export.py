@@ -98,13 +98,13 @@ def export_warnings(model: "Model", target: str) -> list[Diagnostic]:
                for guard in c.flat.guards if target in ("python", "casadi", "modelica", "sympy")]
     if target not in ("python", "casadi", "modelica", "sympy") or not bends(c.run) or not c.motion.q.numel():
         return events
-    spans = {load.statement.component: load.statement.span for load in c.energies.loads}
-    spans |= {term.statement.component: term.statement.span for term in c.energies.dissipation}
+    stated = [load.statement for load in c.energies.loads] + [term.statement for term in c.energies.dissipation]
+    spans = {statement.component: statement.span for statement in stated if not statement.is_signal}  # no limit of a signal
     rubbing = build_small_motion(c.kinematics, c.constraints, c.run).rubs_dry
     return events + [
         Diagnostic("warning", "L0741", f"{name or 'this'} is dry friction, which the export to {target} has as a force that "
                        "jumps with the sign of a rate: nothing sticks in it, an integrator chatters about rest", spans.get(name),
-                       "", ("an FMU holds what sticks, by events: --to fmu",)) for name in rubbing]
+                       "", ("an FMU holds what sticks, by events: --to fmu",)) for name in rubbing if name in spans]
 
 
 def remarks(model: "Model", target: str) -> list[str]:

@@ -219,8 +219,9 @@ def compile_energies(path: Path, model: str | None = None, structural: Mapping[s
         flat = redeclared(check_dimensions(flat), given or {})
         if flat.states:
             name, state = next(iter(flat.states.items()))
+            drives = () if flat.frames.keys() - {"world"} else ("lag export --to modelica --components has them in drives",)
             fail("L0901", f"not supported yet: written equations of scenes with first-order states ('{name}')", state.span,
-                 "lag simulate, FMUs, --to python and --to casadi have them")
+                 "lag simulate, FMUs, --to python and --to casadi have them", *drives)
         _refuse_moving_inputs(flat)
         refuse_held(flat, "written equations")
         refuse_delays(flat, "written equations")

@@ -50,6 +50,7 @@ from lagrangia.language.instances import (
 )
 from lagrangia.language.instantiation import Instantiation
 from lagrangia.language.kept_components import KeptComponents, KeptScene
+from lagrangia.language.left_out_text import find_unknown_names
 from lagrangia.language.limits import (
     flag_of,
     has_annotation,
@@ -154,6 +155,7 @@ class _Flattening:
         self.report.raise_errors()
         self._add_world(root, instantiation)
         self._visit(root, self._visit_member if kept is None else self._once(kept))
+        self.report.add(find_unknown_names(root, self.table, self.names).diagnostics)
         delays = declare_delays(self.names.delays, self.report)
         self.report.raise_errors()
         self.variables.update({delay.name: variable_of(delay) for delay in delays.values()})

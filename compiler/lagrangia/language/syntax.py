@@ -53,6 +53,9 @@ RESERVED = frozenset(
     "for function if import initial input loop model not or output package parameter partial protected public record then time "
     "true type when".split()
 )
+_RIVALS = tuple(map(frozenset, (
+    {"parameter", "constant", "discrete", "coordinate"}, {"parameter", "constant", "coordinate", "input"}, {"input", "output"},
+    {"flow", "stream"}, {"pure", "impure"})))
 _KINDS: Mapping[str, str] = {"class": "model"}  # what a word means that has another one
 
 
@@ -165,7 +168,7 @@ class _Nodes(_ExpressionNodes):
                               label=f"expected {name}")
 
     def class_definition(self, meta: Place, children: list[Any]) -> ClassDefinition:
-        prefixes, is_partial, (kind, name, *rest) = _head([c for c in children if isinstance(c, Word)])
+        prefixes, is_partial, (kind, name, *rest) = self._head([c for c in children if isinstance(c, Word)])
         self._check_end(name, rest[-1])
         description = rest[0] if len(rest) > 1 else None
         elements: list[Declaration | Extends] = []
@@ -191,7 +194,7 @@ class _Nodes(_ExpressionNodes):
     def short_class(self, meta: Place, children: list[Any]) -> ClassDefinition:
         *words, base, dimensions, arguments, constraining, description, annotation = children
         at = next(k for k, word in enumerate(words) if word.type == "NAME")
-        prefixes, is_partial, (kind, name) = _head(words[: at + 1])
+        prefixes, is_partial, (kind, name) = self._head(words[: at + 1])
         extends = Extends(base[0], _over_limit(arguments or (), constraining), self._span(meta), dimensions or (),
                           frozenset(map(str, words[at + 1 :])))
         return ClassDefinition(_KINDS.get(kind, str(kind)), is_partial, name_of(name), text_of(description), (extends,), (),
@@ -201,7 +204,7 @@ class _Nodes(_ExpressionNodes):
     def enumeration(self, meta: Place, children: list[Any]) -> ClassDefinition:
         *rest, description, annotation = children
         literals = tuple(x for x in rest if isinstance(x, LiteralDefinition))
-        prefixes, _, (kind, name) = _head(rest[: len(rest) - len(literals)])
+        prefixes, _, (kind, name) = self._head(rest[: len(rest) - len(literals)])
         if kind != "type":
             self.report.error("L0103", f"an enumeration is no {kind}", self._span(kind),
                               f"write: type {name} = enumeration(...);")
@@ -212,6 +215,22 @@ class _Nodes(_ExpressionNodes):
     def literal(self, meta: Place, children: list[Any]) -> LiteralDefinition:
         name, description, annotation = children
         return LiteralDefinition(name_of(name), text_of(description), self._span(name), annotation[1] if annotation else ())
+
+    def _head(self, words: Sequence[Word]) -> tuple[frozenset[str], bool, list[Word]]:
+        """Prefixes of a class, whether it is partial, and the rest of its words."""
+        at = next(k for k, word in enumerate(words) if word.type == "CLASS_KIND")
+        prefixes = self._prefixes(words[:at])
+        return prefixes - {"partial"}, "partial" in prefixes, list(words[at:])
+
+    def _prefixes(self, words: Sequence[Word]) -> frozenset[str]:
+        """L0103 for one that stands twice, and for two of which one alone can hold."""
+        for k, word in enumerate(words):
+            before = set(map(str, words[:k]))
+            if str(word) in before:
+                self.report.error("L0103", f"'{word}' stands twice", self._span(word), "leave one out")
+            elif other := next((x for rivals in _RIVALS if str(word) in rivals for x in rivals & before), None):
+                self.report.error("L0103", f"'{word}' beside '{other}'", self._span(word), "one of them alone can hold")
+        return frozenset(map(str, words))
 
     def visibility(self, meta: Place, children: list[Any]) -> tuple[str, str]:
         return "visibility", str(children[0])
@@ -232,7 +251,7 @@ class _Nodes(_ExpressionNodes):
         return ".".join(map(str, children)), self._span(meta)
 
     def declaration(self, meta: Place, children: list[Any]) -> list[Declaration]:
-        prefixes = frozenset(str(c) for c in children if isinstance(c, Word))
+        prefixes = self._prefixes([c for c in children if isinstance(c, Word)])
         (type_name, type_span), dimensions, *declarators = [c for c in children if not isinstance(c, Word)]
         return [_declared(prefixes, type_name, type_span, dimensions, declarator) for declarator in declarators]
 
@@ -252,19 +271,19 @@ class _Nodes(_ExpressionNodes):
 
     def argument(self, meta: Place, children: list[Any]) -> Argument:
         *prefixes, name, arguments, value, _ = children
-        return Argument(frozenset(map(str, prefixes)), name_of(name), arguments or (), value, self._span(meta),
+        return Argument(self._prefixes(prefixes), name_of(name), arguments or (), value, self._span(meta),
                         self._span(name))
 
     def redeclaration(self, meta: Place, children: list[Any]) -> Argument:
         *prefixes, (type_name, type_span), declarator = children
-        words = frozenset(map(str, prefixes))
+        words = self._prefixes(prefixes)
         declared = _declared(words, type_name, type_span, None, declarator)
         return Argument(words, declared.name, declared.arguments, declared.binding, self._span(meta), declared.name_span,
                         declared)
 
     def class_redeclaration(self, meta: Place, children: list[Any]) -> Argument:
         *prefixes, kind, name, (type_name, type_span), arguments, constraining, description = children
-        words = frozenset(map(str, prefixes))
+        words = self._prefixes(prefixes)
         declared = Declaration(words | {"class"}, type_name, type_span, name_of(name), (),
                                _over_limit(arguments or (), constraining), None, None, text_of(description), self._span(meta),
                                self._span(name), (), constraining, _KINDS.get(kind, str(kind)))
@@ -358,13 +377,6 @@ class _Nodes(_ExpressionNodes):
 
     def iterator(self, meta: Place, children: list[Any]) -> Iterator:
         return Iterator(name_of(children[0]), children[1], self._span(meta))
-
-
-def _head(words: Sequence[Word]) -> tuple[frozenset[str], bool, list[Word]]:
-    """Prefixes of a class, whether it is partial, and the rest of its words."""
-    at = next(k for k, word in enumerate(words) if word.type == "CLASS_KIND")
-    prefixes = frozenset(str(word) for word in words[:at] if word.type != "PARTIAL")
-    return prefixes, any(word.type == "PARTIAL" for word in words[:at]), list(words[at:])
 
 
 def _declared(prefixes: frozenset[str], type_name: str, type_span: Span, dimensions: tuple[Expression, ...] | None,

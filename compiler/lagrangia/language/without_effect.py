@@ -3,10 +3,10 @@ frames that are joined already, resets to what is there, structural numbers and 
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import fields, is_dataclass
-from functools import cache, lru_cache
+from functools import lru_cache
 from typing import Any
 
-from lagrangia.base.diagnostics import Report, Source, Span
+from lagrangia.base.diagnostics import Report, Span
 from lagrangia.language.classes import ClassTable
 from lagrangia.language.discrete_arrays import variables_of
 from lagrangia.language.flat import FlatModel, Reset
@@ -16,6 +16,7 @@ from lagrangia.language.mentions import nodes, reached
 from lagrangia.language.never import find_never
 from lagrangia.language.overwritten import find_overwritten
 from lagrangia.language.spaces import ANNOTATION
+from lagrangia.language.syntax_parts import fields_of
 from lagrangia.language.tree import (
     Argument,
     Assignment,
@@ -37,6 +38,7 @@ from lagrangia.language.tree import (
     WhileBlock,
 )
 from lagrangia.language.unread import inside
+from lagrangia.language.zero_factors import find_zero_factors
 
 CODE = "L0224"
 _MOST_CLASSES = 20_000
@@ -77,7 +79,8 @@ def find_without_effect(model: FlatModel, root: Instance, table: ClassTable) -> 
     for literal in (x for c in table.user.values() for x in c.literals):
         _look_at_annotation(literal.annotation, (), report)
     called = dict.fromkeys(name.partition("(")[0] for name in model.functions)
-    _look_at_functions([table.user[name] for name in called if name in table.user], report)
+    functions = [table.user[name] for name in called if name in table.user]
+    _look_at_functions(functions, report)
     _look_at_joints(model, table, report)
     for when in model.whens:
         for reset in when.resets:
@@ -85,6 +88,7 @@ def find_without_effect(model: FlatModel, root: Instance, table: ClassTable) -> 
                 what = f"'{reset.rate.span.text}'" if reset.is_kept else "a rate"
                 report.warning(CODE, f"this sets {what} to what it is: nothing happens", reset.span, "give another value")
     find_never(model, report, CODE)
+    find_zero_factors([*own, *functions], report, CODE)
     if any("virtual" in source.text for source in {c.name_span.source for c in own}):
         _look_at_virtual(model, table, report)
     return report
@@ -138,6 +142,9 @@ def _look_at_class(definition: ClassDefinition, report: Report) -> None:
         if isinstance(element, Declaration):
             known = _OF_PARAMETERS if "parameter" in element.prefixes else ()
             _look_at_annotation(element.annotation, known, report)
+            if "output" in element.prefixes and (what := element.prefixes & {"parameter", "constant", "coordinate"}):
+                report.warning(CODE, f"'output' has no effect on a {min(what)}", element.name_span,
+                               "it is known as it is" if "coordinate" not in what else "it has a column as it is")
             if "discrete" in element.prefixes and element.binding is not None:
                 report.warning(CODE, "'discrete' has no effect", element.name_span, "a variable follows from what it is bound to")
     for section in definition.sections:
@@ -322,7 +329,7 @@ def _words(part: Any) -> Iterator[str]:
         if isinstance(found, tuple):
             pending += found
             continue
-        names = _fields_of(found.__class__)
+        names = fields_of(found.__class__)
         if isinstance(found, Reference):
             yield from (piece.name for piece in found.parts)
         elif isinstance(found, Declaration | Extends):
@@ -330,12 +337,6 @@ def _words(part: Any) -> Iterator[str]:
         elif isinstance(found, Call):
             yield from found.function.split(".")
         pending += [getattr(found, name) for name in names]
-
-
-@cache
-def _fields_of(kind: type) -> tuple[str, ...]:
-    """The names of what a piece of syntax is made of; none of anything else."""
-    return tuple(field.name for field in fields(kind)) if is_dataclass(kind) and kind not in (Span, Source) else ()
 
 
 # -------------------------------------------------------------------- what is stated

@@ -111,6 +111,22 @@ def write_equations(path: Path, request: Request, model: str | None = None, stru
     return found
 
 
+def idle_parameters(page: Page, path: Path, request: Request, model: str | None, structural: Mapping[str, Any]) -> list[str]:
+    """Of the parameters that are given, those without which a page of symbols is the same."""
+    form = WORDS.get(request.form, request.form)
+    if request.has_numbers or request.format == "sympy" or not (form in FORMS or form in NUMBERED):
+        return []
+
+    def is_idle(name: str) -> bool:
+        others = {other: value for other, value in request.parameters.items() if other != name}
+        try:
+            return write_equations(path, replace(request, parameters=others), model, structural) == page
+        except LagError:
+            return False
+
+    return [*filter(is_idle, request.parameters)]
+
+
 def written_book(path: Path, request: Request, model: str | None = None, structural: Mapping[str, Any] | None = None,
                  has_quaternions: bool = False) -> Book:
     """The equations for other writers, within the same limits; `has_quaternions`: programs, which know attitudes and signs.

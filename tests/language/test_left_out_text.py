@@ -1,0 +1,41 @@
+"""Names in components that are not there and in branches not taken are looked up as all others; words before a name stand once."""
+
+from collections.abc import Callable
+
+import pytest
+
+import lagrangia as lag
+from lagrangia.base.diagnostics import LagError
+
+Write = Callable[[str], lag.Model]
+SCENE = "model P Real x = 2; end P; model M parameter Boolean has = false; parameter Integer n = 2; P p[3]; "\
+        "Block b(m = 1, base = world); {} end M;"
+WRONG = {
+    "Damper d(a = world, b = b.center, c = banana) if has;": "'banana' is not known",
+    "Damper d(a = world, b = b.centre, c = 1) if has;": "no member 'centre'",
+    "equation if has then b.s = banana; end if;": "'banana' is not known",
+    "equation if has then for i in 1:2 loop b.s = i*p[j].x*1[m]; end for; end if;": "'j' is not known",
+    "output Length y = if has then foo(b.s) else b.s;": "there is no function 'foo'",
+    "output Length y = if n > 2 then b.s else b.s + (if n == 7 then b.zzz else 0);": "no member 'zzz'",
+    "energy if n > 5 then potential b.q*1[N]; end if;": "no member 'q'",
+    "equation when b.s > 3 then if has then reinit(b.w, 0); end if; end when;": "no member 'w'",
+    "final final parameter Real k = 3;": "'final' stands twice", "Bar c(each each m = 1, L = 1);": "'each' stands twice",
+    "parameter constant Real k = 3;": "'constant' beside 'parameter'", "input output Real k;": "'output' beside 'input'",
+    "replaceable replaceable model D = Damper;": "'replaceable' stands twice", "parameter input Real k = 1;": "beside 'parameter'",
+}
+RIGHT = """Damper d(a = world, b = q.center, c = 3*sin(p[7].x)) if has; PointMass q(m = 1) if has;
+  output Length y = if has then q.center.x + p[5].x*1[m] + sum(p[i].x for i in 1:9)*1[m] else b.s;
+  output Length z = if has then size(p, 1)*1[m] + pre(y) + der(b.s)*1[s] else b.s;
+equation if has then connect(q.center, b.center); for i in 1:3, j in 1:2 loop b.s = p[i].x*j*sum({m for m in 1:3})*1[m]; end for;
+  when b.s > 3 then reinit(b.v, 2); terminate("x"); end when; assert(b.s > 3, "foo" + String(b.s)); end if;"""
+
+
+@pytest.mark.parametrize("text", WRONG)
+def test_what_names_nothing_is_refused(text: str, scene: Write) -> None:
+    with pytest.raises(LagError) as found:
+        scene(SCENE.format(text))
+    assert WRONG[text] in str(found.value) and "^" in str(found.value)
+
+
+def test_what_could_be_there_is_not(scene: Write) -> None:
+    assert scene(SCENE.format(RIGHT)).coordinate_names == ("b.s",)
