@@ -32,7 +32,8 @@ equations --first-letter f; equations --check b.s=0 --format latex; response --a
 export --to python --force; simulate --spectrum y; simulate --section y; simulate --overlay u.csv; simulate --linear
 simulate --beside m=2; equations --check b.s=0 --language de; equations --format sympy --language de
 equations -o x.py --language de; equations -o x.py --form worked --level lecture
-equations --format sympy --form worked --sections x
+equations --format sympy --form worked --sections x; equations --check b.s=0 --form matrix; bench --rhs --stop 3
+equations --check b.s=0 --sources force; sweep --restart -o -; modes --view 10,20; bench --rhs --tolerances 1e-3
 simulate --dump flat --from equilibrium; simulate --dump flat --solver erk; simulate --dump flat --engine tape
 simulate --dump flat --outputs y; simulate --dump motion --reactions; simulate --dump flat -p m=2"""
 OTHERS = {"simulate --outputs ,": "names nothing", "simulate --allow L9999": "no warning 'L9999'",
@@ -88,12 +89,14 @@ def test_values_of_parameters_are_taken_without_a_word(tmp_path: Path, options: 
     assert not capsys.readouterr().err
 
 
-@pytest.mark.parametrize("options", ["", "--format markdown", "--form matrix", "--form 5.16"])
+@pytest.mark.parametrize("options", ["", "--format markdown", "--form matrix --sources force", "--form 5.16"])
 def test_values_of_parameters_on_a_page_of_symbols_are_told(tmp_path: Path, options: str, capsys: pytest.CaptureFixture[str]
                                                             ) -> None:
     (tmp_path / "c.lag").write_text(SCENE)
     assert main(["equations", str(tmp_path / "c.lag"), "-p", "m=2", *options.split(), "--strict"]) == WRONG
-    assert "-p m=2 has no effect: this page is in symbols" in capsys.readouterr().err
+    told = capsys.readouterr().err
+    assert "-p m=2 has no effect: this page is in symbols" in told
+    assert ("--sources force has no effect" in told) == ("force" in options)
 
 
 def test_what_is_usual_may_be_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

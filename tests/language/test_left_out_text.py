@@ -1,4 +1,4 @@
-"""Names in components that are not there and in branches not taken are looked up as all others; words before a name stand once."""
+"""Names in components that are not there and in branches not taken are looked up; words before a name stand once."""
 
 from collections.abc import Callable
 
@@ -21,7 +21,8 @@ WRONG = {
     "equation when b.s > 3 then if has then reinit(b.w, 0); end if; end when;": "no member 'w'",
     "final final parameter Real k = 3;": "'final' stands twice", "Bar c(each each m = 1, L = 1);": "'each' stands twice",
     "parameter constant Real k = 3;": "'constant' beside 'parameter'", "input output Real k;": "'output' beside 'input'",
-    "replaceable replaceable model D = Damper;": "'replaceable' stands twice", "parameter input Real k = 1;": "beside 'parameter'",
+    "replaceable replaceable model D = Damper;": "'replaceable' stands twice",
+    "parameter input Real k = 1;": "'input' beside 'parameter'",
 }
 RIGHT = """Damper d(a = world, b = q.center, c = 3*sin(p[7].x)) if has; PointMass q(m = 1) if has;
   output Length y = if has then q.center.x + p[5].x*1[m] + sum(p[i].x for i in 1:9)*1[m] else b.s;

@@ -22,7 +22,7 @@ _FORMATS = {".md": "markdown", ".html": "html", ".htm": "html", ".tex": "latex",
 
 def equations_command(options: Namespace) -> int:
     """`lag equations`: prints or writes the equations of motion, or checks one (1 where it is wrong). Raises LagError."""
-    from lagrangia.paper.sheet import Request, checked, idle_parameters, write_equations
+    from lagrangia.paper.sheet import Request, checked, idle_words, write_equations
 
     keep_inputs(options, options.output)
     options.format = options.format or _FORMATS.get(Path(options.output or "").suffix.lower(), "text")
@@ -39,8 +39,7 @@ def equations_command(options: Namespace) -> int:
     text = write_equations(options.file, request, options.model, structural)
     vain = [f"warning[L0224]: --names {letter}={names[letter]} has no effect: '{letter}' stands nowhere on this page"
             for letter in text.idle]
-    vain += [f"warning[L0224]: -p {name}={parameters[name]} has no effect: this page is in symbols\n   = --numbers writes values"
-             for name in idle_parameters(text, options.file, request, options.model, structural)]
+    vain += [f"warning[L0224]: {what}" for what in idle_words(text, options.file, request, options.model, structural)]
     tell_texts(options, [*text.warnings, *vain])
     if options.output in (None, "-"):
         print(text)

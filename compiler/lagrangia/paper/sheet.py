@@ -111,20 +111,24 @@ def write_equations(path: Path, request: Request, model: str | None = None, stru
     return found
 
 
-def idle_parameters(page: Page, path: Path, request: Request, model: str | None, structural: Mapping[str, Any]) -> list[str]:
-    """Of the parameters that are given, those without which a page of symbols is the same."""
-    form = WORDS.get(request.form, request.form)
-    if request.has_numbers or request.format == "sympy" or not (form in FORMS or form in NUMBERED):
-        return []
-
-    def is_idle(name: str) -> bool:
-        others = {other: value for other, value in request.parameters.items() if other != name}
+def idle_words(page: Page, path: Path, request: Request, model: str | None, structural: Mapping[str, Any]) -> list[str]:
+    """What the page is the same without: --sources, and parameters that are given a value, on pages of symbols."""
+    def is_idle(other: Request) -> bool:
         try:
-            return write_equations(path, replace(request, parameters=others), model, structural) == page
+            return write_equations(path, other, model, structural) == page
         except LagError:
             return False
 
-    return [*filter(is_idle, request.parameters)]
+    found, other = [], "force" if request.sources == "potential" else "potential"
+    if request.sources != "auto" and is_idle(replace(request, sources=other)):
+        found.append(f"--sources {request.sources} has no effect: with the other choice the page is the same")
+    form = WORDS.get(request.form, request.form)
+    if request.has_numbers or request.format == "sympy" or not (form in FORMS or form in NUMBERED):
+        return found
+    for name, value in request.parameters.items():
+        if is_idle(replace(request, parameters={k: x for k, x in request.parameters.items() if k != name})):
+            found.append(f"-p {name}={value} has no effect: this page is in symbols, --numbers writes values")
+    return found
 
 
 def written_book(path: Path, request: Request, model: str | None = None, structural: Mapping[str, Any] | None = None,
