@@ -28,6 +28,11 @@ VAIN = {
     "output Length y = b.s*(1 + 0*time);": "this is 0, whatever 'time' is",
     "AppliedForce f(at = b.center, force = {b.s*0.0[N/m], 2});": "this is 0, whatever 'b.s' is",
     "function f input Real x; output Real y; algorithm y := 1 - 0/x; end f; output Real q = f(b.s/1[m]);": "whatever 'x' is",
+    "output Real y = 2 annotation(HideResult = true);": "the annotation 'HideResult' has no effect",
+    "inner Real w = 3; output Real y = w;": "'inner' has no effect: no component inside has an outer 'w'",
+    "Rotational.Inertia i(J = 1), j(J = 1, flange_a = i.flange_b); equation connect(j.flange_a, i.flange_b);":
+        "'j.flange_a' and 'i.flange_b' are joined already",
+    "Rotational.Inertia i(J = 1); equation connect(i.flange_a, i.flange_a);": "joins a connector to itself",
     "parameter output Length L = 1; output Length y = b.s + L;": "'output' has no effect on a parameter",
     "equation for i in 1:3 loop end for;": "nothing stands in this block",
     "Disc d(each m = 1, r = 1, center = b.center);": "'each' has no effect", "discrete Real x = 1;": "'discrete' has no effect",

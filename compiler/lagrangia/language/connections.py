@@ -5,11 +5,11 @@ or by what it is connected to; where nothing gives it, all that meet there share
 that are given and meet are tied by an equation. Forces need no variable: they follow from virtual work.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Protocol
 
-from lagrangia.base.diagnostics import Report, Span, fail
+from lagrangia.base.diagnostics import Report, Source, Span, fail
 from lagrangia.base.records import dataclass
 from lagrangia.language.classes import ClassTable
 from lagrangia.language.elements import element, length
@@ -106,6 +106,26 @@ def _between(a: Instance, b: Instance, span: Span, component: str) -> Iterator[C
              "connect what turns to what turns, and what slides to what slides")
     for name in sorted(names[0]):
         yield Connection(f"{a.path}.{name}", f"{b.path}.{name}", span, component)
+
+
+def find_repeated(connections: Iterable[Connection], library: Collection[Source], report: Report) -> None:
+    """L0224 for connections of people's own between what is connected already."""
+    first, told = dict[str, str](), set[Span]()
+
+    def find(name: str) -> str:
+        while (over := first.get(name)) is not None:
+            first[name] = first.get(over, over)
+            name = over
+        return name
+
+    for connection in connections:
+        if (one := find(connection.a)) != (other := find(connection.b)):
+            first[one] = other
+        elif connection.span not in told and connection.span.source not in library:
+            told.add(connection.span)
+            a, b = (end.rpartition(".")[0] for end in (connection.a, connection.b))
+            what = "this joins a connector to itself" if a == b else f"'{a}' and '{b}' are joined already"
+            report.warning("L0224", what, connection.span, "leave it out")
 
 
 class Bindings:

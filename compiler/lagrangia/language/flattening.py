@@ -15,7 +15,7 @@ from lagrangia.language.attributes import display_unit_of, unit_of
 from lagrangia.language.call_equations import refuse_call
 from lagrangia.language.chosen_equations import chosen_of
 from lagrangia.language.classes import ClassTable
-from lagrangia.language.connections import Bindings, Connection, bound_to, connected, flanges_of, require_bindings
+from lagrangia.language.connections import Bindings, Connection, bound_to, connected, find_repeated, flanges_of, require_bindings
 from lagrangia.language.delays import check_delays, declare_delays, variable_of, with_delays
 from lagrangia.language.discrete import as_numbers, signals_of
 from lagrangia.language.discrete_arrays import dealt_out, dealt_sides, is_dealt_out
@@ -161,6 +161,7 @@ class _Flattening:
         self.variables.update({delay.name: variable_of(delay) for delay in delays.values()})
         self.variables.update(hinge_angles(self))
         bound = self._bind_variables()
+        find_repeated(self.connections, self.table.library_sources, self.report)
         self.report.raise_errors()
         model = FlatModel(
             definition.name, definition.description, self.variables, self.frames, tuple(self.frame_equations), bound,

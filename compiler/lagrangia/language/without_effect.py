@@ -75,6 +75,7 @@ def find_without_effect(model: FlatModel, root: Instance, table: ClassTable) -> 
         for element in definition.elements:
             _look_at_each(element, report)
     _look_at_attributes(instances, model, table, report)
+    _look_at_inner(instances, table, report)
     _look_at_parameters(own, table, {id(c) for c in table.lineage(root.definition)}, report)
     for literal in (x for c in table.user.values() for x in c.literals):
         _look_at_annotation(literal.annotation, (), report)
@@ -145,6 +146,9 @@ def _look_at_class(definition: ClassDefinition, report: Report) -> None:
             if "output" in element.prefixes and (what := element.prefixes & {"parameter", "constant", "coordinate"}):
                 report.warning(CODE, f"'output' has no effect on a {min(what)}", element.name_span,
                                "it is known as it is" if "coordinate" not in what else "it has a column as it is")
+            if "output" in element.prefixes and (hidden := [x for x in element.annotation if x.name == "HideResult"]):
+                report.warning(CODE, "the annotation 'HideResult' has no effect", hidden[0].name_span,
+                               "results are what is output, or --outputs names")
             if "discrete" in element.prefixes and element.binding is not None:
                 report.warning(CODE, "'discrete' has no effect", element.name_span, "a variable follows from what it is bound to")
     for section in definition.sections:
@@ -212,6 +216,17 @@ def _look_at_attributes(instances: Iterable[Instance], model: FlatModel, table: 
                 continue
             told.add(place)
             report.warning(CODE, f"'{name}' of '{slot.path}' has no effect", place, *[_WHY[name]] if name in _WHY else [])
+
+
+def _look_at_inner(instances: Iterable[Instance], table: ClassTable, report: Report) -> None:
+    """`inner` before what no component around asks for by `outer`."""
+    asked = {name for instance in instances for name in instance.outer}
+    for instance in instances:
+        for name in instance.inner - asked - {"world"}:
+            declared = table.declared(instance.definition).get(name)
+            if declared is not None and declared.name_span.source not in table.library_sources:
+                report.warning(CODE, f"'inner' has no effect: no component inside has an outer '{name}'", declared.name_span,
+                               "leave the word out, or declare it there: outer")
 
 
 def _look_at_parameters(own: Sequence[ClassDefinition], table: ClassTable, of_root: set[int], report: Report) -> None:
