@@ -74,7 +74,7 @@ def test_sums_with_free_parameters_are_told_or_taken_apart(scene: Write) -> None
     model = scene(begins.format(0, "(b.s/1[m] - 1)^2 + p = 0;"))
     assert len(model.warnings) == 1 and "L0609]: with the parameters as declared this only just holds" in model.warnings[0]
     model = scene(begins.format(2, "p*sqrt(b.s/1[m] - 3) = 0; ((b.v/1[m/s] - 1)^2 + b.s*0/1[m])/p = 0;"))
-    assert model.warnings == []
+    assert not any("L0609" in told for told in model.warnings)
     for p in (2.0, -3.0):
         run = model.simulate(parameters={"p": p}, stop=1e-9, interval=1e-9)
         assert [float(run[name][0]) for name in ("b.s", "der(b.s)")] == pytest.approx([3, 1], abs=1e-12)

@@ -1,11 +1,13 @@
 """Names in components that are not there and in branches not taken are looked up; words before a name stand once."""
 
 from collections.abc import Callable
+from pathlib import Path
 
 import pytest
 
 import lagrangia as lag
 from lagrangia.base.diagnostics import LagError
+from lagrangia.command.cli import main
 
 Write = Callable[[str], lag.Model]
 SCENE = "model P Real x = 2; end P; model M parameter Boolean has = false; parameter Integer n = 2; P p[3]; "\
@@ -29,6 +31,18 @@ RIGHT = """Damper d(a = world, b = q.center, c = 3*sin(p[7].x)) if has; PointMas
   output Length z = if has then size(p, 1)*1[m] + pre(y) + der(b.s)*1[s] else b.s;
 equation if has then connect(q.center, b.center); for i in 1:3, j in 1:2 loop b.s = p[i].x*j*sum({m for m in 1:3})*1[m]; end for;
   when b.s > 3 then reinit(b.v, 2); terminate("x"); end when; assert(b.s > 3, "foo" + String(b.s)); end if;"""
+
+
+STARTS = {"initial equation b.s^2 = -1;": "cannot be solved", "initial equation sin(b.s/1[m]) = 1.5;": "it misses by 0.5",
+          "initial equation der(der(b.s)) = 3;": "it misses by 3"}
+
+
+@pytest.mark.parametrize("text", STARTS)
+def test_starts_that_cannot_hold_are_told_by_check(text: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """They were told by runs alone, where no loop asked for an assembly."""
+    (tmp_path / "m.lag").write_text(f"model M Block b(m = 1, base = world); {text} end M;")
+    assert main(["check", str(tmp_path / "m.lag")]) == 2
+    assert "error[L0606]" in (told := capsys.readouterr().err) and STARTS[text] in told and "^^^" in told
 
 
 @pytest.mark.parametrize("text", WRONG)

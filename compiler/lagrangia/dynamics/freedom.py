@@ -80,7 +80,7 @@ def _find(
     """But for the alternatives; the assembly, and the state it found."""
     held, n = motion.constrained, motion.q.numel()
     told = tuple(dict.fromkeys(_tell(row, kinematics) for row in constraints.repeated))
-    if held is None:
+    if held is None and not initial.residuals.numel():
         return Freedom(n, n, told, None), None, np.zeros(0)
     assembly = begin(kinematics, initial, functions)
     x, worst = assembly.assemble()
@@ -90,6 +90,8 @@ def _find(
         least = gaps if is_rate else assembly.least_gaps(x)
         closes_elsewhere = np.abs(least).max() < _SHUT * np.abs(gaps).max()
         return Freedom(n, n, told, _problem(initial, worst, gaps if closes_elsewhere else least)), assembly, x
+    if held is None:
+        return Freedom(n, n, told, None), None, np.zeros(0)
     q, numbers = x[:n], _Numbers(kinematics, held)
     slopes = numbers.scaled([q, *numbers.nearby(q)])
     ranks = [_rank(J) for J in slopes]
