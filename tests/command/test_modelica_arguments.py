@@ -122,3 +122,18 @@ def test_arguments_beside_a_redeclaration_are_those_of_others() -> None:
     end P;""")
     assert "Rotational.SpringDamper s(c = 1, d = 2), b(J = 4));" in found.text and len(found.left_out) == 1
     assert "constrainedby Rotational.Compliant;" in found.text
+
+
+def test_what_means_nothing_here_may_have_any_value() -> None:
+    found = imported("""model M
+        Modelica.Blocks.Nonlinear.Limiter l(homotopyType = Modelica.Blocks.Types.LimiterHomotopy.NoHomotopy, uMax = 2);
+        end M;""")
+    assert "Blocks.Limiter l(uMax = 2);" in found.text and not found.left_out
+
+
+def test_what_follows_on_the_line_of_what_is_left_out_stays() -> None:
+    gone = "Modelica.Blocks.Discrete.Sampler s;"
+    found = imported(f"model M {gone} Real x = 1; {gone} /* of\n two */ Real y; {gone} // more\n Real z = x; end M;")
+    assert len(found.left_out) == 3
+    rest = [line.partition("//")[0].strip() for line in found.text.splitlines()]
+    assert [line for line in rest if line] == ["model M", "Real x = 1;", "/* of", "two */ Real y;", "Real z = x; end M;"]

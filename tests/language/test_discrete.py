@@ -323,6 +323,26 @@ def test_results_of_functions(tmp_path: Path) -> None:
             run(tmp_path, OF_FUNCTIONS.replace("twice(pre(z) + 3)", wrong), "OfFunctions")
 
 
+def test_elements_of_arrays_are_as_they_were_and_as_they_are(tmp_path: Path) -> None:
+    """y, z, w and p follow from a, which is 1 from t = 1 on: new in the `when` of a, and as before under pre behind it."""
+    text = """model Arrays
+      Real x(start = 0, fixed = true), y[2], z[2], w[2, 2], p[2];
+      parameter Real A[2, 2] = {{1, 2}, {3, 4}};
+      Integer a(start = 0), new(start = 0), was(start = 5), is(start = 0);
+    equation
+      der(x) = 1;
+      for i in 1:2 loop y[i] = 10*a*i; end for;
+      z[1:2] = 2*y; w = {z, y}; p = A*y + {x, 0};
+      when x > 1 then a = 1; new = integer(y[2] + w[1, 2]); end when;
+      when a > 0 then
+        was = integer(pre(y[2]) + pre(sum(z)) + pre(w[2, 1]) + pre(p[2])); is = integer(y[2] + z[1] + w[1, 2] + p[2]);
+      end when;
+      annotation(experiment(StopTime = 2));
+    end Arrays;"""
+    result = run(tmp_path, text, "Arrays")
+    assert [result[name][-1] for name in ("new", "was", "is")] == [60, 0, 20 + 20 + 40 + 110]
+
+
 @pytest.mark.parametrize("branches", ['n = 1; elsewhen time >= 1 then terminate("second")',
                                       'terminate("first"); elsewhen time >= 1 then n = 1'])
 def test_a_run_that_a_branch_ends_is_told(branches: str) -> None:

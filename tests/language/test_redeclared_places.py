@@ -96,3 +96,19 @@ def test_model_redeclared_for_components_is_not_named_elsewhere(scene: Write) ->
     own = "model R replaceable model A = Big; A a; end R; model R2 extends R(redeclare model A = Small); end R2;"
     with pytest.raises(lag.LagError, match=r"L0901.*'A' of R2"):
         scene(f"{PLACES} {own} model M R2.A a; end M;")
+
+
+def test_texts_and_variables_of_its_name_do_not_use_a_model(scene: Write) -> None:
+    """`A a "A"` does not keep A from being redeclared with what moves, nor does a parameter A of another class."""
+    own = """model R replaceable model A = Big constrainedby Base; model K "A" parameter Real A = 2; Real y = A; end K;
+          A a "A"; K k(A = 3); end R;
+        model R2 parameter Real z = 3; extends R(redeclare model A = Small(p = z)); end R2;"""
+    assert list(scene(f"{PLACES} {own} model M R2 q; end M;").coordinate_names) == ["q.a.b.s"]
+
+
+def test_what_is_not_there_has_what_its_class_redeclares(scene: Write) -> None:
+    own = """model C replaceable Small w constrainedby Base; end C; model H extends Small; parameter Real extra = 2; end H;
+        model C2 extends C(redeclare H w); end C2; model M parameter Boolean has = false; Block b(m = 1, base = world);"""
+    assert list(scene(f"{PLACES} {own} C2 c(w(extra = 3)) if has; end M;").coordinate_names) == ["b.s"]
+    with pytest.raises(lag.LagError, match=r"L0203.*'other'"):
+        scene(f"{PLACES} {own} C2 c(w(other = 3)) if has; end M;")

@@ -70,6 +70,8 @@ def imported(text: str) -> Imported:
     left, missing, out = list[str](), set[str](), list[str]()
     for statement in statements:
         meant = [_meaning(word, aliases, around) for word in statement]
+        if out and _COMMENT_ENDS.search(out[-1]) and not _LINE_ENDS.match("".join(statement)):  # on the line of what is left out
+            out.append("\n")
         first = next((k for k, word in enumerate(statement) if _is_name(word) and word not in _PREFIXES), None)
         told = " ".join("".join(statement).split())
         if first is not None and _goes(statement[first], told):
@@ -80,7 +82,7 @@ def imported(text: str) -> Imported:
             missing |= set(_declared(statement, first))
             instead = _instead(told)  # which is told once
             left.append(told if any(before.endswith(instead) for before in left) else told + instead)
-            out.append(f"{_space(statement)}// left out: {told}")
+            out.append(f"{_space(statement)}{_LEFT_OUT}{told}")
         else:
             left += written.left_out
             out.append(written.text)
@@ -89,21 +91,26 @@ def imported(text: str) -> Imported:
 
 def _written(statement: Sequence[str], meant: Sequence[str | None], has_pi: bool) -> Imported | None:
     """A statement in the words that are meant; None where one has no counterpart. `has_pi`: pi is a name of the text's own."""
-    kept = [name for name in meant if name is not None]
-    if len(kept) < len(meant) or any(_FLOW.search(name) for name in kept):
+    words = [f"{_MISSING}{word}" if name is None else name for name, word in zip(meant, statement, strict=True)]
+    if any(_FLOW.search(word) for word in words):
         return None
-    left = [*_held_temperatures(kept), *_filtered(kept)]
-    if kept == list(statement):
-        return Imported("".join(kept), tuple(left))
+    left = [*_held_temperatures(words), *_filtered(words)]
+    if words == list(statement):
+        return Imported("".join(words), tuple(left))
     if has_pi:
-        kept = [name if name == word else _PI.sub(repr(math.pi), name) for name, word in zip(kept, statement, strict=True)]
-    converted = _converted(kept)
+        words = [name if name == word else _PI.sub(repr(math.pi), name) for name, word in zip(words, statement, strict=True)]
+    words = without_idle(words)  # whatever they are given
+    converted = None if any(word.startswith(_MISSING) for word in words) else _converted(words)
     if converted is None:
         return None
-    kept, unknown = without_unknown(without_idle(converted))
+    kept, unknown = without_unknown(converted)
     return None if any(word.startswith(WAY) for word in kept) else Imported("".join(kept), (*left, *unknown))
 
 
+_LEFT_OUT = "// left out: "
+_COMMENT_ENDS = re.compile(_LEFT_OUT + r".*\Z")
+_LINE_ENDS = re.compile(r"[ \t]*(\r?\n|//|\Z)")
+_MISSING = "?"  # stands before a name that has no counterpart
 _PI = re.compile(r"(?<![\w.])pi\b")
 _INSTEAD = {  # what a statement names that has no counterpart, and what to write
     r"\b(heatPort|internalHeatPort|Thermal)\b": "heat is not of this language: what a component turns into heat is its "

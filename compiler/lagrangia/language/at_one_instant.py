@@ -12,7 +12,7 @@ from itertools import pairwise
 
 from lagrangia.base.diagnostics import fail
 from lagrangia.language.changes import before
-from lagrangia.language.discrete import Event
+from lagrangia.language.discrete import Event, meant_by
 from lagrangia.language.elsewhen import come_apart
 from lagrangia.language.flat import When
 from lagrangia.language.mentions import nodes, read_now, rebuilt
@@ -100,13 +100,13 @@ def _with_past(event: Event, late: set[str], bindings: Bindings, past: dict[str,
     """pre(n) is n.before where n has its new value by then."""
 
     def was(node: Flat) -> Flat | None:
-        if not isinstance(node, Ref) or node.index:
+        if not isinstance(node, Ref):
             return None
         if node.name in late:
             past[node.name] = node
             return before(node)
-        binding = bindings.get(node.name)
-        return None if binding is None or late.isdisjoint(read_now([binding], bindings)) else rebuilt(binding, was)
+        binding = None if late.isdisjoint(read_now([node], bindings)) else meant_by(node, bindings)
+        return binding and rebuilt(binding, was)
 
     def meant(node: Flat) -> Flat | None:
         if isinstance(node, Call) and node.function == "pre":

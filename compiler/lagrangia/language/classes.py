@@ -202,6 +202,15 @@ class ClassTable:
                     found[argument.name] = replace(found[argument.name], binding=argument.value)
         return found
 
+    def as_extended(self, definition: ClassDefinition) -> dict[str, Declaration]:
+        """As `declared`, with those that extends clauses redeclare in the places of what is inherited."""
+        found = self.declared(definition)
+        for base in reversed(self.lineage(definition)):
+            for a in (a for e in base.elements if isinstance(e, Extends) for a in e.arguments):
+                if a.redeclared is not None and not a.redeclared.kind and a.name in found:
+                    found[a.name] = a.redeclared
+        return found
+
     def refuse_circle(self, definition: ClassDefinition, heirs: tuple[ClassDefinition, ...] = (),
                       clear: dict[int, ClassDefinition] | None = None) -> None:
         """Raises LagError L0206 for a class that extends itself; `clear` are those that do not, by their ids."""

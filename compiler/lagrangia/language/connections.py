@@ -12,7 +12,7 @@ from typing import Protocol
 from lagrangia.base.diagnostics import Report, Source, Span, fail
 from lagrangia.base.records import dataclass
 from lagrangia.language.classes import ClassTable
-from lagrangia.language.elements import element, length
+from lagrangia.language.elements import array_of, element, length
 from lagrangia.language.flat import Equation, Variable
 from lagrangia.language.instances import FrameSlot, Instance, Member, Scope, Slot
 from lagrangia.language.mentions import leaves, nodes
@@ -141,7 +141,7 @@ class Bindings:
         expression`, together one; returns the others. Raises LagError L0211 where some elements have one and others none."""
         for variable in self.variables.values():
             if 0 in variable.shape and self._is_open(variable.name):
-                self._bind(variable, _array(variable.shape, (), {}, variable.span))
+                self._bind(variable, array_of(variable.shape, (), {}, variable.span))
         left = [part for equation in equations if not self._give(equation) for part in self._dealt(equation)]
         parts: dict[str, dict[tuple[int, ...], tuple[int, Flat]]] = {}
         for k, equation in enumerate(left):
@@ -156,7 +156,7 @@ class Bindings:
             if missing:
                 fail("L0211", f"some elements of '{name}' have a value, '{missing[0]}' has none", variable.span,
                      f"write: {missing[0]} = ...")
-            self._bind(variable, _array(variable.shape, (), {index: x for index, (_, x) in elements.items()}, variable.span))
+            self._bind(variable, array_of(variable.shape, (), {index: x for index, (_, x) in elements.items()}, variable.span))
         taken = {k for elements in parts.values() for k, _ in elements.values()}
         return [equation for k, equation in enumerate(left) if k not in taken]
 
@@ -271,13 +271,6 @@ class Bindings:
 
 def _where(connection: Connection | None, variable: Variable) -> Span:
     return connection.span if connection is not None else variable.span
-
-
-def _array(shape: tuple[int, ...], index: tuple[int, ...], elements: Mapping[tuple[int, ...], Flat], span: Span) -> Flat:
-    """The elements of an array, row by row."""
-    if not shape:
-        return elements[index]
-    return Array(tuple(_array(shape[1:], (*index, k), elements, span) for k in range(1, shape[0] + 1)), span)
 
 
 def require_bindings(variables: Mapping[str, Variable], equations: Sequence[Equation], report: Report) -> None:

@@ -6,12 +6,13 @@ that the same `when` gives a value, what it is from there on. `when initial()` s
 are the numbers 1 and 0 (truths.py), which are read as conditions.
 """
 
-from collections.abc import Iterable, Mapping, Sequence, Set
+from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
 from dataclasses import replace
 from functools import partial
 
 from lagrangia.base.diagnostics import Report, Span, fail
 from lagrangia.base.records import dataclass
+from lagrangia.language.elements import Size, array_of, dealt_out
 from lagrangia.language.events import are_alike
 from lagrangia.language.flat import Equation, Reset, Variable, When
 from lagrangia.language.mentions import nodes, read_now, rebuilt
@@ -127,12 +128,47 @@ class Discrete:
 
 
 def bindings_of(variables: Mapping[str, Variable], equations: Sequence[Equation]) -> Bindings:
-    """What variables stand for, by their declarations or by equations."""
+    """What variables stand for, by their declarations or by equations; arrays as their elements, where they can be dealt out."""
     bindings: dict[str, Flat | None] = {name: variable.binding for name, variable in variables.items()}
-    for x in equations:
-        if isinstance(x.left, Ref) and bindings.get(x.left.name) is None:
-            bindings[x.left.name] = x.right
+    elements = dict[str, dict[tuple[int, ...], Flat]]()
+
+    def size(ref: Ref) -> int | None:
+        shape = variables[ref.name].shape if ref.name in variables else ()
+        return shape[len(ref.index)] if len(shape) > len(ref.index) else None
+
+    for equation in equations:
+        for ref, value in _solved(equation.left, equation.right, size):
+            if ref.index:
+                elements.setdefault(ref.name, {}).setdefault(ref.index, value)
+            elif bindings.get(ref.name) is None:
+                bindings[ref.name] = value
+    for name, variable in ((name, variable) for name, variable in variables.items() if variable.shape):
+        whole, found = bindings[name], elements.get(name, {})
+        if whole is not None:
+            bindings[name] = dealt_out(whole, variable.shape, size)
+        elif found and all(index in found for _, index in variable.elements()):
+            bindings[name] = array_of(variable.shape, (), found, variable.span)
     return bindings
+
+
+def _solved(left: Flat, right: Flat, size: Size) -> Iterator[tuple[Ref, Flat]]:
+    """The variables and elements that a side of an equation is, as y, y[1] and y[1:2], with what they are."""
+    if isinstance(left, Ref):
+        yield left, right
+    elif isinstance(left, Array) and isinstance(whole := dealt_out(right, (len(left.items),), size), Array):
+        for item, value in zip(left.items, whole.items, strict=True):
+            yield from _solved(item, value, size)
+
+
+def meant_by(ref: Ref, bindings: Bindings) -> Flat | None:
+    """What a variable, or an element of an array, stands for. Raises LagError L0901 for one of an array of products."""
+    value = bindings.get(ref.name)
+    for k in ref.index:
+        if value is not None and not isinstance(value, Array):
+            fail("L0901", f"not supported yet: the element '{ref}' of an array of products at an instant at which these change",
+                 ref.span, f"give it to a variable of its own, by an equation: Real x = {ref}")
+        value = value and value.items[k - 1]
+    return value
 
 
 def find_discrete(events: Sequence[Event], variables: Mapping[str, Variable], equations: Sequence[Equation],
@@ -196,16 +232,16 @@ def _with_new_values(event: Event, bindings: Bindings) -> tuple[Reset, ...]:
     def now(node: Flat, pending: tuple[str, ...]) -> Flat | None:
         if isinstance(node, Call) and node.function == "pre":
             return node
-        if not isinstance(node, Ref) or node.index:
+        if not isinstance(node, Ref):
             return None
-        if node.name in pending:
-            fail("L0212", f"'{node.name}' follows from itself at this event", given[pending[0]].span,
-                 " > ".join((*pending[pending.index(node.name) :], node.name)), f"pre({node.name}) is the value before")
-        value = new.get(node.name)
-        if value is None and (binding := bindings.get(node.name)) is not None and not new.keys().isdisjoint(
-                read_now([binding], bindings)):
-            value = binding
-        return value and rebuilt(value, partial(now, pending=(*pending, node.name)))
+        name = str(node)
+        if name in pending:
+            fail("L0212", f"'{name}' follows from itself at this event", given[pending[0]].span,
+                 " > ".join((*pending[pending.index(name) :], name)), f"pre({name}) is the value before")
+        value = new.get(name)
+        if value is None and not new.keys().isdisjoint(read_now([node], bindings)):
+            value = meant_by(node, bindings)
+        return value and rebuilt(value, partial(now, pending=(*pending, name)))
 
     def first(reset: Reset) -> tuple[str, ...]:
         return (reset.rate.name,) if reset.is_kept and isinstance(reset.rate, Ref) else ()

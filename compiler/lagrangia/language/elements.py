@@ -1,9 +1,9 @@
 """Flat arrays, and what is computed of them, dealt out: how many elements an expression has, and each of them."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 
-from lagrangia.base.diagnostics import Span, fail
+from lagrangia.base.diagnostics import LagError, Span, fail
 from lagrangia.language.frame_attributes import frame_shape
 from lagrangia.language.tree import Array, Binary, Call, Flat, FrameRef, IfExpression, Number, Ref, Unary
 
@@ -69,3 +69,21 @@ def element(node: Flat, index: int, size: Size) -> Flat:
         case IfExpression(condition, then, otherwise, span):
             return IfExpression(condition, of(then), of(otherwise), span)
     return node
+
+
+def array_of(shape: tuple[int, ...], index: tuple[int, ...], elements: Mapping[tuple[int, ...], Flat], span: Span) -> Flat:
+    """The elements of an array, row by row."""
+    if not shape:
+        return elements[index]
+    return Array(tuple(array_of(shape[1:], (*index, k), elements, span) for k in range(1, shape[0] + 1)), span)
+
+
+def dealt_out(node: Flat, shape: tuple[int, ...], size: Size) -> Flat:
+    """An array as one of its elements; as it is where what it is made of is no sum of arrays."""
+    try:
+        if not shape or length(node, size) != shape[0]:
+            return node
+    except LagError:  # matrices are multiplied in it
+        return node
+    rows = (element(node, k, size) for k in range(1, shape[0] + 1))
+    return Array(tuple(dealt_out(row, shape[1:], size) for row in rows), node.span)

@@ -203,7 +203,7 @@ class Instantiation:
             return
         of_frame = OF_ANY_FRAME | SPATIAL_ONLY if self._is_frame_class(definition) else frozenset()
         self._refuse_unknown(definition, change, known_names(self.table, definition) | of_frame)
-        own = self.table.declared(definition)
+        own = self.table.as_extended(definition)
         for name in own.keys() & {name for name, inner in change.children.items() if inner.children}:
             self._refuse_unknown_within(own[name], change.children[name])
 

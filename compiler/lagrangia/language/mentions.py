@@ -93,13 +93,15 @@ def _degree(node: Flat, name: str) -> int | None:
 
 def read_now(roots: Iterable[Flat], bindings: Mapping[str, Flat | None]) -> Iterator[str]:
     """The variables that expressions read at an instant, going through `bindings`, but for those under pre(...)."""
-    seen, stack = set[str](), [*roots]
+    seen, stack = set[tuple[str, tuple[int, ...]]](), [*roots]
     while stack:
         node = stack.pop()
-        if isinstance(node, Ref) and node.name not in seen:
-            seen.add(node.name)
+        if isinstance(node, Ref) and (node.name, node.index) not in seen:
+            seen.add((node.name, node.index))
             yield node.name
             binding = bindings.get(node.name)
+            for k in node.index:
+                binding = binding.items[k - 1] if isinstance(binding, Array) else binding
             if binding is not None:
                 stack.append(binding)
         elif not (isinstance(node, Call) and node.function == "pre"):

@@ -12,7 +12,7 @@ from typing import Any, Protocol
 from lagrangia.base.diagnostics import Source, Span, fail
 from lagrangia.base.records import dataclass
 from lagrangia.language.scoping import Copy, Scopes
-from lagrangia.language.tree import Argument, ClassDefinition, Constraining, Declaration, Extends, Number, over
+from lagrangia.language.tree import Argument, ClassDefinition, Constraining, Declaration, Extends, Number, Reference, String, over
 
 COMPONENTS = ("model", "block")  # classes that are redeclared with what modifies them, where they are used (redeclarations.py)
 
@@ -340,13 +340,23 @@ def _but_for(element: Declaration | Extends, name: str, is_behind: bool) -> Decl
     return replace(element, type_name="") if is_behind and element.type_name == name else element
 
 
+_NO_CLASSES = frozenset({"description", "annotation", "annotations"})  # fields of syntax that name none
+
+
 def _names(node: Any, name: str) -> bool:
-    """Whether a name stands in a piece of syntax, or is a part of one that does."""
+    """Whether a class is named in a piece of syntax, or is a part of what is: not by texts, nor by a variable called so and what
+    gives that its value."""
     if isinstance(node, str):
         return name in node.split(".")
     if isinstance(node, tuple):
         return any(_names(item, name) for item in node)
-    return is_dataclass(node) and not isinstance(node, Span) and any(_names(getattr(node, f.name), name) for f in fields(node))
+    if not is_dataclass(node) or isinstance(node, Span | String):
+        return False
+    if isinstance(node, Reference) and len(node.parts) == 1:
+        return _names(node.parts[0].subscripts, name)
+    is_variable = (isinstance(node, Declaration) and not node.kind) or (isinstance(node, Argument) and node.redeclared is None)
+    own = {"name"} if is_variable else frozenset[str]()
+    return any(_names(getattr(node, f.name), name) for f in fields(node) if f.name not in _NO_CLASSES | own)
 
 
 def _moved(node: Any, source: Source) -> Any:
