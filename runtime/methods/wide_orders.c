@@ -60,8 +60,8 @@ LAG_UNROLLED LagWide length_of(const LagWideTaylor *s, int lane)
     const int p = s->order;
     LagWide last, before;
     last_terms(s, lane, p, &last, &before);
-    return lag_wide_min(lag_wide_power_of(LAG_WIDE_OF(s->last) / last, lag_inverse[p - 1]),
-                        lag_wide_power_of(LAG_WIDE_OF(s->before_last) / before, lag_inverse[p - 2]));
+    return lag_wide_exp2(lag_wide_min(lag_wide_log2_of_power(LAG_WIDE_OF(s->last) / last, lag_inverse[p - 1]),
+                                      lag_wide_log2_of_power(LAG_WIDE_OF(s->before_last) / before, lag_inverse[p - 2])));
 }
 
 /* Lengths of steps to the ends of segments. */
@@ -118,13 +118,18 @@ static int first_order(const LagWideTaylor *s)
     return first > FEWEST ? (int)first / 2 * 2 : FEWEST;
 }
 
-void lag_wide_orders_expand(LagWideTaylor *s)
+int lag_wide_orders_differ(const LagWideTaylor *s)
+{
+    LagWide missing = LAG_WIDE_OF(0);
+    for (int lane = 0; lane < LAG_ABREAST; lane += LAG_WIDE)
+        missing += LAG_WIDE_OF((double)s->order) - lag_wide_read(s->own + lane);
+    return lag_wide_is_some(missing);
+}
+
+/* The orders of short steps: their coefficients are made by twos until they suffice. Returns the order before which they are made. */
+static int find_orders(LagWideTaylor *s)
 {
     int made = 1;
-    for (int lane = 0; lane < LAG_ABREAST; lane += LAG_WIDE) {
-        weigh(s, lane);
-        wait_for_order(s, lane);
-    }
     s->made_to = highest_of(s);
     for (int p = first_order(s); s->made_to == 0 && p < s->order; p += 2) {
         lag_wide_series_go_on(&s->series, made, p);
@@ -136,6 +141,17 @@ void lag_wide_orders_expand(LagWideTaylor *s)
     for (int lane = 0; lane < LAG_ABREAST && s->made_to == 0; ++lane)
         s->own[lane] = s->own[lane] == 0 ? s->order : s->own[lane];
     s->made_to = highest_of(s);
+    return made;
+}
+
+void lag_wide_orders_expand(LagWideTaylor *s)
+{
+    for (int lane = 0; lane < LAG_ABREAST; lane += LAG_WIDE) {
+        weigh(s, lane);
+        wait_for_order(s, lane);
+    }
+    s->made_to = s->order;
+    const int made = lag_wide_orders_differ(s) ? find_orders(s) : 1;
     if (made < s->made_to)
         lag_wide_series_go_on(&s->series, made, s->made_to);
     for (int lane = 0; lane < LAG_ABREAST && s->made_to == s->order; lane += LAG_WIDE)

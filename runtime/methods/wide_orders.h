@@ -19,4 +19,7 @@ static inline const double *lag_wide_power_jet(const LagWideTaylor *s, int i)
  * lane asks for all orders. */
 void lag_wide_orders_expand(LagWideTaylor *taylor);
 
+/* Whether some lane does with fewer orders than all. */
+int lag_wide_orders_differ(const LagWideTaylor *taylor);
+
 #endif

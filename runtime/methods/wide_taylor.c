@@ -176,18 +176,21 @@ static void show(void *self, int lane, LagRun *run, LagShown shown)
 /* What the last steps have made becomes the beginning of the series, where they were good. */
 static void begin_series(LagWideTaylor *s, int lane)
 {
-    const int n = s->lanes.n;
+    const LagModel *model = s->lanes.model;
+    const int n = model->n, n_jets = model->n_jets;
     const LagWide zero = LAG_WIDE_OF(0), good = lag_wide_read(s->lanes.taken + lane);
-    for (int slot = 0; slot < s->lanes.model->n_jets; ++slot) {
-        double *c = lag_wide_jet(s, slot) + lane;
-        lag_wide_write(c, LAG_WIDE_SELECT(good > zero, lag_wide_of(s->series.line, slot, lane), lag_wide_read(c)));
+    const double *line = s->series.line + lane;
+    double *const jets = s->series.jets + lane;
+    for (int slot = 0; slot < n_jets; ++slot) {
+        double *c = jets + (size_t)slot * LAG_WIDE_JET;
+        lag_wide_write(c, LAG_WIDE_SELECT(good > zero, lag_wide_read(line + (size_t)slot * LAG_ABREAST), lag_wide_read(c)));
     }
     for (int i = 0; i < n; ++i) {
         double *q = lag_wide_jet(s, 1 + i) + LAG_ABREAST + lane, *v = lag_wide_jet(s, 1 + n + i) + LAG_ABREAST + lane;
         lag_wide_write(q, lag_wide_read(lag_wide_jet(s, 1 + n + i) + lane));
-        lag_wide_write(v, lag_wide_read(lag_wide_jet(s, s->lanes.model->jet_places[i]) + lane));
+        lag_wide_write(v, lag_wide_read(lag_wide_jet(s, model->jet_places[i]) + lane));
     }
-    for (int i = 0; i < s->lanes.model->n_inputs; ++i)
+    for (int i = 0; i < model->n_inputs; ++i)
         lag_wide_write(lag_wide_jet(s, lag_wide_input(s) + i) + LAG_ABREAST + lane, lag_wide_of(s->slope, i, lane));
     lag_wide_write(lag_wide_jet(s, 0) + LAG_ABREAST + lane, LAG_WIDE_OF(1));
 }
@@ -297,19 +300,9 @@ LAG_UNROLLED LagWide rounding_of(const LagWideTaylor *s, int lane, int i)
     return LAG_WIDE_OF(LAG_TAYLOR_ROUNDING) * size;
 }
 
-static int is_some_above(LagWide a, double limit)
-{
-    double each[LAG_WIDE];
-    memcpy(each, &a, sizeof each);
-    int some = 0;
-    for (int i = 0; i < LAG_WIDE; ++i)
-        some |= !(each[i] <= limit);
-    return some;
-}
-
 /* How far the accelerations at the end of the step are from the slope of the series there, in units of rates, which are
- * worth `share` of an error each. */
-LAG_UNROLLED LagWide gap(const LagWideTaylor *s, int lane, LagWide h, LagWide share, LagWide own, int is_own)
+ * worth `share` of an error each; `is_rounded`: what is rounding counts for nothing where it would be too many. */
+LAG_UNROLLED LagWide gap_of(const LagWideTaylor *s, int lane, LagWide h, LagWide share, LagWide own, int is_own, int is_rounded)
 {
     const LagWide zero = LAG_WIDE_OF(0), square = h * h, before = lag_wide_read(s->lanes.length + lane);
     const LagWide uncertain = LAG_WIDE_OF(DBL_EPSILON) / before;
@@ -321,13 +314,25 @@ LAG_UNROLLED LagWide gap(const LagWideTaylor *s, int lane, LagWide h, LagWide sh
         LagWide unit[2];
         lag_wide_scale_units(&s->lanes.scale, i, lane, s->lanes.y, s->lanes.made, before, uncertain, &unit[0], &unit[1]);
         LagWide gap = LAG_WIDE_SELECT(unit[1] > zero, miss / unit[1], zero);
-        if (is_some_above(gap * share, WRONG)) {
+        if (is_rounded) {
             const LagWide counted = LAG_WIDE_SELECT(miss <= rounding_of(s, lane, i), zero, gap);
             gap = LAG_WIDE_SELECT(gap * share <= LAG_WIDE_OF(WRONG), gap, counted);
         }
         largest = LAG_WIDE_SELECT(gap <= largest, largest, gap); /* a NaN stays */
     }
     return largest;
+}
+
+static LagWide gap_beyond_rounding(const LagWideTaylor *s, int lane, LagWide h, LagWide share, LagWide own)
+{
+    return gap_of(s, lane, h, share, own, 1, 1);
+}
+
+LAG_UNROLLED LagWide gap(const LagWideTaylor *s, int lane, LagWide h, LagWide share, LagWide own, int is_own)
+{
+    const LagWide found = gap_of(s, lane, h, share, own, is_own, 0);
+    const LagWide is_much = LAG_WIDE_SELECT(found * share <= LAG_WIDE_OF(WRONG), LAG_WIDE_OF(0), LAG_WIDE_OF(1));
+    return lag_wide_is_some(is_much) ? gap_beyond_rounding(s, lane, h, share, own) : found;
 }
 
 /* The largest angular velocity of attitudes, squared, at states y. */
@@ -375,15 +380,6 @@ LAG_UNROLLED void judge(LagWideTaylor *s, int lane, int is_own)
     lag_wide_accept(&s->lanes, lane, good, h);
 }
 
-/* Whether some lane does with fewer orders than have been made. */
-static int differ(const LagWideTaylor *s)
-{
-    for (int lane = 0; lane < LAG_ABREAST; ++lane)
-        if (s->own[lane] < s->order)
-            return 1;
-    return 0;
-}
-
 static void go_all(LagWideTaylor *s, int is_own)
 {
     for (int lane = 0; lane < LAG_ABREAST; lane += LAG_WIDE)
@@ -409,7 +405,7 @@ static void step(void *self)
         begin_series(s, lane);
     lag_wide_series_turn(&s->series, 0);
     lag_wide_orders_expand(s);
-    const int is_own = differ(s);
+    const int is_own = lag_wide_orders_differ(s);
     go_all(s, is_own);
     place_turned(s, s->lanes.made);
     lag_wide_series_begin(&s->series);

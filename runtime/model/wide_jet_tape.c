@@ -133,17 +133,45 @@ LAG_UNROLLED void sum(const double *jets, const int *sums, int count, int k, dou
     }
 }
 
+/* The same of a square: its half. */
+static void half_sum(const double *jets, int slot, int k, double *between)
+{
+    for (int lane = 0; lane < LAG_ABREAST; lane += LAG_WIDE) {
+        const double *a = jets + (size_t)slot * LAG_WIDE_JET + lane;
+        LagWide half = LAG_WIDE_OF(0);
+        for (int j = 2; 2 * j < k; ++j)
+            half = LAG_WIDE_FUSED(LAG_WIDE_TERM(a, j), LAG_WIDE_TERM(a, k - j), half);
+        lag_wide_write(between + lane, lag_wide_half_ends(half, a, k));
+    }
+}
+
+/* How many sums, AT_ONCE at most, are none of squares. */
+static int count_apart(const int *sums, int most)
+{
+    int count = 0;
+    while (count < most && sums[2 * count] != sums[2 * count + 1])
+        ++count;
+    return count;
+}
+
 static void sum_all(LagWideSeries *s, int k)
 {
-    int m = 0;
-    for (; m + AT_ONCE <= s->n_sums; m += AT_ONCE)
-        sum(s->jets, s->sums + 2 * m, AT_ONCE, k, s->between + m * LAG_ABREAST);
-    for (; m < s->n_sums; ++m)
-        sum(s->jets, s->sums + 2 * m, 1, k, s->between + m * LAG_ABREAST);
+    for (int m = 0, taken; m < s->n_sums; m += taken) {
+        const int *sums = s->sums + 2 * m, left = s->n_sums - m, apart = count_apart(sums, left < AT_ONCE ? left : AT_ONCE);
+        double *between = s->between + m * LAG_ABREAST;
+        taken = apart == AT_ONCE ? AT_ONCE : apart > 1 ? 2 : 1;
+        switch (apart) {
+        case 0: half_sum(s->jets, sums[0], k, between); break;
+        case 1: sum(s->jets, sums, 1, k, between); break;
+        case AT_ONCE: sum(s->jets, sums, AT_ONCE, k, between); break;
+        default: sum(s->jets, sums, 2, k, between); break;
+        }
+    }
 }
 
 #undef EACH
-#define FIRST(field) lag_wide_read(jets + (size_t)i[field] * LAG_WIDE_JET + lane)
+#define JET(field) (jets + (size_t)i[field] * LAG_WIDE_JET + lane)
+#define FIRST(field) lag_wide_read(JET(field))
 #define BETWEEN(number) lag_wide_read(between + (number) * LAG_ABREAST + lane)
 #define PRODUCT(a, b) LAG_WIDE_PRODUCT(BETWEEN(0), FIRST(a), X(a), FIRST(b), X(b))
 #define INNER(number, a, b) LAG_WIDE_INNER(BETWEEN(number), X(a), FIRST(b))
@@ -181,12 +209,12 @@ static void run_order(LagWideSeries *s, int k)
         case LAG_JET_OVER_NUMBER: EACH(X(2) / N(3));
         case LAG_JET_IF: EACH(LAG_WIDE_SELECT(N(2) != zero, X(3), zero));
         case LAG_JET_PRODUCT: EACH(PRODUCT(2, 3));
-        case LAG_JET_SQUARE: EACH(PRODUCT(2, 2));
+        case LAG_JET_SQUARE: EACH(lag_wide_twice(LAG_WIDE_FUSED(FIRST(2), X(2), BETWEEN(0)), JET(2), k));
         case LAG_JET_QUOTIENT: EACH((X(2) - INNER(0, 3, 1)) * (one / FIRST(3)));
         case LAG_JET_NUMBER_OVER: EACH(INNER(0, 3, 1) * (-one / FIRST(3)));
-        case LAG_JET_SQRT: EACH((X(2) - BETWEEN(0)) * (half / FIRST(1)));
+        case LAG_JET_SQRT: EACH((X(2) - lag_wide_twice(BETWEEN(0), JET(1), k)) * (half / FIRST(1)));
         case LAG_JET_POWER:
-            EACH(lag_wide_power(jets + (size_t)i[2] * LAG_WIDE_JET + lane, jets + (size_t)i[1] * LAG_WIDE_JET + lane, N(3), k));
+            EACH(lag_wide_power(JET(2), JET(1), N(3), k));
         case LAG_JET_INTEGRAL: case LAG_JET_SINE: EACH(INNER(0, 3, 4) * share);
         case LAG_JET_MINUS_INTEGRAL: case LAG_JET_COSINE: EACH(INNER(0, 3, 4) * -share);
         case LAG_JET_ANGLE: EACH((INNER(0, 4, 6) - INNER(1, 5, 7)) * share);

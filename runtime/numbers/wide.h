@@ -70,14 +70,31 @@ static inline LagWide lag_wide_fused(LagWide a, LagWide b, LagWide c)
 #define LAG_WIDE_FUSED(a, b, c) ((a) * (b) + (c))
 #endif
 
-static inline LagWide lag_wide_read(const double *place)
-{
-    LagWide a;
-    memcpy(&a, place, sizeof a);
-    return a;
-}
+/* As numbers, which lie where none of a caller's pointers do, and need not lie at a line of the cache. */
+#ifdef LAG_HAS_VECTORS
+typedef double LagWidePlace __attribute__((vector_size(8 * LAG_WIDE), aligned(8)));
+#else
+typedef double LagWidePlace;
+#endif
 
-static inline void lag_wide_write(double *place, LagWide a) { memcpy(place, &a, sizeof a); }
+static inline LagWide lag_wide_read(const double *place) { return *(const LagWidePlace *)place; }
+
+static inline void lag_wide_write(double *place, LagWide a) { *(LagWidePlace *)place = a; }
+
+/* Whether some number is not 0. */
+static inline int lag_wide_is_some(LagWide a)
+{
+#if defined(LAG_HAS_VECTORS) && defined(__AVX512F__) && !defined(__clang__)
+    return __builtin_ia32_cmppd512_mask(a, LAG_WIDE_OF(0), 4, 0xff, 4) != 0; /* unequal, or no number */
+#else
+    double each[LAG_WIDE];
+    memcpy(each, &a, sizeof each);
+    int some = 0;
+    for (int i = 0; i < LAG_WIDE; ++i)
+        some |= each[i] != 0;
+    return some;
+#endif
+}
 
 /* sum of a[j] times row j of a table whose rows are `pitch` long, for the columns from `lane` on: in two chains. */
 LAG_UNROLLED LagWide lag_wide_weighed(const double *a, const double *table, int count, int pitch, int lane)

@@ -30,6 +30,18 @@ LAG_UNROLLED LagWide lag_wide_ends(LagWide sum, const double *a, const double *b
     return sum;
 }
 
+/* The same of a square, whose half is summed, from that of j = 2 to before k/2; and a square from its half without a_(k/2)^2. */
+LAG_UNROLLED LagWide lag_wide_half_ends(LagWide half, const double *a, int k)
+{
+    return k > 2 ? LAG_WIDE_FUSED(LAG_WIDE_TERM(a, 1), LAG_WIDE_TERM(a, k - 1), half) : half;
+}
+
+LAG_UNROLLED LagWide lag_wide_twice(LagWide half, const double *a, int k)
+{
+    const LagWide middle = LAG_WIDE_TERM(a, k / 2), twice = half + half;
+    return k % 2 == 0 ? LAG_WIDE_FUSED(middle, middle, twice) : twice;
+}
+
 /* w = u^exponent */
 LAG_UNROLLED LagWide lag_wide_power(const double *u, const double *w, LagWide exponent, int k)
 {

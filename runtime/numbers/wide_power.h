@@ -15,17 +15,27 @@ LAG_UNROLLED LagWide lag_wide_log2(LagWide x)
     return exponent + m * (LAG_WIDE_OF(1.42286536) + m * (LAG_WIDE_OF(-0.58208551) + m * LAG_WIDE_OF(0.15922016)));
 }
 
-/* x^exponent for x >= 0 and small exponents: 0 where x is no ordinary number for its smallness, infinity where for its size. */
-LAG_UNROLLED LagWide lag_wide_power_of(LagWide x, double exponent)
+/* The logarithm of x^exponent for x >= 0: -infinity where x is no ordinary number for its smallness, infinity where for its size. */
+LAG_UNROLLED LagWide lag_wide_log2_of_power(LagWide x, double exponent)
+{
+    const LagWide infinite = LAG_WIDE_OF((double)INFINITY), found = LAG_WIDE_OF(exponent) * lag_wide_log2(x);
+    const LagWide few = LAG_WIDE_SELECT(x >= LAG_WIDE_OF(DBL_MIN), found, -infinite);
+    return LAG_WIDE_SELECT(x > LAG_WIDE_OF(DBL_MAX), infinite, few);
+}
+
+/* 2^y for small y, and for infinite ones. */
+LAG_UNROLLED LagWide lag_wide_exp2(LagWide y)
 {
     const LagWide shift = LAG_WIDE_OF(6755399441055744.0), zero = LAG_WIDE_OF(0), one = LAG_WIDE_OF(1);
-    const LagWide y = LAG_WIDE_OF(exponent) * lag_wide_log2(x), nearest = (y + shift) - shift;
-    const LagWide whole = nearest - LAG_WIDE_SELECT(nearest > y, one, zero), part = y - whole;
+    const LagWide nearest = (y + shift) - shift, whole = nearest - LAG_WIDE_SELECT(nearest > y, one, zero), part = y - whole;
     const LagWide scale = LAG_WIDE_OF_WORDS((LAG_WIDE_WORDS(whole + shift) + 1023) << 52);
     const LagWide found = scale * (one + part * (LAG_WIDE_OF(0.69589012) + part * (LAG_WIDE_OF(0.22486495)
                                                                                    + part * LAG_WIDE_OF(0.07924493))));
-    const LagWide few = LAG_WIDE_SELECT(x >= LAG_WIDE_OF(DBL_MIN), found, zero);
-    return LAG_WIDE_SELECT(x > LAG_WIDE_OF(DBL_MAX), LAG_WIDE_OF((double)INFINITY), few);
+    const LagWide few = LAG_WIDE_SELECT(y >= LAG_WIDE_OF(-DBL_MAX), found, zero);
+    return LAG_WIDE_SELECT(y > LAG_WIDE_OF(DBL_MAX), LAG_WIDE_OF((double)INFINITY), few);
 }
+
+/* x^exponent for x >= 0 and small exponents: 0 where x is no ordinary number for its smallness, infinity where for its size. */
+LAG_UNROLLED LagWide lag_wide_power_of(LagWide x, double exponent) { return lag_wide_exp2(lag_wide_log2_of_power(x, exponent)); }
 
 #endif

@@ -14,6 +14,8 @@ from lagrangia.base.diagnostics import LagError, RunError
 from lagrangia.compile.instructions import tape_of
 from lagrangia.native.build import build
 from lagrangia.native.c_code import jet_tape, write_c
+from lagrangia.native.series import find_series
+from lagrangia.native.tapes import JetOp
 from lagrangia.run.library import Runtime
 from lagrangia.run.runtime import Model, Settings, Solver, Status
 
@@ -26,6 +28,7 @@ CASES = Path(__file__).parents[1] / "cases"
 FORCES: dict[str, Force] = {
     "polynomial": lambda t, q, v: q**3 - 2 * q * v + v**2 - 1,
     "quotient": lambda t, q, v: (1 + q) / (2 + v * q) - 1 / (3 + q),
+    "squares": lambda t, q, v: -(t * q) * q - v * (q * v) - (3 * v) * v + ca.sqrt(2 + (q * v) * v) * (q * v),
     "sine": lambda t, q, v: ca.sin(q * v) - ca.cos(2 * q) * ca.sin(t),
     "tangent": lambda t, q, v: -ca.tan(q) * (1 + v),
     "root": lambda t, q, v: -ca.sqrt(1 + q**2 + v**2),
@@ -73,6 +76,15 @@ def test_each_recurrence(runtime: Runtime, name: str) -> None:
     assert few < 0.7 * many
     interpreted, as_few = end_of(runtime, FORCES[name], Solver.TAYLOR, 1e-13, native=False)
     assert (interpreted.tolist(), as_few) == (found.tolist(), few), "tapes have the digits of native code"
+
+
+def test_products_are_squares_where_they_can_be() -> None:
+    """(t q) q and 3 v v have half of their terms to sum; q v is asked for twice, and stays."""
+    t, q, v, nothing = ca.SX.sym("t"), ca.SX.sym("q"), ca.SX.sym("v"), ca.SX(0, 1)
+    force = (t * q) * q + (3 * v) * v + (q * v) * v + ca.sin(q * v)
+    series = find_series(tape_of(ca.Function("rhs", [t, q, v, nothing, nothing, nothing], [force, nothing, nothing])))
+    ops = [i.op for i in series.instructions]
+    assert (ops.count(JetOp.SQUARE), ops.count(JetOp.PRODUCT)) == (2, 3)
 
 
 @pytest.mark.parametrize("function", [ca.fabs, lambda q: ca.fmax(q, 0), lambda q: ca.if_else(q > 0, q, 2 * q)])

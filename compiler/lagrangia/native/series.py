@@ -8,6 +8,7 @@ runtime/model/jet_tape.h runs the instructions, series_code.py writes them as C;
 """
 
 from array import array
+from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 
 from lagrangia.base.records import dataclass
@@ -117,7 +118,8 @@ def find_series(tape: Tape, attitudes: Sequence[int] = ()) -> Series:
         value = writer.values[a]
         places[(out, b)] = (value if isinstance(value, Jet) else writer.jet(JetOp.NUMBER, value)).slot
     n, found = tape.in_sizes[POSITIONS], [places[key] for key in sorted(places)]
-    instructions = tuple(map(_alone, writer.instructions) if writer.n_angles == 1 else writer.instructions)
+    written = _in_squares(writer.instructions, found)
+    instructions = tuple(map(_alone, written) if writer.n_angles == 1 else written)
     if turned:
         instructions = _asked_for(instructions, found)
     products = sum(i.op in _PRODUCTS for i in instructions)
@@ -158,6 +160,34 @@ def _asked_for(instructions: Sequence[Instruction], wanted: Iterable[int]) -> tu
             i = by_slot[slot]
             left += [x for kind, x in zip(OPERANDS[i.op], i.operands, strict=True) if kind in "jJ"]
     return tuple(i for i in instructions if i.out in asked)
+
+
+def _in_squares(instructions: Sequence[Instruction], found: Sequence[int]) -> list[Instruction]:
+    """(a b) b, where nothing else asks for a b, as a b^2; and a (c a), where c is a number, as c a^2: half of the terms of a
+    square are the other half once more. `found` are asked for, too."""
+    operands = (both for i in instructions for both in zip(OPERANDS[i.op], i.operands, strict=True))
+    asked = Counter([*found, *(x for kind, x in operands if kind in "jJ")])
+    place = {i.out: k for k, i in enumerate(instructions)}
+    written: list[Instruction | tuple[Instruction, Instruction]] = list(instructions)
+    free = max(place, default=0) + 1
+    for k, i in enumerate(instructions):
+        if i.op is not JetOp.PRODUCT:
+            continue
+        for inner, other in (i.operands, i.operands[::-1]):
+            made = written[place[inner]] if inner in place else None
+            if not isinstance(made, Instruction):
+                continue
+            if made.op is JetOp.PRODUCT and asked[inner] == 1 and other in made.operands:
+                a, b = made.operands
+                written[place[inner]] = Instruction(JetOp.SQUARE, inner, (other,))
+                written[k] = Instruction(JetOp.PRODUCT, i.out, (a if b == other else b, inner))
+                break
+            if made.op is JetOp.SCALE and made.operands[1] == other:
+                square = Instruction(JetOp.SQUARE, free, (other,))
+                written[k] = square, Instruction(JetOp.SCALE, i.out, (made.operands[0], free))
+                free += 1
+                break
+    return [x for found in written for x in (found if isinstance(found, tuple) else (found,))]
 
 
 def _alone(i: Instruction) -> Instruction:

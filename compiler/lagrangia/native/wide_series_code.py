@@ -26,9 +26,9 @@ _LATER: Mapping[JetOp, str] = {
     JetOp.ADD: "{xa} + {xb}", JetOp.SUB: "{xa} - {xb}", JetOp.ADD_NUMBER: "{xa}", JetOp.SUB_NUMBER: "{xa}",
     JetOp.NUMBER_SUB: "-{xb}", JetOp.SCALE: "{a} * {xb}", JetOp.OVER_NUMBER: "{xa} / {b}",
     JetOp.IF: "LAG_WIDE_SELECT({a} != zero, {xb}, zero)", JetOp.PRODUCT: "LAG_WIDE_PRODUCT(s{s}, {fa}, {xa}, {fb}, {xb})",
-    JetOp.SQUARE: "LAG_WIDE_PRODUCT(s{s}, {fa}, {xa}, {fa}, {xa})",
+    JetOp.SQUARE: "lag_wide_twice(LAG_WIDE_FUSED({fa}, {xa}, s{s}), {ja}, k)",
     JetOp.QUOTIENT: "({xa} - LAG_WIDE_INNER(s{s}, {xb}, {fw})) * i{i}",
-    JetOp.NUMBER_OVER: "LAG_WIDE_INNER(s{s}, {xb}, {fw}) * -i{i}", JetOp.SQRT: "({xa} - s{s}) * i{i}",
+    JetOp.NUMBER_OVER: "LAG_WIDE_INNER(s{s}, {xb}, {fw}) * -i{i}", JetOp.SQRT: "({xa} - lag_wide_twice(s{s}, {jw}, k)) * i{i}",
     JetOp.POWER: "lag_wide_power({ja}, {jw}, {b}, k)", JetOp.INTEGRAL: _INNER + "share", JetOp.MINUS_INTEGRAL: _INNER + "-share",
     JetOp.SINE: _INNER + "share", JetOp.COSINE: _INNER + "-share",
     JetOp.ANGLE: "(LAG_WIDE_INNER(s{s}, {xc}, {fe}) - LAG_WIDE_INNER(s{t}, {xd}, {ff})) * share",
@@ -162,7 +162,8 @@ def _by_orders(pairs: Sequence[tuple[int, int]], head: Sequence[str], statements
     none = "const LagWide zero = LAG_WIDE_OF(0.0); (void)zero;"
     given = "".join(f", LagWide s{m}" for m in range(len(pairs)))
     here, there = ("".join(f", {letter}{m}" for m in range(len(pairs))) for letter in "st")
-    ends = [f"s{m} = lag_wide_ends(s{m}, JET({a}), JET({b}), k);" for m, (a, b) in enumerate(pairs)]
+    ends = [f"s{m} = lag_wide_half_ends(s{m}, JET({a}), k);" if a == b else
+            f"s{m} = lag_wide_ends(s{m}, JET({a}), JET({b}), k);" for m, (a, b) in enumerate(pairs)]
     both = [*_declared("s", len(pairs)), *_declared("t", len(pairs))]
     return [f"LAG_UNROLLED void wide_later(int k, {arguments}{given})", "{",
             *_indented([*head, *shares, *ends, *statements]), "}", "",
@@ -179,12 +180,15 @@ def _declared(letter: str, count: int) -> list[str]:
 
 
 def _sums(pairs: Sequence[tuple[int, int]], orders: int) -> list[str]:
-    """All but the ends that wait for the latest coefficients, of order k, and of order k + 1, which asks for the same ones."""
+    """All but the ends that wait for the latest coefficients, of order k, and of order k + 1, which asks for the same ones;
+    of squares, the half."""
+    apart = [m for m, (a, b) in enumerate(pairs) if a != b]
+    halves = [m for m, (a, b) in enumerate(pairs) if a == b]
     lines: list[str] = []
     at_once = _AT_ONCE // (2 * orders - 1)
-    most = -(-len(pairs) // -(-len(pairs) // at_once)) if pairs else 1  # loops of few sums wait for each addition
-    for first in range(0, len(pairs), most):
-        group = range(first, min(first + most, len(pairs)))
+    most = -(-len(apart) // -(-len(apart) // at_once)) if apart else 1  # loops of few sums wait for each addition
+    for first in range(0, len(apart), most):
+        group = apart[first : first + most]
         if orders == 2:
             lines += [f"LagWide {', '.join(f'b{m} = zero' for m in group)};", "if (k > 2) {",
                       *(f"    b{m} = LAG_WIDE_TERM(JET({pairs[m][1]}), k - 1);" for m in group), "}"]
@@ -198,4 +202,15 @@ def _sums(pairs: Sequence[tuple[int, int]], orders: int) -> list[str]:
         if orders == 2:
             lines += ["if (k > 2) {", *(f"    t{m} = LAG_WIDE_FUSED(LAG_WIDE_TERM(JET({pairs[m][0]}), k - 1), b{m}, t{m});"
                                         for m in group), "}"]
-    return lines
+    return [*lines, *_half_sums([(m, pairs[m][0]) for m in halves], orders)]
+
+
+def _half_sums(squares: Sequence[tuple[int, int]], orders: int) -> list[str]:
+    """Of a_j a_(k - j) those with j < k/2, without the ends; sums by their numbers, with jets."""
+    if not squares:
+        return []
+    here = [f"s{m} = LAG_WIDE_FUSED(LAG_WIDE_TERM(JET({a}), j), LAG_WIDE_TERM(JET({a}), k - j), s{m});" for m, a in squares]
+    there = [f"t{m} = LAG_WIDE_FUSED(LAG_WIDE_TERM(JET({a}), j), LAG_WIDE_TERM(JET({a}), k + 1 - j), t{m});" for m, a in squares]
+    last = [line.replace("j)", "k / 2)").replace("k + 1 - k / 2)", "k / 2 + 1)") for line in there]
+    loop = ["for (int j = 2; 2 * j < k; ++j) {", *_indented([*here, *(there if orders == 2 else [])]), "}"]
+    return [*loop, *(["if (k > 2 && k % 2 == 0) {", *_indented(last), "}"] if orders == 2 else [])]
