@@ -320,6 +320,8 @@ def test_pictures_are_drawn_without_latex() -> None:
     import matplotlib
 
     Path("scene.lag").write_text(SWING % "", encoding="utf-8")
+    Path("dollars.lag").write_text(SWING % r"of $\\frac{1$ and $", encoding="utf-8")
+    assert main(["simulate", "dollars.lag", "--stop", "0.1", "--plot", "d.svg"]) == 0
     with matplotlib.rc_context({"text.usetex": True}):
         assert main(["simulate", "scene.lag", "--stop", "0.1", "--plot", "p.svg"]) == 0
         assert main(["modes", "scene.lag", "--plot", "m.svg"]) == 0
@@ -334,3 +336,12 @@ def test_files_of_the_working_folder_are_not_run() -> None:
     done = subprocess.run([*own_command("lagrangia.editor.whole"), "scene.lag"], env=own_environment(), capture_output=True,
                           timeout=60, check=False)
     assert done.stdout.strip() == b"[]" and not Path("MARK").exists()
+
+
+def test_texts_and_names_with_signs_of_any_kind_are_themselves() -> None:
+    """A backslash before n was a new line, and types whose names turn the reading direction were not found."""
+    Path("scene.lag").write_text('package \'P\u202e\' type \'E\u202e\' = enumeration(x, y); end \'P\u202e\';\n'
+                                 'model M "C:\\\\new\\\\table, \\"a\\"\\n\\tb"\n  import \'P\u202e\'.\'E\u202e\';\n'
+                                 "  parameter 'E\u202e' e = 'E\u202e'.x;\n"
+                                 "  Block b(m = if e == 'E\u202e'.x then 1 else 2, base = world);\nend M;\n", encoding="utf-8")
+    assert lag.load("scene.lag").scene.description == 'C:\\new\\table, "a"\n\tb'

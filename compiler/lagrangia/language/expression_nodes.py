@@ -1,5 +1,6 @@
 """Expressions of a text -> nodes of the syntax tree, one method for each rule of the grammar."""
 
+import re
 from collections.abc import Sequence
 from typing import Any, cast
 
@@ -28,17 +29,15 @@ from lagrangia.language.tree import (
 
 _LONGEST_CHAIN = 2000  # operands in one unbracketed sum or product
 
-_UNESCAPES = {'\\"': '"', "\\\\": "\\", "\\n": "\n", "\\t": "\t"}
+_ESCAPED = re.compile(r'\\(["\\nt])')
+_UNESCAPES = {"n": "\n", "t": "\t"}
 
 
 def text_of(token: Word | None) -> str:
     """What a text in quotes says; "" for none."""
     if token is None:
         return ""
-    text = str(token)[1:-1]
-    for escape, character in _UNESCAPES.items():
-        text = text.replace(escape, character)
-    return plain_text(text)
+    return plain_text(_ESCAPED.sub(lambda found: _UNESCAPES.get(found[1], found[1]), str(token)[1:-1]))
 
 
 def name_of(token: Word) -> str:

@@ -135,14 +135,15 @@ class _Nodes(_ExpressionNodes):
         return ImportFile(text_of(children[0]), self._span(meta))
 
     def import_name(self, meta: Place, children: list[Any]) -> Import:
-        *names, _, annotation = children
-        return Import(((str(names[-1]), ".".join(names)),), self._span(meta), annotation[1] if annotation else ())
+        *words, _, annotation = children
+        names = list(map(name_of, words))
+        return Import(((names[-1], ".".join(names)),), self._span(meta), annotation[1] if annotation else ())
 
     def import_all(self, meta: Place, children: list[Any]) -> Import:
         *names, star, _, annotation = children
         if star != ".*":
             self.report.error("L0103", f"unexpected '{star}'", self._span(star), f"write: import {'.'.join(names)}.*;")
-        return Import((("*", ".".join(names)),), self._span(meta), annotation[1] if annotation else ())
+        return Import((("*", ".".join(map(name_of, names))),), self._span(meta), annotation[1] if annotation else ())
 
     def import_some(self, meta: Place, children: list[Any]) -> Import:
         text = self._span(meta).text
@@ -152,7 +153,8 @@ class _Nodes(_ExpressionNodes):
                       children[-1][1] if children[-1] else ())
 
     def import_as(self, meta: Place, children: list[Any]) -> Import:
-        return Import(((str(children[0]), ".".join(children[1:-2])),), self._span(meta), children[-1][1] if children[-1] else ())
+        name, *names, _, annotation = children
+        return Import(((name_of(name), ".".join(map(name_of, names))),), self._span(meta), annotation[1] if annotation else ())
 
     def class_extension(self, meta: Place, children: list[Any]) -> ClassDefinition:
         """redeclare model extends M: extends what M is in what is inherited."""
@@ -248,7 +250,7 @@ class _Nodes(_ExpressionNodes):
         return result
 
     def type_name(self, meta: Place, children: list[Any]) -> tuple[str, Span]:
-        return ".".join(map(str, children)), self._span(meta)
+        return ".".join(map(name_of, children)), self._span(meta)
 
     def declaration(self, meta: Place, children: list[Any]) -> list[Declaration]:
         prefixes = self._prefixes([c for c in children if isinstance(c, Word)])

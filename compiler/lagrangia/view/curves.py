@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
+from textwrap import fill
 from typing import TYPE_CHECKING, Any
 
 from lagrangia.base.diagnostics import fail
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
 _FORMATS = (".png", ".svg", ".pdf", ".jpg", ".jpeg", ".webp")
 _MOST_IN_LEGEND = 12
 _DPI = 120
+_LETTERS = 90  # a line of a title
 _MARK = 0.05  # of a panel: ticks at events
 _FAINTEST = 1e-5  # amplitude that a spectrum shows, of its largest
 _STYLES: dict[str, dict[str, Any]] = {
@@ -95,7 +97,7 @@ def draw_panels(title: str, panels: "Sequence[Panel]", path: str | os.PathLike[s
         is_last = k + 1 == len(panels) or panels[k + 1].axis != panel.axis or panel.axis not in shared
         axis.set_xlabel(panel.x_label if is_last else "")
         axis.tick_params(labelbottom=is_last)
-    axes[0].set_title(title, fontsize=11, wrap=True)
+    axes[0].set_title(fill(title, _LETTERS), fontsize=11)  # matplotlib would wrap it as a formula between two dollars
     take_literally(figure)
     if path is not None:
         save(figure, Path(path))
