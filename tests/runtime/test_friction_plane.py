@@ -61,6 +61,15 @@ def test_a_puck_stops_and_stays(scene: Write, law: str, solver: str) -> None:
         assert run.statistics.energy_residual < 1e-9
 
 
+@pytest.mark.parametrize("law", ["-2*{p.center.v[1], p.center.v[2]}/sqrt(p.center.v[1]^2 + p.center.v[2]^2)",
+                                 "-(2*p.center.v)/norm(p.center.v)"])
+def test_a_puck_stops_whatever_its_friction_is_multiplied_by(scene: Write, law: str) -> None:
+    """Twice something is a product, too: 2 N alone, of all numbers, had not been seen to hold, and steps became 1e-12 s."""
+    run = scene(puck(f"AppliedForce f(at = p.center, force = {law});", u=0.6, v=0.8)).simulate(at=[0.5, 2.0], max_steps=1000)
+    np.testing.assert_allclose(run["p.center.x"], [0.225, 0.3], rtol=0, atol=1e-7)
+    assert run["p.center.v[1]"][-1] == 0.0
+
+
 @pytest.mark.parametrize("law", [COMPONENT, EXPRESSION], ids=["component", "expression"])
 def test_a_puck_is_pushed_aside(scene: Write, law: str) -> None:
     model = scene(puck(law, load("6*cos(1[rad/s]*time)", "6*sin(1[rad/s]*time)"), u=1))

@@ -13,6 +13,7 @@ SIGNS = (ca.OP_FABS, ca.OP_SIGN)
 _EQUALITIES = (ca.OP_EQ, ca.OP_NE)
 _EVEN = (ca.OP_FABS, ca.OP_SQ)
 _PRODUCTS = (ca.OP_MUL, ca.OP_IF_ELSE_ZERO)
+_MULTIPLES = {ca.OP_TWICE: 2.0, ca.OP_NEG: -1.0}  # products with these numbers
 _NOTHING = frozenset[int]()
 WHOLE = (ca.OP_FLOOR, ca.OP_CEIL)
 Pair = tuple[int, int]  # the numbers of a and b, the smaller one first; of a and _COUNTED, where whole numbers are asked for
@@ -90,7 +91,8 @@ def direction_in(numbering: Numbering, op: int, numbers: list[int]) -> tuple[int
 
 def _has_factor(numbering: Numbering, number: int, factor: int) -> bool:
     op, *operands = numbering.keys[number]
-    return number == factor or (op == ca.OP_MUL and any(_has_factor(numbering, int(x), factor) for x in operands))
+    is_product = op == ca.OP_MUL or op in _MULTIPLES
+    return number == factor or (is_product and any(_has_factor(numbering, int(x), factor) for x in operands))
 
 
 def _without_factors(numbering: Numbering, number: int) -> int:
@@ -122,6 +124,10 @@ class Holding:
             return self._switched(op, numbers, operands, pair)
         if op == ca.OP_MUL:
             self.products[self.numbering.of(op, numbers)] = numbers, operands
+        elif op in _MULTIPLES:
+            times = _MULTIPLES[op]
+            factors = [self.numbering.of_number(times), numbers[0]]
+            self.products[self.numbering.of(op, numbers)] = factors, [as_expression(times), operands[0]]
         quotient = self._quotient(numbers, operands) if op == ca.OP_DIV else None
         if quotient is None and (found := direction_in(self.numbering, op, numbers)) is not None:
             quotient = self._direction(numbers, operands, found)
