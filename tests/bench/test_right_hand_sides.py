@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pytest
 
+from lagrangia.bench import tree_peers
 from lagrangia.command.cli import main
 
 ARM = """model Arm
@@ -21,7 +22,11 @@ end Arm;
 """
 
 
-def test_a_line_for_each(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+@pytest.mark.parametrize("largest", [200, 6])
+def test_a_line_for_each(largest: int, tmp_path: Path, capsys: pytest.CaptureFixture[str],
+                         monkeypatch: pytest.MonkeyPatch) -> None:
+    """Also of trees for which Pinocchio is not given room for all that it could work out: of 1 000 hinges that takes 32 GB."""
+    monkeypatch.setattr(tree_peers, "_LARGEST_WHOLE", largest)
     (tmp_path / "arm.lag").write_text(ARM, encoding="utf-8")
     assert main(["bench", str(tmp_path / "arm.lag"), "--rhs"]) == 0
     told = capsys.readouterr().out

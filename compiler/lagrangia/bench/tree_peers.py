@@ -18,8 +18,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 _NAMES = {"pinocchio": "pin", "mujoco": "mujoco"}
-_HINGED = {"turn": "hinge", "rotation": "ball"}  # of MuJoCo
 _STILL = 1e-15  # kg or kg.m2: MuJoCo wants more of all that moves
+_LARGEST_WHOLE = 200  # rates: all that Pinocchio makes room for takes 32 n^3 bytes
 
 
 class Unfit(Exception):
@@ -114,13 +114,38 @@ def _pinocchio(tree: Tree) -> Peer:
     import pinocchio as pin
 
     model, q, places = _pinocchio_model(tree)
-    data, v = model.createData(), tree.rates[places]
+    data, v = _pinocchio_data(model), tree.rates[places]
     tau = np.zeros(len(places))
 
     def found() -> "NDArray[np.float64]":
         return _back(pin.aba(model, data, q, v, tau), places)
 
     return Peer("pinocchio", found, lambda: pin.aba(model, data, q, v, tau))
+
+
+def _pinocchio_data(model: Any) -> Any:
+    """Room for its results: all, or of a large tree what its ABA reads and writes, without tensors of second derivatives."""
+    import pinocchio as pin
+
+    if model.nv <= _LARGEST_WHOLE:
+        return model.createData()
+    data = pin.Data()
+    _give(data, "joints", [joint.createData() for joint in model.joints])
+    for name in ("liMi", "oMi"):
+        _give(data, name, [pin.SE3.Identity()] * model.njoints)
+    for name in ("v", "a", "a_gf"):
+        _give(data, name, [pin.Motion.Zero()] * model.njoints)
+    for name in ("h", "f"):
+        _give(data, name, [pin.Force.Zero()] * model.njoints)
+    _give(data, "Yaba", [np.zeros((6, 6))] * model.njoints)
+    data.ddq = np.zeros(model.nv)
+    return data
+
+
+def _give(data: Any, name: str, values: Iterable[Any]) -> None:
+    held = type(getattr(data, name))()
+    held.extend(values)
+    setattr(data, name, held)
 
 
 def _back(found: "NDArray[np.float64]", places: Sequence[int]) -> "NDArray[np.float64]":
@@ -135,44 +160,42 @@ def _back(found: "NDArray[np.float64]", places: Sequence[int]) -> "NDArray[np.fl
 def _mujoco(tree: Tree) -> Peer:
     import mujoco
 
-    below: dict[int | None, list[int]] = {}
+    model = _mujoco_spec(tree).compile()
+    data, places = mujoco.MjData(model), [0] * tree.size
     for k, joint in enumerate(tree.joints):
-        below.setdefault(joint.parent, []).append(k)
-        light = joint.body is None or joint.body.mass < _STILL or np.linalg.eigvalsh(_about_center(joint)[2]).min() < _STILL
-        if light:
-            raise Unfit("it wants mass and three moments of inertia of every body that moves")
-    order, positions = list[int](), list[float]()
-
-    def text(k: int) -> str:
-        joint = tree.joints[k]
-        _require_known(joint)
-        order.extend(joint.coordinates)
-        positions.extend(_positions(tree, joint))
-        m, center, J = _about_center(joint)
-        axis, kind = (joint.slopes[0], "slide") if joint.kind == "shift" else (joint.axis, _HINGED[joint.kind])
-        inner = "".join(text(child) for child in below.get(k, []))
-        x, y = (_row([row[i] for row in joint.R]) for i in range(2))
-        return (f"<body pos='{_row(joint.origin)}' xyaxes='{x} {y}'>"
-                f"<joint type='{kind}' axis='{_row(axis)}'/><inertial pos='{_row(center)}' mass='{m!r}' fullinertia='"
-                f"{_row([J[0, 0], J[1, 1], J[2, 2], J[0, 1], J[0, 2], J[1, 2]])}'/>{inner}</body>")
-
-    bodies = "".join(text(k) for k in below.get(None, []))
-    model = mujoco.MjModel.from_xml_string(
-        "<mujoco><compiler angle='radian' inertiafromgeom='false' balanceinertia='false'/>"
-        f"<option gravity='{_row(tree.gravity)}'/>"
-        f"<worldbody>{bodies}</worldbody></mujoco>")
-    data = mujoco.MjData(model)
-    data.qpos[:], data.qvel[:] = positions, tree.rates[order]
+        made, at = model.joint(f"j{k}"), _positions(tree, joint)
+        data.qpos[made.qposadr[0] : made.qposadr[0] + len(at)] = at
+        places[made.dofadr[0] : made.dofadr[0] + len(joint.coordinates)] = joint.coordinates
+    data.qvel[:] = tree.rates[places]
 
     def found() -> "NDArray[np.float64]":
         mujoco.mj_forward(model, data)
-        return _back(data.qacc, order)
+        return _back(data.qacc, places)
 
     return Peer("mujoco", found, lambda: mujoco.mj_forward(model, data))
 
 
-def _row(values: Iterable[Any]) -> str:
-    return " ".join(repr(float(x)) for x in values)
+def _mujoco_spec(tree: Tree) -> Any:
+    """Its description of the tree, made body by body: its reader of texts takes 500 within each other."""
+    import mujoco
+
+    kinds = {"turn": mujoco.mjtJoint.mjJNT_HINGE, "shift": mujoco.mjtJoint.mjJNT_SLIDE, "rotation": mujoco.mjtJoint.mjJNT_BALL}
+    spec, bodies = mujoco.MjSpec(), list[Any]()
+    spec.compiler.degree = spec.compiler.balanceinertia = False
+    spec.option.gravity = tree.gravity
+    for k, joint in enumerate(tree.joints):
+        if joint.body is None or joint.body.mass < _STILL or np.linalg.eigvalsh(_about_center(joint)[2]).min() < _STILL:
+            raise Unfit("it wants mass and three moments of inertia of every body that moves")
+        _require_known(joint)
+        m, center, J = _about_center(joint)
+        quaternion = np.empty(4)
+        mujoco.mju_mat2Quat(quaternion, np.array(joint.R, float).ravel())
+        parent = bodies[joint.parent] if joint.parent is not None else spec.worldbody
+        bodies.append(parent.add_body(pos=[float(x) for x in joint.origin], quat=quaternion, explicitinertial=True, mass=m,
+                                      ipos=center, fullinertia=[J[0, 0], J[1, 1], J[2, 2], J[0, 1], J[0, 2], J[1, 2]]))
+        axis = joint.slopes[0] if joint.kind == "shift" else joint.axis
+        bodies[-1].add_joint(name=f"j{k}", type=kinds[joint.kind], axis=[float(x) for x in axis])
+    return spec
 
 
 def in_numbers(joints: Sequence[SpatialJoint], value: Callable[[Any], float]) -> list[SpatialJoint]:
