@@ -21,8 +21,6 @@
 #include <math.h>
 #include <string.h>
 
-#include "numbers/qr.h"
-
 static const double GOLDEN_RATIO = 0.6180339887498949, CLOSE = 1e-7, SHORTEST_LEAN = 0.1, FALL = 1e-13;
 static const double SINGULAR = 1e-5, SPREAD = 1, WIDE_SPREAD = 6.283185307179586, NEAR = 0.5, MOVED = 1e-9, BOUNDLESS = 1e100;
 static const double STEPS_ASIDE[] = {0.00390625, 1, 0.25, 4, 0.0625, 16, 0.015625, 64};
@@ -320,7 +318,7 @@ static int rank_at(LagAssembly *s, const double *p, const double *x, double *wor
         for (int j = 0; j < n; ++j)
             newton->transposed[i * n + j] = length > 0 ? newton->jacobian[i + j * equations] * s->reach[j] / length : 0;
     }
-    return lag_qr(newton->transposed, n, positions, newton->diagonal, newton->pivot, SINGULAR);
+    return lag_newton_factor(newton, n, positions, SINGULAR);
 }
 
 static int holds(const int *fixed, int n, int kind)

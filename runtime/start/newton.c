@@ -24,7 +24,11 @@
 
 static const double SATISFIED = 1e-10, DEPENDENT = 1e-10, SHORTEST_STEP = 1e-4, LONGEST_STEP = 0.5, FAITHFUL = 0.9,
                     STEEPEST = 1e9;
+enum { MANY = 100 }; /* equations */
 static const double CRITICAL = 1e-6, PUSH = 1e-2, GOLDEN_RATIO = 0.6180339887498949;
+
+/* Whether most of the Jacobian is 0, and worth keeping account of. */
+static int is_long(const LagNewton *s) { return s->model->n_initial >= MANY; }
 
 void lag_newton_layout(LagNewton *s, const LagModel *model, LagArena *arena)
 {
@@ -33,7 +37,6 @@ void lag_newton_layout(LagNewton *s, const LagModel *model, LagArena *arena)
     s->is_read = s->n_rows = 0;
     s->g = lag_take(arena, equations);
     s->jacobian = lag_take(arena, equations * unknowns);
-    s->transposed = lag_take(arena, equations * unknowns);
     s->first = lag_take_ints(arena, equations + 1);
     s->values = lag_take_ints(arena, equations * unknowns);
     s->length = lag_take(arena, equations);
@@ -55,11 +58,16 @@ void lag_newton_layout(LagNewton *s, const LagModel *model, LagArena *arena)
     lag_slicer_layout(&s->slicer, &model->initial, arena);
     lag_slice_layout(&s->residuals, &model->initial, arena);
     lag_slice_layout(&s->slopes, &model->initial, arena);
-    s->scratch.a = lag_take(arena, equations * equations);
     s->scratch.b = lag_take(arena, equations);
     s->scratch.y = lag_take(arena, equations);
     s->scratch.diagonal = lag_take(arena, equations);
     s->scratch.pivot = (int *)lag_take(arena, equations);
+    if (is_long(s)) {
+        lag_sparse_qr_layout(&s->sparse, unknowns, equations, arena);
+        lag_sparse_qr_layout(&s->dependent, equations, equations, arena);
+    }
+    s->transposed = is_long(s) ? s->sparse.a : lag_take(arena, equations * unknowns);
+    s->scratch.a = is_long(s) ? s->dependent.a : lag_take(arena, equations * equations);
     lag_metric_layout(&s->positions, arena);
     lag_metric_layout(&s->rates, arena);
 }
@@ -291,12 +299,23 @@ static double cut(LagNewton *s)
     return longest;
 }
 
+int lag_newton_factor(LagNewton *s, int rows, int count, double tolerance)
+{
+    if (!is_long(s))
+        return lag_qr(s->transposed, rows, count, s->diagonal, s->pivot, tolerance);
+    lag_sparse_qr(&s->sparse, rows, count, tolerance);
+    return s->sparse.rank;
+}
+
 /* `step` from the wish `z`, so changed that the linearised equations hold. Returns its length. */
 static double correct(LagNewton *s)
 {
     const int n = lag_start_size(s->model), rows = moving(s), count = measure_equations(s);
-    const int rank = lag_qr(s->transposed, rows, count, s->diagonal, s->pivot, DEPENDENT);
-    lag_qr_nearest(s->transposed, rows, count, rank, s->diagonal, s->pivot, s->right, s->share, &s->scratch, s->z);
+    const int rank = lag_newton_factor(s, rows, count, DEPENDENT);
+    if (is_long(s))
+        lag_sparse_qr_nearest(&s->sparse, s->right, s->share, &s->dependent, s->scratch.y, s->scratch.b, s->z);
+    else
+        lag_qr_nearest(s->transposed, rows, count, rank, s->diagonal, s->pivot, s->right, s->share, &s->scratch, s->z);
     lag_metric_to_step(&s->positions, s->z, s->step);
     lag_metric_to_step(&s->rates, s->z + s->positions.count, s->step + n);
     return cut(s);

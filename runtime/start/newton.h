@@ -4,6 +4,7 @@
 
 #include "base/arena.h"
 #include "numbers/qr.h"
+#include "numbers/sparse_qr.h"
 #include "start/metric.h"
 #include "model/model.h"
 #include "model/slice.h"
@@ -31,6 +32,7 @@ typedef struct {
     int is_read; /* whether the slicer, `first` and `values` are those of the model */
     LagSlice residuals, slopes; /* of these equations; nothing where `initial` has no slices */
     LagLeastSquares scratch;
+    LagSparseQr sparse, dependent; /* of many equations: `transposed` and scratch.a are theirs */
     LagMetric positions, rates;
 } LagNewton;
 
@@ -40,6 +42,9 @@ int lag_newton_evaluate(LagNewton *newton, const double *p, const double *x, dou
 
 /* Takes what was evaluated last for general: where a gradient vanishes it is measured by that. All else comes after it. */
 void lag_newton_survey(LagNewton *newton, const double *reach);
+
+/* Factors `transposed`, rows x count. Returns its rank: what is shorter than `tolerance` times the longest counts as dependent. */
+int lag_newton_factor(LagNewton *newton, int rows, int count, double tolerance);
 
 /* The metrics of the values with scale > 0, LAG_METRIC_..., for corrections from x on, of the equations that are looked at now. */
 void lag_newton_measure(LagNewton *newton, const double *p, const int *fixed, const double *x, int way, double *work);
