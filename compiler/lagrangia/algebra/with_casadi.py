@@ -42,6 +42,11 @@ class Mode:
     of_sampler: int | None = None  # whose instants change it; its formula is then its first value
     of_attitude: str = ""  # whose reference it is a part of: it moves with the steps, from its formula on
 
+    @cached_property
+    def hash(self) -> int:
+        """Of its symbol."""
+        return self.symbol.__hash__()
+
     @property
     def is_filled_in(self) -> bool:
         """By the run time, from tables, inputs or at instants."""
@@ -326,7 +331,7 @@ class CasadiAlgebra:
         if hashes.isdisjoint(self.index.hashes):
             is_timed = self.time.__hash__() in hashes and self._is_straight(value)
             return _Crossing(self._number(value), value, value) if is_timed else None
-        floor, *others = [mode for mode in self.index.modes if mode.symbol.__hash__() in hashes]
+        floor, *others = [mode for mode in self.index.modes if mode.hash in hashes]
         if floor.is_filled_in:
             return None
         straight, step = ca.substitute(value, floor.symbol, ca.SX(0)), ca.jacobian(value, floor.symbol)

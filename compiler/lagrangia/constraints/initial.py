@@ -21,7 +21,7 @@ from lagrangia.base.diagnostics import Report, Span, fail
 from lagrangia.base.records import dataclass
 from lagrangia.constraints.parameters import default_parameters, input_symbols, parameter_symbols, with_declared_inputs
 from lagrangia.constraints.rows import Constraints, different_sizes
-from lagrangia.constraints.vanishing_sums import vanishing_parts
+from lagrangia.constraints.vanishing_sums import VanishingSums
 from lagrangia.frames.evaluation import Value
 from lagrangia.frames.graph import Coordinate
 from lagrangia.frames.kinematics import Kinematics
@@ -181,6 +181,7 @@ class _Starts:
         self.lost_q = ca.vertcat(*[ca.SX.sym(c.name) for c in self.lost])
         self.lost_v = ca.vertcat(*[ca.SX.sym(c.rate_name) for c in self.lost])
         self.report = Report()
+        self.sums = VanishingSums(kinematics)
         self.moving = ca.vertcat(kinematics.algebra.state, kinematics.symbols.time)
         # q in 0 .. n-1, v in n .. 2n-1
         self.values: list[Scalar] = [0.0] * (2 * self.n)
@@ -327,7 +328,7 @@ class _Starts:
             return
         pairs = zip(left, right, strict=True) if isinstance(left, tuple) else ((left, right),)
         for gap in (ca.SX(a - b) for a, b in pairs):
-            for part in vanishing_parts(self.kinematics, gap) or (gap,):
+            for part in self.sums.general.parts_of(gap) or (gap,):
                 self._gap(part, equation.span)
 
     def _gap(self, gap: ca.SX, span: Span) -> None:

@@ -245,7 +245,7 @@ class _Reduction:
         q = self._coordinates(places)
         slopes = ca.densify(ca.jacobian(gap, q))
         in_slopes = symbols_in(slopes)
-        if not in_slopes.isdisjoint(m.symbol.__hash__() for m in self.kinematics.algebra.modes if m.of_input is not None):
+        if not in_slopes.isdisjoint(m.hash for m in self.kinematics.algebra.modes if m.of_input is not None):
             self.report.error("L0904", "not supported yet: an input as a factor of what a constraint holds", row.span,
                               "an input can be added there, as in x = ratio*y + u, with a parameter for the factor")
             return True

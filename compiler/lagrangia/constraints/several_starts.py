@@ -15,7 +15,7 @@ from lagrangia.base.diagnostics import Report
 from lagrangia.constraints.assemblies import Search
 from lagrangia.constraints.assembly import Assembly, begin
 from lagrangia.constraints.initial import FIXED, GUESS, InitialConditions
-from lagrangia.constraints.vanishing_sums import only_touches
+from lagrangia.constraints.vanishing_sums import VanishingSums
 from lagrangia.frames.kinematics import Kinematics
 from lagrangia.language.flat import rate_of
 
@@ -71,8 +71,9 @@ def _bends(kinematics: Kinematics, initial: InitialConditions, of_rates: int) ->
 def _tell_touching(kinematics: Kinematics, initial: InitialConditions, report: Report) -> None:
     """Initial equations that hold where their slopes vanish, by the values of parameters."""
     stated = {equation.span for equation in kinematics.graph.model.initial_equations}
+    sums = VanishingSums(kinematics)
     touching = {span for residual, span in zip(initial.residuals.elements(), initial.residual_spans, strict=True)
-                if span in stated and only_touches(kinematics, residual)}
+                if span in stated and sums.only_touches(residual)}
     for span in initial.residual_spans:
         if span in touching:
             touching.remove(span)

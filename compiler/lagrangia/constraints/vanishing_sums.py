@@ -13,6 +13,7 @@ import casadi as ca
 
 from lagrangia.algebra.duals import Scalar
 from lagrangia.algebra.scalars import symbols_in
+from lagrangia.base.records import dataclass
 from lagrangia.constraints.parameters import at_declared_values, parameter_symbols
 from lagrangia.constraints.rows import Constraints, Row, derived
 from lagrangia.frames.kinematics import Kinematics
@@ -26,7 +27,7 @@ def split_vanishing_sums(kinematics: Kinematics, constraints: Constraints) -> Co
     """The constraints with the parts of such sums in their places; None where there are none with the parameters as declared."""
     if not constraints.rows:
         return None
-    sums, rows, found = _Sums(kinematics), list[Row](), list[Row]()
+    sums, rows, found = VanishingSums(kinematics).declared, list[Row](), list[Row]()
     for row in constraints.rows:
         parts = sums.parts_of(ca.SX(row.value(kinematics, 0))) if row.is_holonomic else None
         if parts is None:
@@ -38,29 +39,32 @@ def split_vanishing_sums(kinematics: Kinematics, constraints: Constraints) -> Co
     return replace(constraints, rows=tuple(rows), touching=tuple(found)) if found else None
 
 
-def vanishing_parts(kinematics: Kinematics, gap: ca.SX) -> list[ca.SX] | None:
-    """What vanishes with a gap, whatever the parameters are; None where it is no such sum."""
-    return _Sums(kinematics, is_general=True).parts_of(gap)
-
-
-def only_touches(kinematics: Kinematics, gap: ca.SX) -> bool:
-    """Whether a gap is such a sum with the parameters as declared alone, as x^2 + p where p is 0: it has no slopes where it
-    vanishes, and cannot be taken apart, as it is another one with other parameters."""
-    return vanishing_parts(kinematics, gap) is None and _Sums(kinematics).parts_of(gap) is not None
-
-
 def _value(part: ca.SX, kinematics: Kinematics, level: int) -> Scalar:
     return derived(part, kinematics, level)
 
 
+class VanishingSums:
+    """Those of a scene, with the parameters as declared or whatever they are."""
+
+    def __init__(self, kinematics: Kinematics) -> None:
+        symbols = kinematics.symbols
+        state = frozenset(x.__hash__() for x in (*symbols.positions.values(), *symbols.rates.values(), symbols.time)
+                          ) | frozenset(x.__hash__() for x in kinematics.algebra.state.elements())
+        self.declared, self.general = (_Sums(kinematics, state, is_general) for is_general in (False, True))
+
+    def only_touches(self, gap: ca.SX) -> bool:
+        """Whether a gap is such a sum with the parameters as declared alone, as x^2 + p where p is 0: it has no slopes where it
+        vanishes, and cannot be taken apart, as it is another one with other parameters."""
+        return self.declared.parts_of(gap) is not None and self.general.parts_of(gap) is None
+
+
+@dataclass(frozen=True)
 class _Sums:
     """With the parameters as declared, or where it `is_general` with none."""
 
-    def __init__(self, kinematics: Kinematics, is_general: bool = False) -> None:
-        self.kinematics, self.is_general = kinematics, is_general
-        symbols = kinematics.symbols
-        self.state = frozenset(x.__hash__() for x in (*symbols.positions.values(), *symbols.rates.values(), symbols.time)
-                               ) | frozenset(x.__hash__() for x in kinematics.algebra.state.elements())
+    kinematics: Kinematics
+    state: frozenset[int]  # hashes of what moves
+    is_general: bool
 
     def parts_of(self, gap: ca.SX) -> list[ca.SX] | None:
         """What vanishes with it, each a function of positions; None where it is no such sum, or cannot vanish."""
@@ -124,6 +128,8 @@ class _Sums:
 
     def _number(self, x: ca.SX) -> float:
         """NaN where it is none yet."""
+        if x.is_constant():
+            return float(x)
         if self.is_general and ca.depends_on(x, parameter_symbols(self.kinematics)):
             return nan
         return float(ca.evalf(at_declared_values(self.kinematics, [x])[0]))

@@ -169,7 +169,7 @@ class Kinematics(Attitudes):
     def at_start(self, expressions: list[ca.SX]) -> list[ca.SX]:
         """At the start time, with modes as they are just after it."""
         t, experiment, present = self.symbols.time, self.graph.model.experiment, symbols_in(ca.veccat(ca.SX(0, 1), *expressions))
-        modes = [mode for mode in self.algebra.modes if mode.symbol.__hash__() in present]
+        modes = [mode for mode in self.algebra.modes if mode.hash in present]
         just_after = experiment.start + _JUST_AFTER * (experiment.stop - experiment.start)
         begins = [just_after if mode.of_input is None else experiment.start for mode in modes]
         values = [ca.substitute(mode.value, t, ca.SX(begin)) for mode, begin in zip(modes, begins, strict=True)]
