@@ -119,6 +119,14 @@ def test_the_matrices_of_the_bicycle() -> None:
     assert (found[5.0] - found[2.0]) / 21 == pytest.approx(np.array(K2), abs=1e-12)
 
 
+def test_what_time_pushes_is_not_steady() -> None:
+    """Though the load is 0 at the start, and the linear motion without it stays as it is."""
+    text = (EXAMPLES / "bicycle.lag").read_text(encoding="utf-8")
+    pushed = text.replace("drawing", "energy\n  work 5[N.m]*sin(3[1/s]*time) on lean.phi;\ndrawing")
+    linear = lag.loads(pushed).linearize(about="start", initial={"lean.w": 0.0})
+    assert "is not steady" in linear.notes[-1]
+
+
 def test_from_which_speed_to_which_it_holds_itself_upright() -> None:
     """The weave becomes stable at one speed, the capsize unstable at another."""
     def largest(v: float) -> float:

@@ -138,7 +138,7 @@ def about_motion(study: Study, e: SmallMotion, state: State, pace: float) -> Lin
     here = _at(centred, e, place, choice).linear
     size = _STEADY * float(np.abs(here.A).max(initial=1e-300))
     later = (_later(study, e, state, choice, moment) for moment in _LATER)
-    stays = all(other is not None and np.abs(other.A - here.A).max(initial=0.0) <= size for other in later)
+    stays = not e.is_timed and all(other is not None and np.abs(other.A - here.A).max(initial=0.0) <= size for other in later)
     is_steady = stays and float(np.abs(here.drift).max(initial=0.0)) <= size
     if not is_steady and (turned := in_turning_axes(study, e, state, pace)) is not None:
         return turned
