@@ -45,7 +45,7 @@ class Mode:
     @cached_property
     def hash(self) -> int:
         """Of its symbol."""
-        return self.symbol.__hash__()
+        return int(self.symbol.__hash__())
 
     @property
     def is_filled_in(self) -> bool:
