@@ -30,6 +30,20 @@ static const double CRITICAL = 1e-6, PUSH = 1e-2, GOLDEN_RATIO = 0.6180339887498
 /* Whether most of the Jacobian is 0, and worth keeping account of. */
 static int is_long(const LagNewton *s) { return s->model->n_initial >= MANY; }
 
+static void lay_factors(LagNewton *s, size_t equations, size_t unknowns, LagArena *arena)
+{
+    s->scratch.b = lag_take(arena, equations);
+    s->scratch.y = lag_take(arena, equations);
+    s->scratch.diagonal = lag_take(arena, equations);
+    s->scratch.pivot = (int *)lag_take(arena, equations);
+    if (is_long(s)) {
+        lag_sparse_qr_layout(&s->sparse, unknowns, equations, arena);
+        lag_sparse_qr_layout(&s->dependent, equations, equations, arena);
+    }
+    s->transposed = is_long(s) ? s->sparse.a : lag_take(arena, equations * unknowns);
+    s->scratch.a = is_long(s) ? s->dependent.a : lag_take(arena, equations * equations);
+}
+
 void lag_newton_layout(LagNewton *s, const LagModel *model, LagArena *arena)
 {
     const size_t equations = (size_t)model->n_initial, unknowns = equations > 0 ? 2 * (size_t)lag_start_size(model) : 0;
@@ -58,16 +72,7 @@ void lag_newton_layout(LagNewton *s, const LagModel *model, LagArena *arena)
     lag_slicer_layout(&s->slicer, &model->initial, arena);
     lag_slice_layout(&s->residuals, &model->initial, arena);
     lag_slice_layout(&s->slopes, &model->initial, arena);
-    s->scratch.b = lag_take(arena, equations);
-    s->scratch.y = lag_take(arena, equations);
-    s->scratch.diagonal = lag_take(arena, equations);
-    s->scratch.pivot = (int *)lag_take(arena, equations);
-    if (is_long(s)) {
-        lag_sparse_qr_layout(&s->sparse, unknowns, equations, arena);
-        lag_sparse_qr_layout(&s->dependent, equations, equations, arena);
-    }
-    s->transposed = is_long(s) ? s->sparse.a : lag_take(arena, equations * unknowns);
-    s->scratch.a = is_long(s) ? s->dependent.a : lag_take(arena, equations * equations);
+    lay_factors(s, equations, unknowns, arena);
     lag_metric_layout(&s->positions, arena);
     lag_metric_layout(&s->rates, arena);
 }
