@@ -75,3 +75,15 @@ def test_starts_of_coordinates_that_others_give_are_no_places(scene: Write) -> N
       Bar b(m = 1, L = 1, a = p.b), c(m = 1, L = 1, a = q.b); Coupler tie(a = q.phi, b = p.phi, ratio = 2);
       Spring s(a = b.b, b = c.b, k = 10); end M;""").simulate(stop=0.1)
     assert run["p.phi"][0] == pytest.approx(2 * run["q.phi"][0])
+
+
+def test_a_line_whose_length_initial_equations_give_has_a_direction() -> None:
+    """The guesses are one place; the start is not."""
+    model = lag.loads("""model M PointMass p(m = 1, center(x(start = 0.1)));
+      Spring s(a = world, b = p.center, k = 10, s_rel0 = 1);
+      initial equation s.stretch = 0.2; p.center.y = -1; end M;""")
+    assert not any("L0607" in warning for warning in model.warnings)
+    text = """model M PointMass p(m = 1); Spring s(a = world, b = p.center, k = 10, s_rel0 = 1);
+      initial equation p.center.x = 0; p.center.y = %s; end M;"""
+    assert not any("L0607" in warning for warning in lag.loads(text % "-1").warnings)
+    assert any("L0607" in warning for warning in lag.loads(text % "0").warnings)

@@ -196,3 +196,10 @@ def test_two_dampers_whose_lines_turn(scene: Write) -> None:
 def test_pages_show_both_balances_where_the_line_turns(scene: Write) -> None:
     pages = scene(KNOT_ON_A_LINE % "").equations()
     assert "+ (k_a + k_c) x_k = 0" in pages and "+ (k_a + k_c) y_k = 0" in pages
+
+
+def test_what_turns_without_mass_beside_places_without_mass(scene: Write) -> None:
+    """Springs say where it is, and nothing how it is turned: the check passed, and no acceleration was finite."""
+    with pytest.raises(lag.LagError, match=r"L0504.*'n.phi' moves no mass"):
+        scene("""model M Planar n(a = world, x(start = 0.3)); PointMass m(m = 1); Spring a(a = n.b, b = world, k = 100);
+          Spring c(a = n.b, b = m.center, k = 70); initial equation m.center.x = 2; end M;""")

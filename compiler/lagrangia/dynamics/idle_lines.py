@@ -9,6 +9,7 @@ import numpy as np
 from lagrangia.algebra.orthogonal import Vector
 from lagrangia.base.diagnostics import Report
 from lagrangia.base.records import dataclass
+from lagrangia.constraints.assembly import assembled
 from lagrangia.constraints.initial import InitialConditions
 from lagrangia.constraints.parameters import at_declared_values, at_start, default_parameters, usual_parameters
 from lagrangia.frames.evaluation import origin_of, scalars_of
@@ -137,6 +138,11 @@ class _Places:
         looks = np.array([_lengths(apart(random.uniform(0.4, 1.6, self.start.size), others), len(ends)) for _ in range(_LOOKS)])
         stays = [not ca.depends_on(r, kinematics.symbols.time) and np.ptp(looks[:, k]) < _NOTHING for k, r in enumerate(between)]
         now = _lengths(apart(self.start, values), len(ends))
+        if initial.residuals.numel() > 0 and now.min(initial=1.0) < _NOTHING:  # by the guesses: equations may ask for others
+            state, failed = assembled(kinematics, initial)
+            if failed < 0:
+                self.start, self.rates = state[:n], state[state.size // 2 :][:n]
+                now = _lengths(apart(self.start, values), len(ends))
         self.rigid = {pair for k, pair in enumerate(ends) if stays[k]}
         self.one = {pair for k, pair in enumerate(ends) if stays[k] and looks[0, k] < _NOTHING}
         self.now = {pair for k, pair in enumerate(ends) if now[k] < _NOTHING}

@@ -53,7 +53,7 @@ def settle_massless(kinematics: Kinematics, constraints: Constraints, energies: 
     Raises LagError L0504 for a place that nothing holds, or whose balance is none of positions or linear in rates.
     """
     names, held, idle = _massless(kinematics, constraints, energies)
-    if idle and constraints.rows:  # without them motion.py looks at T itself
+    if idle and (constraints.rows or names):  # without constraints motion.py looks at T itself
         refuse_loose(kinematics, [c for c in kinematics.graph.coordinates if c.name in idle])
     if held:
         _require_held(kinematics, constraints, held)
@@ -335,7 +335,12 @@ class _Places:
 
     def _turn(self, rows: dict[int, ca.SX], k: int, i: int, damping: ca.SX, slopes: ca.SX) -> bool:
         """Along and across the line of a damper whose line turns: the rows of this pair of directions, at its angle between them.
-        That turns back by pi at once somewhere, and both rows change their signs. False where there are rates across, too."""
+        That turns back by pi at once somewhere, and both rows change their signs. False where there are rates across, too, and
+        where one spring alone acts: pushed, it and the damper would buckle, which no position on their line tells."""
+        pair = ca.vertcat(*[self.q[row] for row in range(self.q.numel()) if not self.factors[row, [k, i]].is_zero()])
+        acting = sum(ca.depends_on(ca.SX(value), pair) for value in _values(self.energies.potential))
+        if acting + (not self.moved[:, [k, i]].is_zero()) < 2:
+            return False
         angle = ca.atan2(2 * damping[i, k], damping[k, k] - damping[i, i]) / 2
         along, across = ca.SX(damping.size1(), 1), ca.SX(damping.size1(), 1)
         along[k], along[i] = ca.cos(angle), ca.sin(angle)
