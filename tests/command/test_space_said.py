@@ -89,3 +89,39 @@ def test_hinges_on_points_turn_bodies_in_space(tmp_path: Path) -> None:
                              "Box c(m = 1, size = {0.1, 0.2, 0.3}, center = shift(h.b, {0, 0, -0.5}));")
     with pytest.raises(lag.LagError, match=r"the attitude 'a.center.S' moves no mass about its x axis"):
         lag.load(file)
+
+
+DOOR = ("Revolute low(a = world, phi(start = 0.5)); Body b(m = 20, I = {1, 1.5, 0.9}, center = shift(low.b, {0.4, 0.03, 1})); "
+        "Revolute high(a = shift(world, {0, 0, 2}), b = shift(low.b, {0, 0, 2}));")
+
+
+@pytest.mark.parametrize("asked", [["--reactions"], ["--outputs", "high.reaction"], []])
+def test_reactions_that_loops_share_are_told(tmp_path: Path, capsys: pytest.CaptureFixture[str], asked: list[str]) -> None:
+    """One of two hinges of a door could carry what the other does: the run says that its figures are one way of it."""
+    assert main(["simulate", str(written(tmp_path, DOOR)), "--stop", "0.1", "-o", str(tmp_path / "x.csv"), *asked]) == 0
+    told = "the reactions are one way of several: the loop world - high - low - world repeats in part what others already impose"
+    assert (told in capsys.readouterr().out) == bool(asked)
+
+
+def test_a_hinge_beside_a_clamp_is_checked(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """No coordinate is left at all."""
+    file = written(tmp_path, "Revolute l(a = world); Bar b(m = 1, L = 1, a = l.b); Weld r(a = shift(world, {1, 0}), b = b.b);")
+    assert main(["check", str(file)]) == 0
+    assert "0 degrees of freedom, so it stands still: statics" in capsys.readouterr().out
+
+
+def test_a_run_that_fails_at_a_flat_start_says_so(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = tmp_path / "flat.lag"
+    file.write_text("""model T
+  World world(gravity = {0, 0});
+  Revolute p1(a = world, phi(start = 0, fixed = true), w(start = 2, fixed = true));
+  Bar b1(m = 1, L = 1, a = p1.b);
+  Revolute p2(a = b1.b);
+  Bar b2(m = 1, L = 2, a = p2.b);
+  Revolute p3(a = shift(world, {2, 0}));
+  Bar b3(m = 1, L = 1, a = p3.b);
+  Revolute p4(a = b3.b, b = b2.b);
+end T;
+""")
+    assert main(["simulate", str(file), "--stop", "0.1", "-o", str(tmp_path / "x.csv")]) == 1
+    assert "the start is a singular position, where 2 ways of moving meet" in capsys.readouterr().err

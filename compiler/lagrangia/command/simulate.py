@@ -27,7 +27,15 @@ from lagrangia.command.arguments import (
     tell_warnings,
     values_with_units,
 )
-from lagrangia.command.summary import summarise, tell_assembly, tell_moved, tell_reactions, tell_singular_start
+from lagrangia.command.summary import (
+    stated_singular,
+    summarise,
+    tell_assembly,
+    tell_moved,
+    tell_reactions,
+    tell_shared,
+    tell_singular_start,
+)
 from lagrangia.model import NO_COMPILER, Model
 from lagrangia.run.request import Experiment, Request, check_values, plan
 from lagrangia.run.scene import ALL_REACTIONS
@@ -152,12 +160,22 @@ def _without_repeated(options: Namespace, model: Model, given: list[tuple[str, s
     return model if kept == model.outputs else load_model(options, given, kept)
 
 
+def _launched(options: Namespace, model: Model, experiment: Experiment, values: Any, bar: "_Bar") -> Any:
+    """Raises RunError, which says what is singular about the start where it fails there."""
+    try:
+        return model.launch(experiment, values, bar)
+    except RunError as error:
+        if experiment.start == model.scene.start and (said := stated_singular(options, model)):
+            raise RunError(f"{error}\n{said}") from error
+        raise
+
+
 def _run(options: Namespace, model: Model, experiment: Experiment, values: Any, compiled: float, target: str,
          picture: Any) -> int:
     scene = model.scene
     begin = time.perf_counter()
     bar = _Bar(experiment, sys.stderr)
-    progress, portions = model.launch(experiment, values, bar)
+    progress, portions = _launched(options, model, experiment, values, bar)
     if model.falls_back(options.solver) and not options.quiet:  # what CasADi cannot run was refused, with the same reason
         print(NO_COMPILER, file=sys.stderr)
     loaded = time.perf_counter() - begin
@@ -187,6 +205,7 @@ def _run(options: Namespace, model: Model, experiment: Experiment, values: Any, 
         tell_singular_start(options, model, progress, sys.stdout if target != "-" else sys.stderr)
         tell_moved(scene, progress, values, first, sys.stdout if target != "-" else sys.stderr)
         tell_reactions(scene, last, sys.stdout if target != "-" else sys.stderr)
+        tell_shared(model, last, sys.stdout if target != "-" else sys.stderr)
     return _end(options, model, progress, failure, target, undrawn)
 
 

@@ -15,7 +15,7 @@ from lagrangia.run.runtime import Solver, Statistics
 from lagrangia.run.scene import Scene
 from lagrangia.run.simulate import Progress, short_steps, shortcomings
 from lagrangia.run.solvers import AUTO, name_of, reason_of
-from lagrangia.view.statics import is_static, reaction_table
+from lagrangia.view.statics import is_static, reaction_table, reports_reactions
 
 _MOST_ROWS = 40  # MOST_ROWS of runtime/run/unsure.c
 
@@ -123,10 +123,14 @@ def singular_start(scene: Scene, freedom: Mapping[str, Any]) -> str:
 
 def tell_singular_start(options: Namespace, model: Model, progress: Progress, out: Any) -> None:
     """Of loops whose steps missed the tolerance, which singular positions bring about: nobody looks at others for it."""
-    is_as_stated = not (options.parameter or options.initial) and progress.experiment.start == model.scene.start
-    if model.scene.notes["loops"] and is_as_stated and shortcomings(progress):
-        for text in filter(None, [singular_start(model.scene, model.freedom)]):
-            print(f"  {text}", file=out)
+    if progress.experiment.start == model.scene.start and shortcomings(progress) and (text := stated_singular(options, model)):
+        print(f"  {text}", file=out)
+
+
+def stated_singular(options: Namespace, model: Model) -> str:
+    """The same of a run that starts as the file states it, and of loops."""
+    is_as_stated = not (options.parameter or options.initial)
+    return singular_start(model.scene, model.freedom) if model.scene.notes["loops"] and is_as_stated else ""
 
 
 def tell_moved(scene: Any, progress: Progress, values: Values, row: Sequence[float], out: Any) -> None:
@@ -172,3 +176,10 @@ def _time(seconds: float) -> str:
         if seconds >= factor:
             return f"{seconds / factor:.3g} {unit}"
     return f"{seconds / 1e-9:.3g} ns"
+
+
+def tell_shared(model: Model, row: Sequence[float], out: Any) -> None:
+    """What leaves the reactions that are reported one way of several: loops whose equations repeat each other."""
+    if row and model.scene.notes["loops"] and reports_reactions(model.scene):
+        for repeated in model.freedom["repeated"]:
+            print(f"  the reactions are one way of several: {repeated}", file=out)

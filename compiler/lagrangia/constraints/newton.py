@@ -52,7 +52,7 @@ def start_equations(kinematics: Kinematics, initial: InitialConditions, table: M
     """Those of a scene with its parameters as declared. `table`: its functions; without momenta masses do not count."""
     units = [c.unit for c in (*kinematics.graph.coordinates, *initial.lost)]
     kinds = np.array([sorted(set(units)).index(unit) for unit in units])
-    p, is_angle = default_parameters(kinematics)[1].full().ravel(), np.array([unit == "rad" for unit in units])
+    p, is_angle = default_parameters(kinematics)[1].full().ravel(), np.array([unit == "rad" for unit in units], bool)
     u = None
     if table["initial"].n_in() > 3:
         u = ca.evalf(with_declared_inputs(kinematics, [input_symbols(kinematics)])[0]).full().ravel()

@@ -17,6 +17,11 @@ def tells_reactions(scene: Scene) -> bool:
     return is_static(scene) and not scene.notes["touching"]["told"]
 
 
+def reports_reactions(scene: Scene) -> bool:
+    """Whether any of a run's columns is part of what a joint or a tie carries."""
+    return any(column.name.rpartition(".")[2].partition("[")[0] in REACTIONS for column in columns(scene))
+
+
 def reaction_table(scene: Scene, row: Sequence[float]) -> list[str]:
     """The reactions in one row of results, a line for each joint or tie, with their units."""
     found: dict[str, list[float]] = {}
