@@ -17,7 +17,7 @@
 /* Widths in a step that its stages see. A place is as wide as g needs to change by 1, or by 1 about where it turns. */
 static const double SEEN = 4;
 static const double FAINT = -36;  /* g of exponentials that are rounding */
-static const double QUIET = 1.5;  /* g that changes less by its paces at both ends has nothing narrow between them */
+static const double QUIET = 1.5;  /* g that changes less in a step has nothing narrow in it */
 static const double AHEAD = 1e-6; /* share of a step: by which paces are told */
 static const double FINE = 0.1, NARROWER = 0.7;  /* change of g; share of a width that is tried next */
 static const double APART = 1.5, OUTSIDE = 6, SHORTER = 0.9; /* widths, but for the last one: a share */
@@ -249,17 +249,22 @@ static Narrow find(LagRun *run, int i)
     return is_passed_over(run, end) ? end : (Narrow){0, 0, 0};
 }
 
-/* Whether g of some place changes so much that something may lie between. */
+/* Whether g of some place changes so much that something may lie between: at both ends of a swing it may stand still. */
 static int is_suspect(LagRun *run)
 {
+    static const double AT[] = {0.29, 0.62, 1}; /* at no even distance, by which waves would look like none */
     LagLooks *s = &run->looks;
-    const size_t count = (size_t)run->model->n_looks, end = LAG_LOOKS * count;
-    look(run, 0, s->g, s->pace);
-    look(run, 1, s->g + end, s->pace + end);
-    for (size_t i = 0; i < count; ++i)
-        if (lag_max(fabs(s->pace[i]), fabs(s->pace[end + i])) > QUIET)
-            return 1;
-    return 0;
+    const size_t count = (size_t)run->model->n_looks;
+    double *change = s->pace;
+    memset(change, 0, count * sizeof *change);
+    ask(run, 0, s->g);
+    for (size_t k = 0; k < sizeof AT / sizeof *AT; ++k) {
+        ask(run, AT[k], s->ahead);
+        for (size_t i = 0; i < count; ++i)
+            change[i] += fabs(s->ahead[i] - s->g[i]);
+        memcpy(s->g, s->ahead, count * sizeof *change);
+    }
+    return lag_largest(change, count) > QUIET;
 }
 
 static Narrow passed_over(LagRun *run)

@@ -54,6 +54,19 @@ def test_no_step_passes_over_a_narrow_place(scene: lagrangia.Model, solver: str,
     assert found["hump.s"][-1] < 2.9 - 1e-5  # it is slower on the hump
 
 
+def test_no_swing_from_rest_to_rest_passes_over_a_well() -> None:
+    """At both ends nothing moves: 241 tolerances off by the series at 1e-5."""
+    well = lagrangia.loads("""model Well
+      World world(gravity = {0, 0}); Block b(m = 1, base = world, s(start = 1)); Spring k(k = 4, stretch = b.s);
+    energy
+      potential -0.3[J]*((1 + cos(b.s/0.2[m]))/2)^400;
+    end Well;""")
+    at = np.linspace(0, 3, 13)
+    right = well.simulate(solver="erk5", tolerance=1e-12, max_step=0.002, at=at)["b.s"]
+    for tolerance in (1e-3, 1e-4, 1e-5, 1e-6):
+        assert well.simulate(solver="taylor", tolerance=tolerance, at=at)["b.s"] == pytest.approx(right, abs=3 * tolerance)
+
+
 def test_what_is_wide_costs_nothing() -> None:
     wide = lagrangia.loads(SCENE.replace("w = 0.002", "w = 1").replace("/0.002[s]", "/1[s]").replace("-abs(", "-(w/3 + "))
     counts = [wide.simulate(solver=solver, tolerance=1e-5, at=[2.9]).statistics for solver in ("erk", "erk9", "pirk")]
