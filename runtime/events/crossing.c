@@ -149,7 +149,8 @@ static Likeness resolve(LagRun *run, Part part)
     return early < late ? early : late;
 }
 
-/* A place where a condition that holds at both ends does not; -1: none was found. */
+/* A place where a condition that holds at both ends does not; -1: none was found. One so near the beginning that times cannot be told apart
+ * is none: what begins at its change with a force from nothing, whose length counts as 1e-150, goes down by that. */
 static double find_dip(LagRun *run, int i, Part part)
 {
     const LagSwitches *s = &run->switches;
@@ -158,7 +159,7 @@ static double find_dip(LagRun *run, int i, Part part)
     double ra = h * lag_depth(s, i, s->rate_begin), rb = h * lag_depth(s, i, s->rate);
     for (int k = 0; k < DIP_ITERATIONS; ++k) {
         const double share = dip(a, b, ra * (high - low), rb * (high - low)), x = low + share * (high - low);
-        if (share < 0)
+        if (share < 0 || x - part.low <= ROUNDING)
             return -1;
         const double here = depth_at(run, i, x);
         if (is_beyond(run, i, here))
@@ -318,6 +319,21 @@ static int is_first(LagRun *run, Part part, double found)
     return resolve(run, before) != UNLIKE;
 }
 
+/* The next step is no longer than some such parts of the latest one. */
+static void shorten_step(LagRun *run, double narrowest)
+{
+    if (narrowest < MOST_PARTS)
+        run->step = lag_min(run->step, narrowest / MOST_PARTS * (run->motion.t - run->motion.t_old));
+}
+
+/* A place that was found; stairs may go by ever faster, in the end several in the narrowest part of a step. */
+static double take_place(LagRun *run, double found, double narrowest)
+{
+    if (run->model->conditions_may_hide)
+        shorten_step(run, narrowest);
+    return found;
+}
+
 /* How long steps may be for their conditions to be simple, after one that was looked at in parts. */
 static void note_parts(LagRun *run, int was_due, double narrowest)
 {
@@ -330,8 +346,8 @@ static void note_parts(LagRun *run, int was_due, double narrowest)
     if (narrowest <= NARROWEST) { /* in vain */
         s->resolved = h;
         s->unlooked = -PAUSE;
-    } else if (narrowest < MOST_PARTS)
-        run->step = lag_min(run->step, narrowest / MOST_PARTS * h);
+    } else
+        shorten_step(run, narrowest);
 }
 
 /* Whether all conditions are those of lengths, and none can have been 0 in the latest step, by its paces at both ends. */
@@ -376,7 +392,7 @@ double lag_crossing_find(LagRun *run)
         }
         const double found = find_in_part(run, part);
         if (found < LAG_NOWHERE && (is_paused || width <= NARROWEST || like == TO_ROUNDING || is_first(run, part, found)))
-            return found;
+            return take_place(run, found, narrowest);
         if (found < LAG_NOWHERE) {
             width /= 2;
             continue;

@@ -21,8 +21,9 @@
 #include "model/schedule.h"
 #include "state/stepper.h"
 
-/* A switch that changes in every step changes to and fro when these are so short, by the longest of the run. */
-static const double SOON = 1e-3, WRONG_SIDE = 16, END_OF_SHARE = 64 * DBL_EPSILON;
+/* A switch that changes in every step changes to and fro when these are so short, by the longest of the run, unless it goes by so many
+ * tolerances. */
+static const double SOON = 1e-3, PASSED = 10, WRONG_SIDE = 16, END_OF_SHARE = 64 * DBL_EPSILON;
 static const double AT_END = 1e-3; /* of a step: near enough to one of its ends */
 static const double LOST = 1e-4; /* of a tolerance: rounding of the end of a step, to which is known what is inside it */
 static const double EARLY = 1e-3, AMPLE = 4; /* share of a step that says little of its beginning; of what it had to be, the next one */
@@ -342,6 +343,14 @@ static int comes_event(const LagRun *run)
     return 0;
 }
 
+/* Whether condition i, which has just changed, goes no farther in that time than errors take it: what turns past stair after stair does. */
+static int stays_near(LagRun *run, int i, double since)
+{
+    LagSwitches *s = &run->switches;
+    lag_conditions_with_rates(run, run->motion.t, run->motion.y, s->g, s->rate);
+    return !(fabs(s->rate[i]) * since > PASSED * lag_conditions_error(run, s->unknown[i]));
+}
+
 /* One that changes in step after short step is left to step control for a while; but what nothing moves is on both sides of its place at
  * every event. */
 static void turn(LagRun *run)
@@ -350,7 +359,8 @@ static void turn(LagRun *run)
     const int first = lag_switches_note(run), is_event = comes_event(run);
     const double since = run->motion.t - run->motion.t_old;
     const int stands = since <= lag_time_resolution(run->motion.t), is_soon = since < SOON * run->statistics.largest_step;
-    s->hurried = !is_event && (stands || (first == s->last && is_soon)) ? s->hurried + 1 : 0;
+    const int is_again = first == s->last && is_soon;
+    s->hurried = !is_event && (stands || (is_again && stays_near(run, first, since))) ? s->hurried + 1 : 0;
     s->last = first;
     if (s->hurried < HURRY)
         return;

@@ -391,6 +391,9 @@ static int top_of(const LagTaylor *s, const LagModel *model, double *jets)
     return least > 1 ? least : 1;
 }
 
+/* Leaves to others all that comes, or, where it was asked for and something is held, some steps: friction begins where loads are 0. */
+static int leaves(LagRun *run) { return lag_turn_fall_back(run) || (run->model->n_switches > 0 && lag_turn_pass(run)); }
+
 static LagStatus step(LagRun *run)
 {
     LagTaylor *s = &run->methods.taylor;
@@ -398,12 +401,10 @@ static LagStatus step(LagRun *run)
     double wrong = INFINITY;
     int in_vain = 0;
     const int is_live = needs_live_switches(run, 0, 0);
-    if ((rests_at_origin(run) || is_live || run->model->n_cones > 0) && lag_turn_fall_back(run))
-        return run->methods.table->step(run);
-    if ((is_live || run->model->n_cones > 0) && lag_turn_pass(run))
+    if ((rests_at_origin(run) && lag_turn_fall_back(run)) || ((is_live || run->model->n_cones > 0) && leaves(run)))
         return run->methods.table->step(run);
     if (is_live || !build(run, s, s->order))
-        return lag_turn_fall_back(run) ? run->methods.table->step(run) : lag_step_give_up(run, 0);
+        return leaves(run) ? run->methods.table->step(run) : lag_step_give_up(run, 0);
     s->top = top_of(s, run->model, s->jets);
     const double longest = GROW * lag_max(run->step, lag_step_smallest(m->t)); /* at rest a series says nothing of what comes */
     double h = lag_min(length_of(run, s), longest);
@@ -414,7 +415,7 @@ static LagStatus step(LagRun *run)
     for (;; h *= SHRINK) {
         const double t_new = lag_step_end(run, h), length = t_new - m->t;
         if (!(h >= lag_step_smallest(m->t))) /* what is left before an end may be shorter */
-            return lag_turn_fall_back(run) ? run->methods.table->step(run) : lag_step_give_up(run, run->statistics.worst);
+            return leaves(run) ? run->methods.table->step(run) : lag_step_give_up(run, run->statistics.worst);
         displacement(s, run->model, s->jets, s->top, length, m->sum);
         lag_motion_add(m, m->sum);
         m->t_old = m->t;

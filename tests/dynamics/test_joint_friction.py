@@ -55,6 +55,27 @@ def test_a_sledge_that_locks_itself(scene: Write) -> None:
     assert run["guide.s"][-1] == pytest.approx(a / 2, rel=1e-12)
 
 
+def test_a_pin_that_nothing_presses_yet(scene: Write) -> None:
+    """A force that grows from nothing begins to turn it, where the length of its reaction is 0 and has no series."""
+    model = scene("""model Bar_
+      World world(gravity = {0, 0});
+      RoughRevolute hinge(a = world, mu = 0.3, radius = 0.02);
+      Bar bar(m = 1, L = 1, a = hinge.b);
+      AppliedForce push(at = bar.b, force = {0, 3[N/s]*time});
+    end Bar_;""")
+
+    def slope(t: float, y: Vector) -> Vector:
+        e, turn = np.array([np.cos(y[0]), np.sin(y[0])]), 0.0
+        for _ in range(20):  # the load is that of the acceleration that it lets
+            load = np.hypot(*((turn * np.array([-e[1], e[0]]) - y[1] ** 2 * e) / 2 - [0, 3 * t]))
+            turn = 3 * (3 * t * e[0] - 0.3 * 0.02 * load)
+        return np.array([y[1], turn])
+
+    right = solve_ivp(slope, (0, 1), [0, 0], method="DOP853", rtol=1e-12, atol=1e-14).y[0, -1]
+    for solver in SOLVERS:
+        assert model.simulate(at=[1.0], solver=solver, tolerance=1e-9)["hinge.phi"][-1] == pytest.approx(right, abs=1e-8)
+
+
 PENDULUM = """model Pendulum
   RoughRevolute hinge(a = world, mu = 0.2, radius = 0.05, phi(start = 0.5[rad]), w(start = 8));
   Bar bar(m = 1, L = 1, a = hinge.b);

@@ -166,6 +166,24 @@ def test_no_step_passes_two_whole_numbers(scene: Write) -> None:
     assert found["c.s"] == pytest.approx(right["c.s"], abs=1e-10)
 
 
+@pytest.mark.parametrize("solver", ["erk", "erk5", "erk9", "pirk"])
+def test_stairs_that_go_by_ever_faster(scene: Write, solver: str) -> None:
+    """Steps came to pass two of them in their narrowest parts, or were taken for shaking: off by 10^3 tolerances."""
+    model = scene("""model Stairs
+      World world(gravity = {0, 0});
+      Block c(m = 1, base = world, v(start = 0.1));
+    energy
+      potential -8[N/m]*c.s^2;
+      work 300[N]*mod(floor(20[1/m]*c.s), 2) on c.s;
+    end Stairs;""")
+    run = model.simulate(at=[1.7], tolerance=1e-8, solver=solver)
+    s, v = run["c.s"][-1], run["c.v"][-1]
+    count = floor(20 * s)
+    assert run.statistics.events >= count > 10_000
+    odd = count // 2 / 20 + (s - count / 20) * (count % 2)
+    assert v**2 == pytest.approx(0.1**2 + 16 * s**2 + 600 * odd, rel=1e-10)
+
+
 def test_forces_of_numbers_that_are_equal_for_a_while_are_refused(scene: Write) -> None:
     for force in ("sign(floor(s))", "(if floor(s) > 0 then 1 elseif floor(s) >= 0 then 2 else 3)"):
         with pytest.raises(lag.LagError, match="L0914") as caught:
