@@ -154,10 +154,10 @@ static double attempt(LagRadau *s, LagRun *run, double t_new, LagConvergence *co
     *convergence = lag_radau_solve(s, run, h, asked, worst);
     if (*convergence != LAG_STAGES_CONVERGED || !lag_radau_finish(s, run, h))
         return INFINITY;
+    double error = lag_radau_error(s, run, h, again, worst);
     /* Of the account's integrals, too: motion that is given by time, or even, has hardly errors of its own. */
-    const double unit = run->scale.tolerance * fmax(m->energy, h * h * m->strength);
-    const double work = unit > 0 ? lag_account_count(m, h, s->doubt / unit) : 0;
-    const double error = fmax(lag_radau_error(s, run, h, again, worst), work);
+    if (s->missed > error)
+        error = fmax(error, lag_account_count(m, h, lag_radau_knows_powers(s, run, h) ? s->missed : 0));
     run->statistics.worst = *worst;
     return error < INFINITY && !lag_radau_is_solution(s, run, h) ? INFINITY : error;
 }

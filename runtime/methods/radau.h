@@ -27,6 +27,7 @@ typedef struct {
     double *error, *filtered;   /* 2 n */
 
     double doubt;       /* error of the energy quadratures in the step being tried */
+    double missed;      /* the largest of them, in units of what they count by; 0: they do not */
     double contraction; /* of the latest iterations, per iteration */
     double patience;    /* error left, as a multiple of the latest change */
     int iterations;
@@ -55,6 +56,9 @@ LagConvergence lag_radau_solve(LagRadau *s, struct LagRun *run, double h, double
 
 /* The new state into motion->other, from the stages; 0 when the powers are not finite. */
 int lag_radau_finish(LagRadau *s, struct LagRun *run, double h);
+
+/* Whether the error of a quadrature, `missed`, is more than the stages' own errors make of it: of stiff forces they tell few digits. */
+int lag_radau_knows_powers(LagRadau *s, struct LagRun *run, double h);
 
 /* The error of the embedded method in units; with `again` filtered once more, for first and rejected steps. */
 double lag_radau_error(LagRadau *s, struct LagRun *run, double h, int again, int *worst);

@@ -11,6 +11,7 @@
 #include <string.h>
 
 #include "events/accelerations.h"
+#include "events/conditions.h"
 #include "events/cones.h"
 #include "methods/radau.h"
 #include "steps/step.h"
@@ -23,6 +24,7 @@ static const double GOAL = 0.001, ROUNDING = 2 * DBL_EPSILON, TIME_ROUNDING = 4 
 static const double UNSEEN = 1;
 static const double DIVERGED = 0.99, SLOWER = 0.8, FEWEST_UNITS = 1e-4, MOST_UNITS = 20;
 static const double MOST_LEFT = 1; /* units of error, of what accelerations lack */
+static const double UNCERTAIN = 10; /* of what stages may be off, in the powers at one place */
 enum { BASE_ITERATIONS = 7, FEWEST_STAGES = 3 };
 
 int lag_radau_most_iterations(const LagRadauTableau *tableau)
@@ -217,11 +219,14 @@ static LagConvergence judge(LagRadau *s, double ratio, double contraction, doubl
     return LAG_STAGES_SLOW;
 }
 
+/* Of changes of the stages, in units of error. */
+static double goal_of(const LagRun *run) { return fmax(GOAL, ROUNDING / run->scale.tolerance); }
+
 LagConvergence lag_radau_solve(LagRadau *s, LagRun *run, double h, double *shorter, int *worst)
 {
     LagMotion *m = &run->motion;
     const int most = lag_radau_most_iterations(s->tableau);
-    const double goal = fmax(GOAL, ROUNDING / run->scale.tolerance);
+    const double goal = goal_of(run);
     double last = 0, last_ratio = 0;
     s->trial.tableau = s->tableau;
     s->trial.h = h;
@@ -272,27 +277,56 @@ static int are_solved(LagRadau *s, LagRun *run, double h)
     return 1;
 }
 
+/* Integrals of the powers, and their errors. */
+static void integrate_powers(LagRadau *s, LagMotion *m, double h, double tolerance)
+{
+    const int n = m->n, n_power = m->size - 2 * n, stages = s->tableau->stages;
+    const double least = fmax(m->energy, h * h * m->strength);
+    s->doubt = s->missed = 0;
+    for (int k = 0; k < n_power; ++k) {
+        double sum = s->slope[2 * n + k], error = 0;
+        for (int i = 0; i < stages; ++i) {
+            sum += s->tableau->a[(stages - 1) * stages + i] * s->trial.power[i * n_power + k];
+            error += s->tableau->error_place[i] * s->trial.power[i * n_power + k];
+        }
+        error = fabs(h / s->tableau->eigenvalue[0] * error);
+        m->sum[2 * n + k] = h * sum;
+        s->doubt += error;
+        if (least > 0)
+            s->missed = fmax(s->missed, error / (tolerance * fmax(least, fabs(m->y[2 * n + k] + h * sum))));
+    }
+}
+
 int lag_radau_finish(LagRadau *s, LagRun *run, double h)
 {
     LagMotion *m = &run->motion;
-    const int n = m->n, n_power = m->size - 2 * n, last = s->tableau->stages - 1, slips = run->sliding.known_error < INFINITY;
+    const int n = m->n, last = s->tableau->stages - 1, slips = run->sliding.known_error < INFINITY;
     int worst;
-    if ((n_power > 0 || slips) && !evaluate_stages(s, m, h, &worst)) /* the powers of the last iteration, not of the one before */
+    if ((m->size > 2 * n || slips) && !evaluate_stages(s, m, h, &worst)) /* the powers of the last iteration, not of the one before */
         return 0;
     if (slips && !are_solved(s, run, h))
         return 0;
-    s->doubt = 0;
     memcpy(m->sum, s->place + last * n, (size_t)n * sizeof *m->sum);
     memcpy(m->sum + n, s->trial.rate + last * n, (size_t)n * sizeof *m->sum);
-    for (int k = 0; k < n_power; ++k) {
-        double sum = s->slope[2 * n + k], error = 0;
-        for (int i = 0; i <= last; ++i) {
-            sum += s->tableau->a[last * (last + 1) + i] * s->trial.power[i * n_power + k];
-            error += s->tableau->error_place[i] * s->trial.power[i * n_power + k];
-        }
-        m->sum[2 * n + k] = h * sum;
-        s->doubt += fabs(h / s->tableau->eigenvalue[0] * error);
-    }
+    integrate_powers(s, m, h, run->scale.tolerance);
     lag_motion_add(m, m->sum);
+    return 1;
+}
+
+int lag_radau_knows_powers(LagRadau *s, LagRun *run, double h)
+{
+    LagMotion *m = &run->motion;
+    const int n = m->n, n_power = m->size - 2 * n;
+    const double *at_end = s->trial.power + (s->tableau->stages - 1) * n_power, least = fmax(m->energy, h * h * m->strength);
+    for (int k = 0; k < 2 * n; ++k)
+        s->filtered[k] = s->weight[k] > 0 ? goal_of(run) / s->weight[k] : 0;
+    for (int pattern = 0; pattern < LAG_PATTERNS; ++pattern) {
+        lag_conditions_disturb(run, m->other, s->filtered, pattern, m->point);
+        if (!lag_motion_slope(m, m->t + h, m->point, m->point + n, m->sum))
+            return 0;
+        for (int k = 0; k < n_power; ++k)
+            if (s->missed < UNCERTAIN * h * fabs(m->sum[2 * n + k] - s->slope[2 * n + k] - at_end[k]) / (run->scale.tolerance * least))
+                return 0;
+    }
     return 1;
 }

@@ -337,7 +337,7 @@ def test_stiff_ties_cost_no_steps(scene: Write, k: float, damping: float) -> Non
     run = model.simulate(at=at, tolerance=1e-9, parameters={"k": k, "c": damping * math.sqrt(k)}, solver="implicit")
     assert np.abs(run["block.s"] - np.sin(at)).max() < 1e-9
     assert np.abs(run["block.v"] - np.cos(at)).max() < 3e-8
-    assert run.statistics.steps < 400
+    assert run.statistics.steps < 150
 
 
 DRIVEN = """model Driven "Pulled by a chirp, then let go; a stiff cubic spring and a damper, and an input"
