@@ -16,6 +16,7 @@ WRONG = {
     "Body b(m = 1, I = {1, 1, 1}, center(w(start = {0, 0, 1}), omega(start = {1, 0, 0})));": "the angular velocity is said twice",
     "Body b(m = 1, I = {1, 1, 1}, center(R(start = identity(3))));": "a frame does not begin by its R",
     "Revolute h(a = world, axis = {1, 0, 0}); Body b(m = 1, I = {1, 1, -1}, center = h.b);": "is negative about z",
+    f"{BODY} energy work {{1, 2, 3}} on b.center.R;": "a force works on a position of the same size",
 }
 
 

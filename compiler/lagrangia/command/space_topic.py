@@ -25,6 +25,7 @@ gravity with a third component, or one of the words below. Nothing is declared; 
   hinges    TorsionSpring, TorsionDamper, TorsionStop, TorsionDryFriction, DCMotor, Gear and TorquePair(torque = 3) act about the
             hinge between their frames, or several about parallel axes: TorsionSpring(a = hinge.a, b = hinge.b, k = 2). Of one's
             own: hinge_angle(a, b). A ball joint has no such angle, nor has a Universal as a whole: bind twist = u.phi_a
+            SphericalSpring holds a ball joint; Bushing has three stiffnesses along a's axes and three about them
   friction  of joints as in the plane; SlidingFriction(a = plane, b = foot, normal = ...) acts against the slip in the plane of
             a's x and y axes, and holds up to the same force in any direction of it. A joint keeps b there, as PlanarJoint
   gears     Gear, Belt, RoughGear, RoughBelt of the angles of hinges: Gear(r_a = 0.1, r_b = 0.2, phi_a = p.phi, phi_b = q.phi);

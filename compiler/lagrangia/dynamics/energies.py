@@ -133,7 +133,8 @@ def _load(work: Work, value: Callable[..., Value], report: Report) -> Load:
         force, position = value(work.force), value(_moved(work))
     except LagError as error:
         raise error.placed(work.span) from None
-    if isinstance(force, tuple) != isinstance(position, tuple) or (isinstance(force, tuple) and len(force) != len(position)):
+    force_size, position_size = ([isinstance(x, tuple) for x in v] if isinstance(v, tuple) else None for v in (force, position))
+    if force_size != position_size or any(force_size or ()):  # of matrices none works
         report.error_in(work.span, work.position.span, "L0303", "a force works on a position of the same size",
                         "a vector on a point (at.r), a number on a length or an angle" if not is_by_rate else
                         "a torque on an attitude has three components, in the world's axes")

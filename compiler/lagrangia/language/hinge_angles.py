@@ -24,7 +24,7 @@ _Z: _Vector = (0.0, 0.0, 1.0)
 _MOVING = frozenset({"coordinate", "input", "held", "delayed"})
 _DECIDES = "part of an axis that decides how the angles of several hinges add up"  # of parameters, why they stay
 _INSTEAD = "give it the two sides of a hinge, as a = hinge.a, b = hinge.b; or bind the angle, as twist = hinge.phi, or its rate"
-_OF_BALLS = "hold it by torques about its axes, work {Mx, My, Mz} on b.attitude, or by springs between points beside its centre"
+_OF_BALLS = "hold it by a SphericalSpring or a Bushing, or by torques about its axes: work {Mx, My, Mz} on b.attitude"
 
 
 def frames_of(call: Call[Flat]) -> tuple[FrameRef, FrameRef]:
