@@ -1,11 +1,12 @@
 """Switches in place of what conditions say. Where they may be shares of a jump, forces are made linear in each of them."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 import casadi as ca
 
 from lagrangia.algebra.numbering import Numbering
 from lagrangia.algebra.scalars import Expression, apply, as_expression, operate, symbols_in
+from lagrangia.dynamics.directions import Direction, Directions, Factor, is_product, sides
 
 RELATIONS = (ca.OP_LT, ca.OP_LE, ca.OP_FMIN, ca.OP_FMAX)
 JUMPS = (ca.OP_LT, ca.OP_LE, ca.OP_SIGN)
@@ -73,28 +74,6 @@ def _zeros_of(numbering: Numbering, number: int) -> tuple[Pair, ...]:
     return ordered(_without_factors(numbering, inner), zero), ordered(inner, zero)
 
 
-def direction_in(numbering: Numbering, op: int, numbers: list[int]) -> tuple[int, int, int] | None:
-    """Of c x/sqrt(x^2 + y^2), or c y/...: the numbers of x and y, and which of them stands above."""
-    if op != ca.OP_DIV or numbering.keys[numbers[1]][0] != ca.OP_SQRT:
-        return None
-    outer, *squares = numbering.keys[int(numbering.keys[numbers[1]][1])]
-    constants = [k for k in squares if outer == ca.OP_ADD and numbering.keys[int(k)][0] == ca.OP_CONST]
-    if constants:  # that keeps slopes finite
-        outer, *squares = numbering.keys[int(next(k for k in squares if k not in constants))]
-    inner = [numbering.keys[int(k)] for k in squares]
-    if outer != ca.OP_ADD or any(key[0] != ca.OP_SQ for key in inner):
-        return None
-    x, y = (int(key[1]) for key in inner)
-    above = [n for n in (x, y) if _has_factor(numbering, numbers[0], n)]
-    return (x, y, above[0]) if len(above) == 1 else None
-
-
-def _has_factor(numbering: Numbering, number: int, factor: int) -> bool:
-    op, *operands = numbering.keys[number]
-    is_product = op == ca.OP_MUL or op in _MULTIPLES
-    return number == factor or (is_product and any(_has_factor(numbering, int(x), factor) for x in operands))
-
-
 def _without_factors(numbering: Numbering, number: int) -> int:
     """The value that is 0 where this one is: of -2 x or of sign(x), x."""
     op, *operands = numbering.keys[number]
@@ -112,8 +91,8 @@ class Holding:
         self.places, self.shares, self.rests, self.numbering = places, shares, rests, numbering
         self.symbols = {s.__hash__(): s for s in places.values() if s.is_symbolic()}
         self.jumps = dict[int, tuple[Expression, frozenset[int]]]()  # of expressions by their hashes: the shares they jump with
-        self.absolute = dict[int, tuple[Pair, int]]()  # numbers of |x|, with that of x
-        self.products = dict[int, tuple[list[int], list[Expression]]]()  # their numbers, with those of the factors
+        self.products = dict[int, tuple[int, list[int], list[Expression]]]()  # by their numbers
+        self.directions = Directions(numbering)
 
     def made(self, op: int, numbers: list[int], operands: list[Expression]) -> Expression:
         """An instruction with switches for its conditions."""
@@ -122,16 +101,8 @@ class Holding:
         pair = pair_of(self.numbering, op, numbers)
         if pair is not None and pair in self.places:
             return self._switched(op, numbers, operands, pair)
-        if op == ca.OP_MUL:
-            self.products[self.numbering.of(op, numbers)] = numbers, operands
-        elif op in _MULTIPLES:
-            times = _MULTIPLES[op]
-            factors = [self.numbering.of_number(times), numbers[0]]
-            self.products[self.numbering.of(op, numbers)] = factors, [as_expression(times), operands[0]]
-        quotient = self._quotient(numbers, operands) if op == ca.OP_DIV else None
-        if quotient is None and (found := direction_in(self.numbering, op, numbers)) is not None:
-            quotient = self._direction(numbers, operands, found)
-        return self._combined(op, operands) if quotient is None else quotient
+        directed = self._directed(op, numbers, operands)
+        return self._combined(op, operands) if directed is None else directed
 
     def _rests(self, op: int, numbers: list[int]) -> Expression | None:
         asked = rest_asked(self.numbering, op, numbers) if self.rests else None
@@ -142,8 +113,6 @@ class Holding:
         is_positive = self.places[pair]  # a > b, where a has the smaller number
         if op in WHOLE:
             return self._whole(op, operands[0], is_positive)
-        if op == ca.OP_FABS:
-            self.absolute[self.numbering.of(op, numbers)] = pair, numbers[0]
         if op not in JUMPS:
             is_positive = self._bounded(is_positive)
         if op == ca.OP_SIGN:
@@ -175,41 +144,61 @@ class Holding:
         y, x = operands
         return as_expression(side * (ca.pi / 2) + operate(op, [as_expression(-side * x), as_expression(side * y)]))
 
-    def _quotient(self, numbers: list[int], operands: list[Expression]) -> Expression | None:
-        """x/|x| and c x/|x|, whose values at 0 nobody knows."""
-        above, below = numbers
-        if below not in self.absolute:
-            return None
-        pair, x = self.absolute[below]
-        if above == x:
-            return self._sign(pair, x)
-        factors, values = self.products.get(above, ([], operands))
-        if x not in factors:
-            return None
-        return self._combined(ca.OP_MUL, [values[1 - factors.index(x)], self._sign(pair, x)])
+    def _directed(self, op: int, numbers: list[int], operands: list[Expression]) -> Expression | None:
+        """A product or quotient in which a rate stands above and its length below; of others, it keeps the operands."""
+        found = self.directions.found(op, numbers)
+        directed = self._direction(list(self._factors(op, numbers, operands)), found) if found else None
+        if directed is None and is_product(op):
+            self.products[self.numbering.of(op, numbers)] = op, numbers, operands
+        return directed
 
-    def _direction(self, numbers: list[int], operands: list[Expression], found: tuple[int, int, int]) -> Expression | None:
-        """A component of v/|v|, which has none at rest: there a force holds v with components of its own, as signs."""
+    def _direction(self, factors: list[tuple[Factor, Expression]], found: Direction) -> Expression | None:
+        """A component of v/|v|, which has none at rest, times all else."""
+        values = dict(factors)
+        length = (found.length, found.square is None)
+        if (found.above, False) not in values or length not in values:
+            return None
+        share = self._share(found, values[found.above, False], values[length])
+        if share is None:
+            return None
+        left = [(found.above, False), length, *([] if found.square is None else [(found.square, True)])]
+        above, below = as_expression(1.0), as_expression(1.0)
+        for factor, value in factors:
+            if factor in left:
+                left.remove(factor)
+            elif factor[1]:
+                below = self._combined(ca.OP_MUL, [below, value])
+            else:
+                above = self._combined(ca.OP_MUL, [above, value])
+        return self._combined(ca.OP_MUL, [self._combined(ca.OP_DIV, [above, below]), share])
+
+    def _share(self, found: Direction, component: Expression, length: Expression) -> Expression | None:
+        """At rest a force holds v with components of its own, as signs."""
         zero = self.numbering.of_number(0.0)
-        x, y = ordered(found[0], zero), ordered(found[1], zero)
-        if x not in self.rests or y not in self.rests:
+        pairs = [ordered(x, zero) for x in found.components]
+        if any(pair not in (self.rests if len(pairs) > 1 else self.places) for pair in pairs):
             return None
-        factor, component = self._factor(numbers[0], operands[0], found[2])
-        both = as_expression(self.rests[x] * self.rests[y])
-        moves = operate(ca.OP_DIV, [component, operands[1]])
-        held = self._combined(ca.OP_MUL, [both, self._sign(y if found[2] == found[1] else x, found[2])])
-        share = self._noted(as_expression(held + operate(ca.OP_IF_ELSE_ZERO, [operate(ca.OP_NOT, [both]), moves])),
-                            self._jumps_of(held))
-        return self._combined(ca.OP_MUL, [factor, share])
+        sign = self._sign(ordered(found.component, zero), found.component)
+        held = self._combined(ca.OP_MUL, [as_expression(1 / found.ratio), sign])
+        if len(pairs) == 1:
+            return held
+        both = as_expression(self.rests[pairs[0]] * self.rests[pairs[1]])
+        held = self._combined(ca.OP_MUL, [both, held])
+        moves = operate(ca.OP_DIV, [component, length])
+        return self._noted(as_expression(held + operate(ca.OP_IF_ELSE_ZERO, [operate(ca.OP_NOT, [both]), moves])),
+                           self._jumps_of(held))
 
-    def _factor(self, number: int, value: Expression, component: int) -> tuple[Expression, Expression]:
-        """A product as that of the component and of all else."""
-        if number == component:
-            return as_expression(1.0), value
-        numbers, operands = self.products[number]
-        k = next(k for k in (0, 1) if _has_factor(self.numbering, numbers[k], component))
-        rest, found = self._factor(numbers[k], operands[k], component)
-        return self._combined(ca.OP_MUL, [rest, operands[1 - k]]), found
+    def _factors(self, op: int, numbers: list[int], operands: list[Expression], is_below: bool = False
+                 ) -> Iterator[tuple[Factor, Expression]]:
+        """Of a product or quotient, with their values."""
+        if op in _MULTIPLES:
+            number = self.numbering.of_number(_MULTIPLES[op])
+            yield (number, is_below), as_expression(_MULTIPLES[op])
+        for number, value, side in zip(numbers, operands, sides(op, is_below), strict=True):
+            if number in self.products:
+                yield from self._factors(*self.products[number], side)
+            else:
+                yield (number, side), value
 
     def _combined(self, op: int, operands: Sequence[Expression]) -> Expression:
         """Products of what jumps with one share are linear in it, as its square is where it is 0 or 1."""

@@ -23,6 +23,7 @@ from lagrangia.algebra.scalars import Expression, as_expression, symbol, symbols
 from lagrangia.algebra.with_casadi import CORNERS, STEPS, operations_in
 from lagrangia.base.diagnostics import fail
 from lagrangia.base.records import dataclass
+from lagrangia.dynamics.directions import Directions, components_of
 from lagrangia.dynamics.held_switches import (
     JUMPS,
     RELATIONS,
@@ -30,7 +31,6 @@ from lagrangia.dynamics.held_switches import (
     WHOLE,
     Holding,
     Pair,
-    direction_in,
     ordered,
     pair_of,
     rest_asked,
@@ -205,6 +205,10 @@ class _Finding:
     both: dict[tuple[Pair, Pair], None] = field(default_factory=dict)
     equal: dict[Pair, bool] = field(default_factory=dict)  # which may be equal for a while: how these are compared
     either: set[Pair] = field(default_factory=set)  # the same, of which so far only the larger or the smaller is asked for
+    squares: dict[int, Expression] = field(default_factory=dict)  # by the numbers of their roots: of lengths
+
+    def __post_init__(self) -> None:
+        self.directions = Directions(self.numbering)
 
     def note(self, op: int, numbers: list[int], operands: list[Expression]) -> None:
         """Of an instruction."""
@@ -212,8 +216,10 @@ class _Finding:
         if op == ca.OP_MUL and all(key[0] == ca.OP_EQ for key in keys):
             a, b = (ordered(int(key[1]), int(key[2])) for key in keys)
             self.both[a, b] = None
-        if direction_in(self.numbering, op, numbers) is not None:
-            self._note_direction(operands[1])
+        if op == ca.OP_SQRT and components_of(self.numbering, number := self.numbering.of(op, numbers)):
+            self.squares[number] = operands[0]
+        if (direction := self.directions.found(op, numbers)) is not None and direction.length in self.squares:
+            self._note_direction(self.squares[direction.length])
         rest = rest_asked(self.numbering, op, numbers)
         if rest is not None:
             self.asked.append(rest[0])
@@ -289,9 +295,8 @@ class _Finding:
         if self._moves(root):
             self.found.setdefault(pair, root if pair[0] == number else as_expression(-root))
 
-    def _note_direction(self, norm: Expression) -> None:
+    def _note_direction(self, square: Expression) -> None:
         """Of a rate that is a vector: both components are to rest where it has none."""
-        square = norm.dep(0)
         square = next((square.dep(k) for k in (0, 1) if square.dep(1 - k).is_constant()), square)
         components, zero = [as_expression(square.dep(k).dep(0)) for k in (0, 1)], self.numbering.of_number(0.0)
         if not all(_is_rate(self.v, x) for x in components):

@@ -20,9 +20,10 @@ from lagrangia.algebra.orthogonal import Vector
 from lagrangia.algebra.scalars import Expression, as_expression, operate, symbol, symbols_in
 from lagrangia.algebra.with_casadi import CORNERS, STEPS
 from lagrangia.base.diagnostics import LagError, Span, fail
+from lagrangia.dynamics.directions import Direction
 from lagrangia.dynamics.dissipation import gradient_by_rates
 from lagrangia.dynamics.energies import Energies
-from lagrangia.dynamics.held_switches import SIGNS, WHOLE, Holding, Pair, pair_of, rest_asked
+from lagrangia.dynamics.held_switches import SIGNS, WHOLE, Holding, Pair, ordered, pair_of, rest_asked
 from lagrangia.dynamics.motion import Motion
 from lagrangia.dynamics.switches import bends, conditions_in
 
@@ -175,11 +176,9 @@ class _Probe(Holding):
         self.is_asking |= is_of_rate and op in _ASKING
         if is_of_rate and op in _TURNING and (made := self._of_rate(op, numbers, operands, is_smooth)) is not None:
             return made
-        if op == ca.OP_MUL:
-            self.products[number] = numbers, operands
-        quotient = self._quotient(numbers, operands) if op == ca.OP_DIV else None
-        self._note(op, number, numbers, quotient is not None)
-        return operate(op, operands) if quotient is None else quotient
+        directed = self._directed(op, numbers, operands)
+        self._note(op, number, numbers, directed is not None)
+        return operate(op, operands) if directed is None else directed
 
     def _of_rate(self, op: int, numbers: list[int], operands: list[Expression], is_smooth: bool) -> Expression | None:
         number, zero = self.numbering.of(op, numbers), as_expression(0.0)
@@ -201,10 +200,15 @@ class _Probe(Holding):
             self.jumping.add(number)
             return self._sign(pair, numbers[0])
         if op == ca.OP_FABS:
-            self.absolute[number] = pair, numbers[0]
             return operate(op, [self.found[pair][0]])
         self.jumping.add(number)
         return operate(op, [self._sign(pair, numbers[0]), zero])
+
+    def _share(self, found: Direction, component: Expression, length: Expression) -> Expression | None:
+        pair = ordered(found.component, self.numbering.of_number(0.0))
+        if len(found.components) > 1 or pair not in self.found:
+            return None
+        return as_expression(self._sign(pair, found.component) / found.ratio)
 
     def _sign(self, pair: Pair, number: int) -> Expression:
         sign = self.found[pair][1]
