@@ -333,6 +333,17 @@ def test_friction_in_the_plane_holds_inside_its_cone(angle: float, share: float,
         assert np.hypot(*place) < 0.9 * limit / 10
 
 
+@pytest.mark.parametrize("law", ["-3*b.center.v/norm(b.center.v)", "-b.center.v*(3/norm(b.center.v))"])
+def test_friction_in_the_plane_written_as_a_force_holds(law: str, scene: Write) -> None:
+    """2.5 of 3 N. It was told to rest elsewhere, and to be damped as exp(-2e150 t): no corner of |x| stands in it."""
+    rub = f"AppliedForce f(at = b.center, force = {law}); end Puck;"
+    model = scene((PUCK % (0.15, 0.2)).partition("SlidingFriction")[0] + rub)
+    first = model.equilibrium().found[0]
+    close([first.position["b.center.x"], first.position["b.center.y"]], [0.15, 0.2])
+    close(first.friction["f"], (2.5, 3))
+    assert len(model.modes()) == 0
+
+
 @pytest.mark.parametrize(("phi", "torque", "holds"), [
     (0.0, 5.99, True), (0.5, 5.99, True), (np.pi / 4, 5.99, True), (2.0, 5.99, True), (0.5, 6.01, False)])
 def test_an_arm_whose_tip_rubs_in_the_plane(phi: float, torque: float, holds: bool, scene: Write) -> None:
