@@ -15,6 +15,7 @@ from lagrangia.run.engines import Engine, divided, load_engine
 from lagrangia.run.formulas import AS_DECLARED, Compute, Formulas, Sets, by_masses, by_numbers
 from lagrangia.run.interpret import evaluate, evaluate_each
 from lagrangia.run.library import Runtime, find_runtime, has_compiler, has_runtime
+from lagrangia.run.origin import Origin, origin_of
 from lagrangia.run.prepared import PreparedRun
 from lagrangia.run.remarks import warn_of_given, warn_of_vain
 from lagrangia.run.request import Request, Values, check_values, plan
@@ -69,18 +70,18 @@ def _animate(run: Trajectory, path: str | os.PathLike[str] | None, **asked: Any)
 class Model(Analysed, Swept):
     """A compiled scene. Parameters are numbers of each run: changing one compiles nothing."""
 
-    def __init__(self, path: str | os.PathLike[str], model: str | None = None, structural: Mapping[str, Any] | None = None,
+    def __init__(self, path: str | os.PathLike[str] | Origin, model: str | None = None, structural: Any = None,
                  outputs: Sequence[str] = (), formulas: Formulas = AS_DECLARED) -> None:
         """`formulas` hold for some values of the parameters: see `suited`."""
         self.formulas = formulas
         self._others: dict[Formulas, Model] = {}
-        self.path, self.model, self.structural, self.outputs = Path(path), model, dict(structural or {}), tuple(outputs)
+        self.origin, self.model, self.structural, self.outputs = origin_of(path), model, dict(structural or {}), tuple(outputs)
         self._compilation: Compilation | None = None
         self._engine: Engine | None = None
         self._has_engine = False
         self._engines: dict[str, Engine | None] = {}  # of solvers that want one of their own
         self.native: bool | None = None  # native code, a tape, or what costs less time
-        found = find_scene(self.path, model, self.structural, self.outputs, self.formulas)
+        found = find_scene(self.origin.unchanged(), model, self.structural, self.outputs, self.formulas)
         self.is_cached = found is not None
         self._runtime: Runtime | None = None if self.is_cached else find_runtime()
         self.scene: Scene = found if found is not None else self._keep(self.compilation.scene)
@@ -119,7 +120,7 @@ class Model(Analysed, Swept):
             from lagrangia.language.parameter_readers import find_readers
 
             made = self._compilation
-            flat = made.flat if made is not None else flatten_file(self.path, self.model, self.structural)[1]
+            flat = made.flat if made is not None else flatten_file(self.origin.unchanged(), self.model, self.structural)[1]
             self.scene = self._keep(replace(self.scene, notes={**self.scene.notes, "readers": find_readers(flat)}), flat.read)
         found: Mapping[str, list[str]] = self.scene.notes["readers"]
         return found
@@ -135,7 +136,7 @@ class Model(Analysed, Swept):
         if self._compilation is None:
             from lagrangia.compile.pipeline import compile_file
 
-            self._compilation = compile_file(self.path, self.model, self.structural, self.outputs, self.formulas)
+            self._compilation = compile_file(self.origin.unchanged(), self.model, self.structural, self.outputs, self.formulas)
         return self._compilation
 
     def completed(self) -> "Model":
@@ -297,7 +298,7 @@ class Model(Analysed, Swept):
 
     def _in(self, formulas: Formulas) -> "Model":
         if formulas not in self._others:
-            self._others[formulas] = Model(self.path, self.model, self.structural, self.outputs, formulas)
+            self._others[formulas] = Model(self.origin, self.model, self.structural, self.outputs, formulas)
             self._others[formulas].native = self.native
         return self._others[formulas]
 
@@ -314,7 +315,7 @@ class Model(Analysed, Swept):
         """This model, or one that reports these names too."""
         known = {column.name for column in self.scene.outputs}
         missing = [name for name in names if name not in known and self.scene.slot(name) is None]
-        return Model(self.path, self.model, self.structural, (*self.outputs, *missing), self.formulas) if missing else self
+        return Model(self.origin, self.model, self.structural, (*self.outputs, *missing), self.formulas) if missing else self
 
     def launch(self, experiment: Any, values: Any, watch: Any = None) -> Any:
         """A run's progress and the iterator over its rows; see simulate.simulate."""
@@ -383,8 +384,8 @@ class Model(Analysed, Swept):
         return small_run(self.compilation, values, rows, names)
 
     def __reduce__(self) -> "tuple[Any, ...]":
-        """Pickled as what it was loaded from: where it is unpickled, in whatever folder, the file must be there."""
-        return Model, (self.path.absolute(), self.model, self.structural, self.outputs, self.formulas)
+        """Pickled as what it was loaded from: where it is unpickled, in whatever folder, the file must be there as it was."""
+        return Model, (self.origin, self.model, self.structural, self.outputs, self.formulas)
 
     def study(self, parameters: Given = None, initial: Given = None, inputs: Any = None, time: float | None = None) -> "Study":
         """What small motion and rest are found of, with these numbers, at one time (s). Raises LagError."""
@@ -401,7 +402,7 @@ class Model(Analysed, Swept):
         from lagrangia.paper.sheet import Request, write_equations
 
         request = Request(form, format, names or {}, dict(parameters or {}), numbers, force, language=language)
-        return write_equations(self.path, request, self.model, self.structural)
+        return write_equations(self.origin.unchanged(), request, self.model, self.structural)
 
     def draw(self, path: str | os.PathLike[str] | None = None, *, at: float | None = None, names: Mapping[str, str] | None = None,
              parameters: Given = None, initial: Given = None, inputs: Any = None, view: tuple[float, float] | None = None) -> str:

@@ -273,6 +273,7 @@ def test_models_and_trajectories_are_pickled(tmp_path: Path, monkeypatch: pytest
     with monkeypatch.context() as other:  # processes may work in other folders
         other.chdir(tmp_path / "elsewhere")
         used = pickle.loads(sent)
+        assert model.freedom and model.readers is not None and model.equations()  # nor is anything missed after a chdir
     assert used.parameter_names == model.parameter_names
     np.testing.assert_array_equal(run.rows, again.rows)
     kept = pickle.loads(pickle.dumps(run))
@@ -281,6 +282,27 @@ def test_models_and_trajectories_are_pickled(tmp_path: Path, monkeypatch: pytest
     np.testing.assert_array_equal(kept.energy.total, run.energy.total)
     with pytest.raises(TypeError, match="send the model, and call prepare there"):
         pickle.dumps(model.prepare())
+
+
+def test_files_that_changed_since_they_were_loaded_are_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """What was made of a model before, and what is made later, were of two texts; so were a model and its pickle. Tables and
+    imported files are found from other folders, and none is written over."""
+    monkeypatch.chdir(tmp_path)
+    for name, text in {"road.csv": "x,y\n0,0\n1,1\n", "sub.lag": "model S Block b(m = 1, base = world); end S;"}.items():
+        Path(name).write_text(text)
+    text = 'import "sub.lag"; model R extends S; output Real y = table(b.s, "road.csv", column = 2); end R;'
+    Path("r.lag").write_text(text)
+    model = lag.load("r.lag")
+    Path("other").mkdir()
+    monkeypatch.chdir("other")
+    assert "is b.s" in model.equations() and model.export_fmu("r.fmu", sources=False)
+    with pytest.raises(lag.LagError, match="a result does not take its place"):
+        lag.load("../r.lag").simulate_many(initial={"b.s": [0, 1]}, path="../road.csv")
+    sent = pickle.dumps(model)
+    Path("../r.lag").write_text(text.replace("2)", "1)"))
+    for late in (lambda: pickle.loads(sent), lambda: model.reporting(("2*b.s",)), model.draw, model.equations):
+        with pytest.raises(lag.LagError, match="has changed since it was loaded"):
+            late()
 
 
 def test_brackets_of_names_are_no_index_of_inputs(tmp_path: Path) -> None:
@@ -325,6 +347,13 @@ def test_pictures_are_drawn_without_latex() -> None:
     with matplotlib.rc_context({"text.usetex": True}):
         assert main(["simulate", "scene.lag", "--stop", "0.1", "--plot", "p.svg"]) == 0
         assert main(["modes", "scene.lag", "--plot", "m.svg"]) == 0
+    Path("matplotlibrc").write_text("path.effects: 3\nfont.family: NoSuch\naxes.grid: True\nfont.size: 1e9\n")
+    ask = ("import matplotlib, sys; from lagrangia.command.cli import main; matplotlib.rcParams['lines.linewidth'] = 3\n"
+           "from lagrangia.view.curves import own_style\nwith own_style(): print(matplotlib.rcParams['lines.linewidth'])\n"
+           "sys.exit(main(['draw', 'scene.lag', '-o', 'd.png']) or main('simulate scene.lag --stop 0.1 --plot r.svg'.split()))")
+    done = subprocess.run([sys.executable, "-P", "-c", ask], env=own_environment(), capture_output=True, text=True, timeout=60,
+                          check=False)
+    assert done.returncode == 0 and done.stdout.startswith("3.0") and "NoSuch" not in done.stderr
 
 
 def test_files_of_the_working_folder_are_not_run() -> None:

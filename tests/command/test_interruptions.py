@@ -2,6 +2,7 @@
 
 import os
 import signal
+import subprocess
 import sys
 import threading
 import time
@@ -11,6 +12,7 @@ from pathlib import Path
 import pytest
 
 import lagrangia as lag
+from lagrangia.base.own_python import own_environment
 
 PENDULUM = """
 model Pendulum
@@ -110,3 +112,18 @@ def test_an_import_that_turns_control_c_into_an_error_is_no_bug(tmp_path: Path, 
     assert cli.main(["check", str(tmp_path / "none.lag")]) == 130
     assert capsys.readouterr().err == "interrupted\n"
     assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+
+
+def test_ctrl_c_while_modules_are_imported_is_no_traceback() -> None:
+    """In the first tenth of a second it showed where Python's imports were."""
+    ask = """import os, signal, sys
+class Finder:
+    def find_spec(self, name, *rest):
+        if name == "lagrangia.command.cli":
+            os.kill(os.getpid(), signal.SIGINT)
+sys.meta_path.insert(0, Finder())
+from lagrangia.__main__ import main
+sys.exit(main())"""
+    done = subprocess.run([sys.executable, "-P", "-c", ask], env=own_environment(), capture_output=True, text=True, timeout=60,
+                          check=False)
+    assert (done.returncode, done.stdout, done.stderr) == (130, "", "interrupted\n")

@@ -235,6 +235,13 @@ def test_a_file_in_the_way_is_left_alone(run: Run) -> None:
     code, said = run("pendulum.lag", "-p", "m=1,2", "-o", "x.csv", "--restart")
     assert code == 2 and "no journal" in said
     assert Path("x.csv.part").read_text() == "my diary\n"
+    Path("x.csv.part").unlink()
+    Path("x.csv.part").symlink_to("empty")
+    for _ in range(2):  # to nothing, and to a file: it was written through
+        code, said = run("pendulum.lag", "-p", "m=1,2", "-o", "x.csv")
+        assert code == 2 and "'x.csv.part' cannot be written: it is a link" in said
+        Path("empty").touch()
+    assert not Path("empty").stat().st_size
 
 
 def test_a_journal_that_was_cut_off_as_it_was_begun_is_no_obstacle(run: Run) -> None:

@@ -20,6 +20,7 @@ from lagrangia.base.diagnostics import Diagnostic
 from lagrangia.command.cli import DONE, FAILED, WRONG, main
 from lagrangia.fmu.check import check_fmu, read_faults
 from lagrangia.fmu.run import open_fmu
+from lagrangia.fmu.xmltree import Element
 
 PATH = EXAMPLES / "double_pendulum.lag"
 BUILD, TERMINALS = "sources/buildDescription.xml", "terminalsAndIcons/terminalsAndIcons.xml"
@@ -359,3 +360,41 @@ def test_what_is_no_number_and_texts_without_end_are_told(tmp_path: Path, capsys
         assert main([*command, str(target), *(("-o", str(tmp_path / "x.csv")) if command[0] == "simulate" else ())]) in (0, 1, 2)
         said = capsys.readouterr()
         assert "bug:" not in said.err and len(said.out) < 10_000 and len(said.err) < 20_000
+
+
+@pytest.mark.parametrize("name", ["", "\0a", "binaries\0/../../a"])
+def test_entries_without_a_name_are_told(name: str, tmp_path: Path) -> None:
+    """Python's zipfile looks at the last letter of a name that has none: 'bug:'."""
+    target = tmp_path / "x.fmu"
+    shutil.copy(fmu_of(PATH, "2"), target)
+    with zipfile.ZipFile(target, "a") as archive:
+        entry = zipfile.ZipInfo("q")
+        entry.filename = name
+        archive.writestr(entry, b"x")
+    assert "is no name of a file" in next(d.message for d in found(target))
+    assert main(["simulate", str(target), "-o", str(tmp_path / "o.csv")]) == WRONG
+
+
+def test_work_grows_as_the_number_of_states(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """It grew as its square: the check of 4000 states took a minute."""
+    counts = []
+    for n in (100, 200):
+        pairs = [(f"x{k}", k, "") for k in range(n)] + [(f"der(x{k})", n + k, f'derivative="{k + 1}"') for k in range(n)]
+        variables = (f'<ScalarVariable name="{name}" valueReference="{k}" causality="local" variability="continuous">'
+                     f"<Real {more}/></ScalarVariable>" for name, k, more in pairs)
+        rows = "".join(f'<Unknown index="{n + k + 1}"/>' for k in range(n))
+        text = (f'<fmiModelDescription fmiVersion="2.0" modelName="B" variableNamingConvention="structured"><ModelVariables>'
+                f"{''.join(variables)}</ModelVariables><ModelStructure><Derivatives>{rows}</Derivatives></ModelStructure>"
+                "</fmiModelDescription>")
+        with zipfile.ZipFile(tmp_path / "x.fmu", "w") as archive:
+            archive.writestr(DESCRIPTION, text)
+        counts.append(0)
+
+        def counted(element: Element, name: str, get: Callable[..., str | None] = Element.get) -> str | None:
+            counts[-1] += 1
+            return get(element, name)
+
+        with monkeypatch.context() as patched:
+            patched.setattr(Element, "get", counted)
+            found(tmp_path / "x.fmu")
+    assert counts[1] < 2.2 * counts[0]

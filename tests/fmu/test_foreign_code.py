@@ -41,6 +41,7 @@ ACTS = {
                  "more than 256 processes"),
     "log": ('for (int i = 0; i < 400000; ++i) printf("noise, \\033[31m, noise, noise, noise\\n"); fflush(stdout); abort();',
             "SIGABRT"),
+    "end": ("_exit(0);", "the FMU ended the process that ran it"),
     "memory": ('char *x = malloc((size_t)9 << 30); if (!x) { puts("no memory"); fflush(stdout); } else memset(x, 1, 1); abort();',
                "no memory"),
     "endless": ("for (;;) sleep(1);", "given up after 4 s"),

@@ -5,12 +5,12 @@ from pathlib import Path
 
 from lagrangia.bench.measure import Point
 from lagrangia.bench.table import by_solver
-from lagrangia.view.curves import require_format, save, without_latex
+from lagrangia.view.curves import own_style, require_format, save
 
 _MARKERS = "osD^v<>pP*Xhd"
 
 
-@without_latex()
+@own_style()
 def draw_points(title: str, points: Sequence[Point], ours: Sequence[str], floor: float, path: Path) -> None:
     """Ours with strong lines; the grey area lies below the reference's own error. Raises LagError L0004."""
     from matplotlib.figure import Figure

@@ -284,7 +284,7 @@ def flatten_files(syntax: "Syntax", imported: "list[Syntax]", model: str | None 
     flat = flatten(table, _choose(syntax, table, model), structural, kept)
     has_more = bool(syntax.imports or table.files or syntax.annotations)
     unused = find_idle_words(syntax, _brought(syntax, imported)) if has_more else Report()
-    read = tuple(file.source.name for file in (*imported, *packages.read))
+    read = tuple(os.path.abspath(file.source.name) for file in (*imported, *packages.read))
     return replace(flat, warnings=(*flat.warnings, *unused.diagnostics), tables=read_tables(flat.lookups),
                    planes=read_planes(flat.lookups), read=read)
 

@@ -1,5 +1,6 @@
 """Functions -> Scene: names, units, defaults and tapes, as plain data."""
 
+import os
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from math import prod
@@ -297,7 +298,7 @@ def _told(kinematics: Kinematics, constraints: Constraints, initial: InitialCond
              *find_idle_events(kinematics, constraints, impacts, model.warnings).diagnostics)
     found = tuple(warning for warning in found if warning.code not in model.allowed)
     told, timed = [w.render() for w in found], {w.render(): list(w.interval) for w in found if w.interval is not None}
-    files = sorted({lookup.path for lookup in model.lookups})
+    files = sorted({os.path.abspath(lookup.path) for lookup in model.lookups})  # wherever it is found again
     inertias = parameter_places(model, {v.name for v in model.variables.values() if v.is_inertia})
     kinetic, felt = [str(span) for span in written_inertias(kinematics)], place_of_felt_reactions(model)
     return {"warnings": told, "allowed": list(model.allowed), "contacts": contacts, "files": files, "kinetic": kinetic,

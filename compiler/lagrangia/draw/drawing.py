@@ -19,8 +19,10 @@ from lagrangia.draw.tikz import write_tikz
 from lagrangia.draw.values import States
 from lagrangia.language.dimensions import check_dimensions
 from lagrangia.language.flat import Figure
+from lagrangia.run.origin import Origin
 from lagrangia.run.request import Request, check_values
 from lagrangia.run.scene import Scene
+from lagrangia.view.curves import own_style
 from lagrangia.view.rows import moments
 from lagrangia.view.trajectory import Trajectory
 
@@ -34,7 +36,7 @@ _MOMENTS = 300  # at which a motion that ends early is looked at
 class Located(Protocol):
     """Which model it is, and of which file."""
 
-    path: Path
+    origin: Origin
     model: str | None
     structural: dict[str, Any]
 
@@ -116,7 +118,7 @@ def _run_until(model: Drawable, asked: Request, end: float) -> tuple[Trajectory,
 
 def figures_of(model: Located) -> tuple[Figure, ...]:
     """All figures of a scene, those of the library as well. Raises LagError."""
-    return check_dimensions(flatten_file(model.path, model.model, model.structural, is_drawn=True)[1]).figures
+    return check_dimensions(flatten_file(model.origin.unchanged(), model.model, model.structural, is_drawn=True)[1]).figures
 
 
 def states_of(model: Drawable, run: Trajectory, values: "Values") -> States:
@@ -137,5 +139,5 @@ def save_page(page: Page, text: str, path: Path) -> None:
         return
     from lagrangia.draw.paint import paint_page
 
-    with Target(path, binary=True) as target:
+    with own_style(), Target(path, binary=True) as target:
         paint_page(page).savefig(target.stream, dpi=300, format=path.suffix[1:].lower())

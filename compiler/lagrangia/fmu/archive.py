@@ -89,7 +89,7 @@ def archive_rules(archive: Archive) -> Iterator[Diagnostic]:
     for entry in archive.entries:
         yield from _entry_rules(entry)
     counts: dict[str, int] = {}
-    for name in (entry.orig_filename for entry in archive.entries if not entry.is_dir()):
+    for name in (entry.orig_filename for entry in archive.entries if not entry.orig_filename.endswith("/")):
         counts[name] = counts.get(name, 0) + 1
     yield from (_fault(f"the archive holds '{name}' {count} times") for name, count in counts.items() if count > 1)
     plain: dict[str, str] = {}
@@ -110,6 +110,8 @@ def _dangers(archive: Archive) -> Iterator[Diagnostic]:
         yield _fault(f"the archive unpacks to {whole / 1e6:.0f} MB from {packed / 1e6:.1f} MB, which is not done")
     for entry in archive.entries:
         name = entry.orig_filename
+        if not entry.filename or "\0" in name:
+            yield _fault(f"'{name}' is no name of a file")
         if name.startswith(("/", "\\")) or ".." in name.replace("\\", "/").split("/") or name[1:2] == ":":
             yield _fault(f"'{name}' leads out of the archive")
         if stat.S_ISLNK(entry.external_attr >> 16):

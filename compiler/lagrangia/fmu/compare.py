@@ -12,7 +12,7 @@ from lagrangia.base.records import dataclass
 from lagrangia.base.search_path import searching_in
 from lagrangia.fmu.description import labels, number_in
 from lagrangia.fmu.export import EXTRA, SCENE
-from lagrangia.fmu.process import SPOKEN, Job, Outcome, run_job
+from lagrangia.fmu.process import ENDED, SPOKEN, Job, Outcome, run_job
 from lagrangia.fmu.run import Opened
 from lagrangia.run.request import Request
 from lagrangia.run.scene import Scene
@@ -149,8 +149,8 @@ class _NativeRun:
             if outcomes[-1].message:
                 return _stopped(kind, outcomes[-1])
         found = [np.frombuffer(outcome.rows).reshape(-1, 1 + len(self.names))[:, 1:].T for outcome in outcomes]
-        if any(rows.shape != self.values.shape for rows in found):
-            return Comparison(f"{SPOKEN[kind]}: the FMU ended the process that ran it", True)
+        if any(rows.shape != self.values.shape for rows in found):  # the FMU has forged them
+            return Comparison(f"{SPOKEN[kind]}: {ENDED}", True)
         own = np.abs(found[-1] - found[0]) / self.scale  # errors of CVode, which has no tolerance for the whole
         return self._judged(kind, found[0], self.allowed + _LOOSER * np.maximum.accumulate(own.max(axis=0, initial=0.0)))
 

@@ -175,6 +175,25 @@ class Description:
         pairs = [(self.find(u.quantity.value.get("derivative")), u.quantity) for u in self.unknowns("derivative")]
         return [(state, derivative) for state, derivative in pairs if state is not None]
 
+    @cached_property
+    def state_references(self) -> frozenset[int]:
+        """Value references of the states."""
+        return frozenset(state.reference for state, _ in self.states())
+
+    @cached_property
+    def names_of_floats(self) -> Mapping[int, frozenset[str]]:
+        """All names of the real numbers, by value reference."""
+        found: dict[int, set[str]] = {}
+        for q in self.quantities:
+            if q.is_float:
+                found.setdefault(q.reference, set()).update((q.name, *q.aliases))
+        return {reference: frozenset(names) for reference, names in found.items()}
+
+    @cached_property
+    def display_units(self) -> Mapping[str, frozenset[str | None]]:
+        """Names of the display units of each unit."""
+        return {name: frozenset(d.get("name") for d in unit.all("DisplayUnit")) for name, unit in self.units.items()}
+
 
 def element_of(name: str) -> tuple[str, tuple[int, ...]] | None:
     """The array that a name would be of, and where in it: der(x[2]) is the second of der(x)."""

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
+from lagrangia.run.origin import Origin
 from lagrangia.run.request import Request
 from lagrangia.run.scene import Scene
 
@@ -17,11 +18,15 @@ if TYPE_CHECKING:
 class Exportable(Protocol):
     """What is asked of a compiled scene: a Model (model.py)."""
 
-    path: Path
+    origin: Origin
     model: str | None
     structural: dict[str, Any]
     outputs: tuple[str, ...]
     scene: Scene
+
+    @property
+    def path(self) -> Path:
+        """Of its file."""
 
     @property
     def compilation(self) -> "Compilation":

@@ -35,6 +35,7 @@ _MEMORY = (2 << 30, 8 << 30)  # bytes: half of the machine's, within these
 _PATIENCE = 5  # seconds: of processor time beyond the time that is allowed; for the end of the log
 _LINES = 6  # of the log, in a message
 _CONFINED = "(what it writes outside the folders of its run is refused here, by Landlock: it needs some other program if it must)"
+ENDED = "the FMU ended the process that ran it"
 _RUN = "LAGRANGIA_FMU_RUN"  # in the environment of all processes of a run: the name of its folder
 _TOLD = {"message": str, "seconds": float, "steps": int, "evaluations": int, "events": int, "is_asked_for": bool, "warns": bool,
          "is_confined": bool}

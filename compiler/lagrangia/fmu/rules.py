@@ -106,10 +106,8 @@ def _units_of(element: Element, unit: str | None, what: str, description: Descri
         return
     if not unit:
         yield element.fault(UNITS, f"{what} has a display unit, and no unit", "displayUnit")
-    elif unit in description.units:
-        known = {d.get("name") for d in description.units[unit].all("DisplayUnit")}
-        if display not in known:
-            yield element.fault(UNITS, f"the display unit '{display}' of {what} is none of '{unit}'", "displayUnit")
+    elif unit in description.units and display not in description.display_units[unit]:
+        yield element.fault(UNITS, f"the display unit '{display}' of {what} is none of '{unit}'", "displayUnit")
 
 
 def _alias_rules(description: Description) -> Iterator[Diagnostic]:

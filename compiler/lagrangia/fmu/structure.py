@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Iterator, Mapping
+from functools import lru_cache
 
 from lagrangia.base.diagnostics import Diagnostic
 from lagrangia.fmu.description import Description, Quantity, Unknown
@@ -59,14 +60,9 @@ def _count_hint(description: Description) -> str:
 
 def _meaning_rules(q: Quantity, state: Quantity, what: str, description: Description) -> Iterator[Diagnostic]:
     """What names and units say of the pair."""
-    same = {name for other in description.quantities if other.reference == state.reference and other.is_float
-            for name in (other.name, *other.aliases)}
-    own = {name for other in description.quantities if other.reference == q.reference and other.is_float
-           for name in (other.name, *other.aliases)}
-    meant = [found[1] for name in own if (found := _DERIVATIVE_NAME.fullmatch(name)) and found[1] in description.by_name]
-    is_structured = description.root.get("variableNamingConvention") == "structured"
-    if is_structured and meant and not same & set(meant):
-        yield q.value.fault(STRUCTURE, f"{what}, but its name says it is that of '{meant[0]}'", "derivative",
+    meant = _meant_state(q.reference, state.reference, description)
+    if meant and description.root.get("variableNamingConvention") == "structured":
+        yield q.value.fault(STRUCTURE, f"{what}, but its name says it is that of '{meant}'", "derivative",
                             _count_hint(description))
         return
     units = [description.units.get(x.get("unit") or "") for x in (q, state)]
@@ -74,6 +70,14 @@ def _meaning_rules(q: Quantity, state: Quantity, what: str, description: Descrip
     if rate is not None and base is not None and rate != {**base, "s": base["s"] - 1}:
         yield q.value.fault(STRUCTURE, f"{what}, but {q.get('unit')} is not {state.get('unit')} per second", "derivative",
                             _count_hint(description))
+
+
+@lru_cache(maxsize=1)  # a hundred thousand names may stand for one pair
+def _meant_state(derivative: int, state: int, description: Description) -> str:
+    """The variable whose derivative one is by its names, where that is not the state; else an empty text."""
+    names = (_DERIVATIVE_NAME.fullmatch(name) for name in sorted(description.names_of_floats.get(derivative, ())))
+    meant = [found[1] for found in names if found and found[1] in description.by_name]
+    return meant[0] if meant and description.names_of_floats[state].isdisjoint(meant) else ""
 
 
 def _dimension(unit: Element | None) -> Mapping[str, int] | None:
@@ -154,7 +158,7 @@ def _known_rules(kind: str, row: Unknown, description: Description) -> Iterator[
                                 "dependenciesKind", "initial unknowns have dependent and constant ones", severity="warning")
     if description.version == "3":
         return
-    states = {state.reference for state, _ in description.states()}
+    states = description.state_references
     for known in row.knowns or ():
         if kind == "initial":
             allowed = known.initial == "exact" or known.causality in ("input", "parameter", "independent")
@@ -169,7 +173,7 @@ def _known_rules(kind: str, row: Unknown, description: Description) -> Iterator[
 def _indicators_are_no_start(description: Description) -> Iterator[Diagnostic]:
     indicators = {row.quantity.reference for row in description.unknowns("indicator")}
     listed = {row.quantity.reference for row in description.unknowns("derivative")}
-    state_like = listed | {state.reference for state, _ in description.states()}
+    state_like = listed | description.state_references
     for row in description.unknowns("initial"):
         quantity = row.quantity
         expected = quantity.causality in ("output", "calculatedParameter") or quantity.reference in state_like

@@ -22,9 +22,9 @@ _PAUSE, _LOOK = 0.005, 0.1  # s: for processes to end, and between looks at how 
 _MOST_LOOKS = 400
 
 
-def run_watched(work: Callable[[], int], is_bounded: bool) -> int:
-    """The exit code of the work; a signal that ends it ends this process as well, and so do very many children of one that
-    `is_bounded`. SIGTERM, and the end of the process above, end all."""
+def run_watched(work: Callable[[], int]) -> int:
+    """The exit code of the work; a signal that ends it ends this process as well, and so do very many children. SIGTERM, and
+    the end of the process above, end all."""
     if not sys.platform.startswith("linux") or c.CDLL(None).prctl(_ADOPT, 1, 0, 0, 0) != 0:
         return work()
     c.CDLL(None).prctl(_END_WITH_PARENT, signal.SIGTERM, 0, 0, 0)
@@ -39,8 +39,7 @@ def run_watched(work: Callable[[], int], is_bounded: bool) -> int:
         os._exit(128 + number)
 
     signal.signal(signal.SIGTERM, leave)
-    if is_bounded:
-        threading.Thread(target=_look_after, args=(child,), daemon=True).start()
+    threading.Thread(target=_look_after, args=(child,), daemon=True).start()
     _, status = os.waitpid(child, 0)
     _end_all(child)
     code = os.waitstatus_to_exitcode(status)

@@ -17,19 +17,21 @@ from lagrangia.fmu.confined import confine
 from lagrangia.fmu.importer import AskedToEnd, FmuError, Importer, Table
 from lagrangia.fmu.integrate import Count, cosimulate, exchange
 from lagrangia.fmu.probe import probe_derivatives, probe_reset, probe_saved, probe_states
+from lagrangia.fmu.process import ENDED
 from lagrangia.fmu.watched import run_watched
 
 
 def main(folder: Path) -> int:
     """Does the job in a folder, in a process below this one, and writes how it ended; returns the exit code."""
     job = json.loads((folder / "job.json").read_text(encoding="utf-8"))
-    return run_watched(lambda: _run(job, folder), bool(job["limits"]))
+    return run_watched(lambda: _run(job, folder))
 
 
 def _run(job: dict[str, Any], folder: Path) -> int:
     _limit(job["limits"])
-    result: dict[str, Any] = {"message": "", "faults": [], "is_confined": confine([folder, Path(job["fmu"])]) > 0}
-    (folder / "result.json").write_text(json.dumps(result), encoding="utf-8")  # known where it crashes, too
+    result: dict[str, Any] = {"message": ENDED, "faults": [], "is_confined": confine([folder, Path(job["fmu"])]) > 0}
+    (folder / "result.json").write_text(json.dumps(result), encoding="utf-8")  # known where it crashes, or ends all by exit(0)
+    result["message"] = ""
     begin = time.perf_counter()
     count = Count()
     try:

@@ -4,17 +4,16 @@ The key is the file's text and name, the model, the structural values, the outpu
 texts of imported files are checked when the scene is read.
 """
 
-import hashlib
 import json
 from collections.abc import Mapping
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
-from lagrangia.base.result_files import require_file
 from lagrangia.base.search_path import search_path
 from lagrangia.base.store import find_kept, keep, key_of, prune
 from lagrangia.run.formulas import AS_DECLARED, Formulas
+from lagrangia.run.origin import digest_of
 from lagrangia.run.scene import Scene, from_json, to_json
 
 _MOST, _LARGE = 16, 1 << 18  # scenes that a process remembers; bytes of one that is read anew each time
@@ -25,7 +24,7 @@ def find_scene(path: Path, model: str | None, structural: Mapping[str, Any], out
     """The scene compiled earlier from the same text, or None."""
     try:
         imports, _, scene = (find_kept("scenes", _key(path, model, structural, outputs, formulas)) or b"").partition(b"\n")
-        if all(_digest(Path(name)) == digest for name, digest in json.loads(imports).items()):
+        if all(digest_of(Path(name)) == digest for name, digest in json.loads(imports).items()):
             return _remembered(scene) if len(scene) < _LARGE else from_json(scene)
     except (OSError, ValueError, KeyError, TypeError, AttributeError):
         pass
@@ -42,18 +41,13 @@ def _remembered(text: bytes) -> Scene:
 def keep_scene(scene: Scene, path: Path, model: str | None, structural: Mapping[str, Any], outputs: tuple[str, ...],
                imports: list[Path], formulas: Formulas = AS_DECLARED) -> None:
     """Store a scene."""
-    text = f"{json.dumps({str(p.resolve()): _digest(p) for p in imports})}\n{to_json(scene)}"
+    text = f"{json.dumps({str(p.resolve()): digest_of(p) for p in imports})}\n{to_json(scene)}"
     keep("scenes", _key(path, model, structural, outputs, formulas), text.encode())
     prune()
 
 
 def _key(path: Path, model: str | None, structural: Mapping[str, Any], outputs: tuple[str, ...],
          formulas: Formulas) -> str:
-    digest = _digest(path)  # first: of links that lead to each other no path can be told
+    digest = digest_of(path)  # first: of links that lead to each other no path can be told
     folders = [str(folder) for folder in search_path()]
     return key_of(str(path.resolve()), digest, model, sorted(structural.items()), outputs, formulas, *folders)
-
-
-def _digest(path: Path) -> str:
-    require_file(path)
-    return hashlib.sha256(path.read_bytes()).hexdigest()

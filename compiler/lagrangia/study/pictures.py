@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from lagrangia.base.records import dataclass
 from lagrangia.frames.planar import ANGLES, LENGTHS
-from lagrangia.view.curves import new_figure, require_format, save, without_latex
+from lagrangia.view.curves import new_figure, own_style, require_format, save
 from lagrangia.view.mechanism import Mechanism
 
 Vector = NDArray[np.float64]
@@ -49,7 +49,7 @@ class Curves:
     resonances: Mapping[tuple[int, int], tuple[float, ...]]  # Hz, by the places of output and input
 
 
-@without_latex()
+@own_style()
 def draw_modes(modes: Shapes, path: str | os.PathLike[str] | None = None, first: int = _MOST_DRAWN) -> Any:
     """A panel for each mode: the mechanism at rest and deflected, or bars of its coordinates; returns the matplotlib Figure.
 
@@ -151,7 +151,7 @@ def _coil(a: Vector, b: Vector, width: float) -> tuple[Vector, Vector]:
     return points[:, 0], points[:, 1]
 
 
-@without_latex()
+@own_style()
 def draw_bode(response: Curves, path: str | os.PathLike[str] | None = None) -> Any:
     """Magnitude and phase over frequency, a column for each input; returns the matplotlib Figure. Raises LagError L0004."""
     if path is not None:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Self
 from lagrangia.base.checked_values import by_name
 from lagrangia.base.diagnostics import fail
 from lagrangia.run.engines import Engine
+from lagrangia.run.origin import Origin
 from lagrangia.run.remarks import warn_of_given
 from lagrangia.run.request import Request
 from lagrangia.run.scene import Scene
@@ -26,7 +27,7 @@ if TYPE_CHECKING:
 class Swept(ABC):
     """What can be run many times."""
 
-    path: Path
+    origin: Origin
     scene: Scene
 
     @abstractmethod
@@ -37,6 +38,11 @@ class Swept(ABC):
     @abstractmethod
     def readers(self) -> Mapping[str, list[str]]:
         """What reads the parameters that only other parameters and starts read."""
+
+    @property
+    def path(self) -> Path:
+        """Of the file it was loaded from."""
+        return self.origin.path
 
     @abstractmethod
     def prepared_for(self, measures: "Sequence[Measure]", request: Request, design: "Design") -> "tuple[Self, Job]":

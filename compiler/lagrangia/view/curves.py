@@ -24,6 +24,7 @@ _DPI = 120
 _LETTERS = 90  # a line of a title
 _MARK = 0.05  # of a panel: ticks at events
 _FAINTEST = 1e-5  # amplitude that a spectrum shows, of its largest
+_NO_STYLE = ("backend", "backend_fallback", "interactive", "toolbar", "webagg", "tk", "macosx", "keymap", "animation")
 _STYLES: dict[str, dict[str, Any]] = {
     "line": {"linewidth": 1.2},
     "dashed": {"linewidth": 1.2, "linestyle": (0, (5, 2))},
@@ -59,11 +60,15 @@ def new_figure(width: float, height: float) -> Any:
 
 
 @contextmanager
-def without_latex() -> Iterator[None]:
-    """Texts are names and descriptions, and no commands, whatever a matplotlibrc in this folder or at home says."""
-    from matplotlib import rc_context
+def own_style() -> Iterator[None]:
+    """Texts are names and descriptions, and no commands, and pictures look as everywhere, whatever a matplotlibrc in this folder
+    or at home says; what was set in Python since is kept."""
+    import matplotlib
 
-    with rc_context({"text.usetex": False}):
+    read, now = matplotlib.rcParamsOrig, matplotlib.rcParams
+    usual = {name: value for name, value in matplotlib.rcParamsDefault.items()
+             if name.partition(".")[0] not in _NO_STYLE and now[name] == read[name] != value}
+    with matplotlib.rc_context({**usual, "text.usetex": False, "path.effects": []}):
         yield
 
 
@@ -81,7 +86,7 @@ def draw(title: str, time: "np.ndarray", curves: "Sequence[tuple[Column, np.ndar
     return draw_panels(title, build_picture([Series("", time, values.get)], wanted, columns.__getitem__).panels, path)
 
 
-@without_latex()
+@own_style()
 def draw_panels(title: str, panels: "Sequence[Panel]", path: str | os.PathLike[str] | None = None) -> Any:
     """One below the other, those over time with one time axis; returns the matplotlib Figure. Raises LagError L0004."""
     if path is not None:

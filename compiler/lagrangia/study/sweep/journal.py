@@ -25,6 +25,11 @@ _TITLE = {"what": "sweep of lagrangia, to be continued"}
 _BEGIN = json.dumps(_TITLE)[:-1].encode()
 
 
+def _open_itself(path: str, flags: int) -> int:
+    """As `opener` of open(): a link that somebody has put there is not written through. Raises OSError."""
+    return os.open(path, flags | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0), 0o666)
+
+
 class Ledger:
     """results (runs, measures), NaN where there is none, and outcomes (runs,); `entered` runs are done."""
 
@@ -74,9 +79,10 @@ class Journal(Ledger):
         self.header = json.dumps({**_TITLE, "fingerprint": job.fingerprint(), "runs": job.runs, "record": len(OUTCOME),
                                   "measures": len(job.measures)}).encode() + b"\n"
         try:
-            self.stream: IO[bytes] = path.open("r+b" if path.exists() else "x+b")
+            self.stream: IO[bytes] = open(path, "r+b" if path.exists() else "x+b", opener=_open_itself)  # noqa: SIM115
         except OSError as error:
-            fail("L0004", f"'{path}' cannot be written: {error.strerror or 'it is no file'}")
+            fault = "it is a link" if os.path.islink(path) else error.strerror or "it is no file"
+            fail("L0004", f"'{path}' cannot be written: {fault}")
         try:
             self._lock()
             self._take_over(restart)

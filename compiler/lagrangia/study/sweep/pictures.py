@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
 from lagrangia.study.sweep.plan import Job
-from lagrangia.view.curves import new_figure, require_format, save, without_latex
+from lagrangia.view.curves import new_figure, own_style, require_format, save
 
 if TYPE_CHECKING:
     import numpy as np
@@ -40,7 +40,7 @@ class Table(Protocol):
         """One of them."""
 
 
-@without_latex()
+@own_style()
 def draw_sweep(sweep: Table, path: str | os.PathLike[str] | None = None) -> Any:
     """A row of panels a measure; below them, over all its width, parallel coordinates coloured by the first measure.
 

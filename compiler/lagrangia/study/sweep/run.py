@@ -38,8 +38,11 @@ class Loaded(Protocol):
 class Asked(Loaded, Protocol):
     """A model whose runs are measured."""
 
-    path: Path
     scene: Scene
+
+    @property
+    def path(self) -> Path:
+        """Of its file."""
 
     def reporting(self, names: Sequence[str]) -> "Asked":
         """The one that reports these names too."""
