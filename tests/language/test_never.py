@@ -13,7 +13,7 @@ model M
   parameter Stiffness k(min = 0) = 1; parameter Real few(min = 1, max = 3) = 2; parameter Real any = 2;
   Real z = abs(b.s)/1[m] + 1;
   Block b(m = 1, base = world, s(start = 1)); Spring s(k = k, stretch = b.s);
-  output Real shown = few + any;
+  output Real shown = few + any + u; input Real u;
 STATED
   annotation(experiment(StopTime = 5));
 end M;"""
@@ -30,7 +30,8 @@ MAY = (
 TOUCHING = ("sin(2*pi*time/1[s]) >= 1", "not cos(b.s/1[m]) > -1", "sin(b.s/1[m]) < 1", "(time - 1)^2 <= 0", "z <= 1",
             "b.v > 0 and abs(b.s) <= 0", "distance(world, b.center) <= 0", "k*b.s^2 <= 0 or time > 2")
 KEPT = ("sign(b.s) >= 1", "max(b.s, 0) <= 0", "time >= 4", "mod(time, 1) <= 0", "(if b.s > 0 then 1 else sin(b.s/1[m])) >= 1",
-        "sin(b.s/1[m]) >= 1 - 1e-6", "distance(world, b.center) <= 1[mm]")
+        "sin(b.s/1[m]) >= 1 - 1e-6", "distance(world, b.center) <= 1[mm]", "abs(b.v) <= 0", "(b.s - 1[m])^2 > 0", "abs(u) > 0",
+        'abs(table(time, {0, 1, 2}, {0, 0, 1}, smoothness = "steps")) > 0', "distance(world, b.center) > 1[m]*few - 1[m]*few")
 
 
 @pytest.mark.parametrize("condition", [*TOUCHING, *KEPT])
@@ -38,6 +39,16 @@ def test_what_just_reaches_a_level_is_told(condition: str, scene: Write) -> None
     """The sine came to its level at 0.25 and 1.25 s, and not at 2.25 s, where rounding kept it below."""
     found = scene(SCENE.replace("STATED", f'equation when {condition} then terminate("x"); end when;')).compilation.flat.warnings
     assert [d.code for d in found] == ["L0239"] * (condition in TOUCHING)
+
+
+def test_starts_without_a_value_are_told_where_they_stand(scene: Write) -> None:
+    """1/s has none at the start, and two that follow from each other never have (it was nested too deeply)."""
+    text = SCENE.replace("STATED", 'equation when 1/b.s^2 > 0 then terminate("x"); end when;')
+    found = scene(text.replace("s(start = 1)", "s(start = 0)")).compilation.flat.warnings
+    assert all(d.code != "L0239" for d in found)
+    with pytest.raises(lag.LagError, match="L0602"):
+        scene(SCENE.replace("STATED", 'Block c(m = 1, base = world, s(start = b.s)); equation when (b.s - c.s)^2 > 0 then '
+                            'terminate("x"); end when;').replace("s(start = 1)", "s(start = c.s)")).compile()
 
 
 def told(model: lag.Model) -> list[str]:

@@ -6,11 +6,12 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
 from itertools import combinations
 
-from lagrangia.base.diagnostics import Report
+from lagrangia.base.diagnostics import LagError, Report
 from lagrangia.language.elsewhen import exclude
 from lagrangia.language.events import COMPARED, parts_of, without_not
 from lagrangia.language.flat import Experiment, FlatModel
-from lagrangia.language.mentions import reached
+from lagrangia.language.folding import fold
+from lagrangia.language.mentions import reached, rebuilt
 from lagrangia.language.tree import Binary, Boolean, Call, Flat, FrameRef, IfExpression, Number, Ref, Time, Unary
 
 Bounds = tuple[float, float]
@@ -18,6 +19,7 @@ _ANY: Bounds = (-math.inf, math.inf)
 _DEEPEST = 20  # bindings of bindings
 _HALVES = 50
 _JUMPING = frozenset({"floor", "ceil", "integer", "sign", "mod", "div", "rem", "min", "max"})
+_RATES = frozenset({"v", "w", "omega"})  # of frames
 _OF_CALLS: Mapping[str, Bounds] = {
     **dict.fromkeys(("sin", "cos", "tanh", "sign"), (-1.0, 1.0)),
     **dict.fromkeys(("abs", "sqrt", "exp", "distance"), (0.0, math.inf)),
@@ -131,7 +133,8 @@ class _Bounding:
                     left, right = right, left
                 (low, high), (least, most) = self.of(left), self.of(right)
                 end, other = (low, most) if "=" in operator else (high, least)
-                if end == other and math.isfinite(end) and self._moves(condition) and not self._jumps(condition):
+                is_end = end == other and math.isfinite(end) and self._moves(condition)
+                if is_end and not self._stays(condition) and ("=" in operator or not self._begins_there(condition)):
                     yield condition
 
     def _bindings(self) -> dict[str, Flat | None]:
@@ -143,12 +146,58 @@ class _Bounding:
                    for node in reached([condition], self._bindings()) if isinstance(node, Ref | Time | FrameRef))
 
     def _jumps(self, condition: Flat) -> bool:
-        """Whether it compares what stays on a value for a while."""
-        bindings = self._bindings()
-        kept = {name for name, state in self.model.states.items() if state.is_kept}
-        kept |= {name for name, variable in self.model.variables.items() if variable.kind == "held"}
-        return any(isinstance(node, IfExpression) or (isinstance(node, Call) and node.function in _JUMPING)
-                   or (isinstance(node, Ref) and node.name in kept) for node in reached([condition], bindings))
+        """Whether it compares what jumps and stays on a value for a while."""
+        return any(self._is_stepped(node) for node in reached([condition], self._bindings()))
+
+    def _is_stepped(self, node: Flat) -> bool:
+        match node:
+            case IfExpression():
+                return True
+            case Call(function):
+                return function in _JUMPING
+            case Ref(name):
+                return self._kind(name) == "held" or (name in self.model.states and self.model.states[name].is_kept)
+        return False
+
+    def _kind(self, name: str) -> str:
+        return self.model.variables[name].kind if name in self.model.variables else ""
+
+    def _stays(self, condition: Flat) -> bool:
+        """Whether it compares what may stay on a value: what jumps, what is given from outside or as a table, and rates, which
+        friction stops."""
+        def may_stay(node: Flat) -> bool:
+            match node:
+                case Call("der" | "table" | "table2" | "delay"):
+                    return True
+                case Ref(name):
+                    return self._kind(name) in ("input", "delayed") or self._is_stepped(node)
+                case FrameRef():
+                    return node.attribute in _RATES
+            return self._is_stepped(node)
+
+        return any(may_stay(node) for node in reached([condition], self._bindings()))
+
+    def _begins_there(self, condition: Binary[Flat]) -> bool:
+        """Whether both sides are equal at the start, as those of q^2 > 0 of what rests at q = 0 until a force comes, or are not
+        known there."""
+        known: dict[str, float | None] = {}  # None also while it is looked for: what follows from itself is not
+
+        def begun(node: Flat) -> Flat | None:
+            if isinstance(node, Time):
+                return Number(self.model.experiment.start, None, node.span)
+            if not isinstance(node, Ref) or node.index:
+                return None
+            if node.name not in known:
+                known[node.name] = None
+                variable = self.model.variables.get(node.name)
+                if variable is not None:
+                    given = variable.start if variable.binding is None else variable.binding
+                    known[node.name] = 0.0 if given is None else _number(rebuilt(given, begun))
+            number = known[node.name]
+            return None if number is None else Number(number, None, node.span)
+
+        sides = [_number(rebuilt(side, begun)) for side in (condition.left, condition.right)]
+        return None in sides or sides[0] == sides[1]
 
     def of(self, node: Flat, depth: int = 0) -> Bounds:
         """The least and the largest value that a number may have."""
@@ -211,3 +260,11 @@ def _known(low: float, high: float) -> Bounds:
 
 _OPERATED: Mapping[str, Callable[[Bounds, Bounds], Bounds]] = {
     "+": _sum, "-": _difference, "*": _product, "/": _quotient, "^": _power}
+
+
+def _number(node: Flat) -> float | None:
+    """The value of an expression of numbers alone, where it has one."""
+    try:
+        return fold(node)
+    except LagError:
+        return None
