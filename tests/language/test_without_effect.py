@@ -28,6 +28,8 @@ VAIN = {
     "output Length y = b.s*(1 + 0*time);": "this is 0, whatever 'time' is",
     "AppliedForce f(at = b.center, force = {b.s*0.0[N/m], 2});": "this is 0, whatever 'b.s' is",
     "function f input Real x; output Real y; algorithm y := 1 - 0/x; end f; output Real q = f(b.s/1[m]);": "whatever 'x' is",
+    "output Length y = if time > 1 then b.s elseif time>1 then 2*b.s else 0;": "is never taken: 'time>1' stands in",
+    "AppliedForce f(at = b.center, force = {if time > 1 then 2*b.s*1[N/m] else 2*b.s*1[N/m], 0});": "both branches are '2*b.s",
     "output Real y = 2 annotation(HideResult = true);": "the annotation 'HideResult' has no effect",
     "inner Real w = 3; output Real y = w;": "'inner' has no effect: no component inside has an outer 'w'",
     "Rotational.Inertia i(J = 1), j(J = 1, flange_a = i.flange_b); equation connect(j.flange_a, i.flange_b);":
@@ -152,6 +154,13 @@ def test_inputs_of_functions_that_nothing_reads(scene: Write) -> None:
                  f"model M {BODY} output Real q = f(b.s/1[m], 2) + g(1); end M;").warnings
     assert [x.partition(": ")[2].splitlines()[0] for x in told] == ["nothing reads the input 'y' of f",
                                                                     "nothing reads the variable 'v' of f"]
+
+
+def test_imports_that_names_of_the_class_hide(tmp_path: Path) -> None:
+    (tmp_path / "a.lag").write_text("""package P constant Real k = 5; end P;
+      model M import P.k; parameter Real k = 7; World world; Block b(m = k, base = world); end M;""")
+    (warning,) = lag.load(tmp_path / "a.lag").warnings
+    assert "nothing uses this 'k': M has one of its own" in warning
 
 
 def test_imports_that_nothing_uses(tmp_path: Path) -> None:

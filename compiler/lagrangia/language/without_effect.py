@@ -11,6 +11,7 @@ from lagrangia.language.classes import ClassTable
 from lagrangia.language.discrete_arrays import variables_of
 from lagrangia.language.flat import FlatModel, Reset
 from lagrangia.language.idle import expressions_of
+from lagrangia.language.idle_branches import find_idle_branches
 from lagrangia.language.instances import Instance, Slot
 from lagrangia.language.mentions import nodes, reached
 from lagrangia.language.never import find_never
@@ -90,6 +91,7 @@ def find_without_effect(model: FlatModel, root: Instance, table: ClassTable) -> 
                 report.warning(CODE, f"this sets {what} to what it is: nothing happens", reset.span, "give another value")
     find_never(model, report, CODE)
     find_zero_factors([*own, *functions], report, CODE)
+    find_idle_branches([*own, *functions], report, CODE)
     if any("virtual" in source.text for source in {c.name_span.source for c in own}):
         _look_at_virtual(model, table, report)
     return report
@@ -111,6 +113,12 @@ def find_idle_words(syntax: Syntax, files: Sequence[tuple[ImportFile, Sequence[S
         for short, _ in named.names:
             if short != "*" and short not in mentioned:
                 report.warning(CODE, f"nothing uses '{short}'", named.span, "leave it out")
+    for definition in (c for c in _all_classes(syntax.classes) if c.imports):
+        own = {element.name for element in definition.elements if isinstance(element, Declaration)}
+        for named in definition.imports:
+            for short in own.intersection(short for short, _ in named.names):
+                report.warning(CODE, f"nothing uses this '{short}': {definition.name} has one of its own", named.span,
+                               f"leave it out, or give it another name: import x = {dict(named.names)[short]}")
     return report
 
 
