@@ -25,9 +25,10 @@
 static const double SATISFIED = 1e-10, DEPENDENT = 1e-10, SHORTEST_STEP = 1e-4, LONGEST_STEP = 0.5, FAITHFUL = 0.9,
                     STEEPEST = 1e9;
 enum { MANY = 100 }; /* equations */
+enum { FULL = 8 }; /* matrices with an entry of so many that is not 0, or more, gain nothing by account of zeros */
 static const double CRITICAL = 1e-6, PUSH = 1e-2, GOLDEN_RATIO = 0.6180339887498949;
 
-/* Whether most of the Jacobian is 0, and worth keeping account of. */
+/* Whether zeros may be worth keeping account of. */
 static int is_long(const LagNewton *s) { return s->model->n_initial >= MANY; }
 
 static void lay_factors(LagNewton *s, size_t equations, size_t unknowns, LagArena *arena)
@@ -304,9 +305,18 @@ static double cut(LagNewton *s)
     return longest;
 }
 
+static int is_mostly_zero(const double *a, size_t size)
+{
+    size_t entries = 0;
+    for (size_t k = 0; k < size; ++k)
+        entries += a[k] != 0;
+    return entries * FULL < size;
+}
+
 int lag_newton_factor(LagNewton *s, int rows, int count, double tolerance)
 {
-    if (!is_long(s))
+    s->is_sparse = is_long(s) && is_mostly_zero(s->transposed, (size_t)rows * (size_t)count);
+    if (!s->is_sparse)
         return lag_qr(s->transposed, rows, count, s->diagonal, s->pivot, tolerance);
     lag_sparse_qr(&s->sparse, rows, count, tolerance);
     return s->sparse.rank;
@@ -317,7 +327,7 @@ static double correct(LagNewton *s)
 {
     const int n = lag_start_size(s->model), rows = moving(s), count = measure_equations(s);
     const int rank = lag_newton_factor(s, rows, count, DEPENDENT);
-    if (is_long(s))
+    if (s->is_sparse)
         lag_sparse_qr_nearest(&s->sparse, s->right, s->share, &s->dependent, s->scratch.y, s->scratch.b, s->z);
     else
         lag_qr_nearest(s->transposed, rows, count, rank, s->diagonal, s->pivot, s->right, s->share, &s->scratch, s->z);

@@ -33,6 +33,7 @@ typedef struct {
     LagSlice residuals, slopes; /* of these equations; nothing where `initial` has no slices */
     LagLeastSquares scratch;
     LagSparseQr sparse, dependent; /* of many equations: `transposed` and scratch.a are theirs */
+    int is_sparse; /* whether `transposed` was factored with account of its zeros */
     LagMetric positions, rates;
 } LagNewton;
 

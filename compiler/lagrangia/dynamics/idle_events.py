@@ -5,6 +5,7 @@ from collections.abc import Iterable
 
 import casadi as ca
 import numpy as np
+from numpy.typing import NDArray
 
 from lagrangia.algebra.orthogonal import Vector
 from lagrangia.algebra.scalars import symbols_in
@@ -24,39 +25,51 @@ _SMOOTH = frozenset({ca.OP_CONST, ca.OP_INPUT, ca.OP_OUTPUT, ca.OP_ADD, ca.OP_SU
 def find_idle_events(kinematics: Kinematics, constraints: Constraints, impacts: Impacts, told: Iterable[Diagnostic]) -> Report:
     """L0224 for events of people's own whose gap or condition is a number, but where `told` speaks of them."""
     report, known = Report(), {warning.span for warning in told}
-    for k, when in enumerate(kinematics.graph.model.whens):
-        if when.span in known or when.span.source.name.startswith(LIBRARY):
-            continue
-        gap = impacts.gaps[k] if symbols_in(impacts.gaps[k]) else impacts.conditions[k]
-        if _is_constant(kinematics, constraints, gap):
+    whens = [(k, when) for k, when in enumerate(kinematics.graph.model.whens)
+             if when.span not in known and not when.span.source.name.startswith(LIBRARY)]
+    gaps = [impacts.gaps[k] if symbols_in(impacts.gaps[k]) else impacts.conditions[k] for k, _ in whens]
+    kept = _constant(kinematics, constraints, gaps)
+    for (_, when), is_kept in zip(whens, kept, strict=True):
+        if is_kept:
             name = f"'{when.component}' does nothing" if when.component else "this event never comes"
             report.warning("L0224", f"{name}: what it compares never changes", when.span,
                            "its two ends are held to each other: give it other ends, or leave it out")
     return report
 
 
-def _is_constant(kinematics: Kinematics, constraints: Constraints, value: ca.SX) -> bool:
-    """Whether a scalar of q and p is the same wherever the constraints let it be: it is by all q, or its gradient is one of
-    the forces that keep them, J^T lambda, also beside the constraints."""
+def _constant(kinematics: Kinematics, constraints: Constraints, values: list[ca.SX]) -> list[bool]:
+    """Whether scalars of q and p are the same wherever the constraints let them be: by all q, or their gradients are among the
+    forces that keep them, J^T lambda, also beside the constraints. Only constraints of q and p alone keep anything: what time,
+    inputs and events move carries others along."""
     q = ca.vertcat(ca.SX(0, 1), *kinematics.symbols.positions.values())
-    named = symbols_in(value)
-    if named.isdisjoint(symbols_in(q)) or not named <= symbols_in(ca.vertcat(q, parameter_symbols(kinematics))):
-        return False
-    if not operations_in(value) <= _SMOOTH:
-        return False
+    places, known = symbols_in(q), symbols_in(ca.vertcat(q, parameter_symbols(kinematics)))
+    looked = [k for k, value in enumerate(values) if _speaks_of_places(value, places, known)]
+    found = [False] * len(values)
+    if not looked:
+        return found
     p, numbers = usual_parameters(kinematics)
-    rows = [row.value(kinematics, 0) for row in constraints.rows if row.is_holonomic]
-    J = ca.jacobian(ca.vertcat(ca.SX(0, 1), *rows), q)
-    (J,) = kinematics.at_start([ca.densify(J)])
-    look = ca.Function("look", [q], ca.substitute([value, ca.densify(ca.gradient(value, q)), J], [p], [ca.SX(numbers)]),
-                       {"allow_free": True})
-    if look.get_free():
-        return False
-    random = np.random.default_rng(1)
-    return all(_is_kept(*(np.asarray(x) for x in look(1 + size * random.uniform(-1, 1, q.numel())))) for size in _SIZES)
+    rows = [row.value(kinematics, 0) for row in constraints.rows if row.is_holonomic and not row.is_timed]
+    J = ca.jacobian(ca.vertcat(ca.SX(0, 1), *(row for row in rows if symbols_in(ca.SX(row)) <= known)), q)
+    some = ca.vertcat(*(values[k] for k in looked))
+    look = ca.Function("look", [q, p], [some, ca.densify(ca.jacobian(some, q)), ca.densify(J)])
+    random, left = np.random.default_rng(1), np.ones(len(looked), dtype=bool)
+    for size in _SIZES:
+        left &= _are_kept(*(np.asarray(x) for x in look(1 + size * random.uniform(-1, 1, q.numel()), numbers)))
+        if not left.any():
+            break
+    for k, is_kept in zip(looked, left, strict=True):
+        found[k] = bool(is_kept)
+    return found
 
 
-def _is_kept(value: Vector, gradient: Vector, J: Vector) -> bool:
-    """Whether a gradient, (n, 1), is a sum of the rows of J, (m, n)."""
-    left = gradient - J.T @ np.linalg.lstsq(J.T, gradient, rcond=None)[0] if J.size else gradient
-    return bool(np.isfinite(value).all() and np.abs(left).max(initial=0.0) <= _NOTHING * (1 + np.abs(value).max()))
+def _speaks_of_places(value: ca.SX, places: frozenset[int], known: frozenset[int]) -> bool:
+    """Whether a scalar is smooth, and of places and parameters alone."""
+    named = symbols_in(value)
+    return not named.isdisjoint(places) and named <= known and operations_in(value) <= _SMOOTH
+
+
+def _are_kept(values: Vector, gradients: Vector, J: Vector) -> NDArray[np.bool_]:
+    """Whether gradients, (k, n), are sums of the rows of J, (m, n)."""
+    left = gradients.T - J.T @ np.linalg.lstsq(J.T, gradients.T, rcond=None)[0] if J.size else gradients.T
+    is_kept: NDArray[np.bool_] = np.abs(left).max(axis=0) <= _NOTHING * (1 + np.abs(values.ravel()))
+    return np.isfinite(values.ravel()) & is_kept
