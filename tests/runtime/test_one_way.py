@@ -333,3 +333,24 @@ def test_a_wall_that_jumps_in_time(scene: Write, gap: str, declared: str, sample
     for solver in SOLVERS:
         run = model.simulate(at=[0.9, 1.5, 2.0, 3.0], solver=solver, tolerance=1e-9)
         np.testing.assert_allclose(run["b.s"], right, rtol=0, atol=1e-9, err_msg=solver)
+
+
+KINKS = [  # the start, the wall w in time, and the places at 0.6, 1.1, 1.5 and 2 s
+    (1.25, "max(0, 0.1*(time/1[s] - 1))", [0.0, 0.01, 0.05, 0.1]),  # fell from 0.5 s on
+    (1.25, "min(0, 0.1*(1 - time/1[s]))", [0.0, -0.01, -0.05, -0.1]),
+    (0.0, "0.1*abs(time/1[s] - 1) - 0.1", [-0.06, -0.09, -0.05, 0.0]),  # went on through it at 1 s
+]
+
+
+@pytest.mark.parametrize(("start", "wall", "right"), KINKS)
+def test_a_wall_whose_pace_changes(scene: Write, start: float, wall: str, right: list[float]) -> None:
+    """What time decides in max, min and abs is an event for what rests, too, and tells how fast its gap goes."""
+    model = scene(f"""model Kink
+      World world(gravity = {{0, -10}});
+      Prismatic y(a = world, along = {{0, 1}}, s(start = {start}));
+      PointMass p(m = 1, center = y.b);
+      Stop floor(gap = y.s - ({wall}));
+    end Kink;""")
+    for solver in ("auto", "erk", "implicit"):
+        run = model.simulate(at=[0.6, 1.1, 1.5, 2.0], solver=solver, tolerance=1e-9)
+        np.testing.assert_allclose(run["y.s"], right, rtol=0, atol=1e-8, err_msg=solver)

@@ -11,8 +11,8 @@ import casadi as ca
 
 from lagrangia.algebra.duals import TINY, NotATimeError, Scalar, is_zero, minus, nested_lines, slopes_of
 from lagrangia.algebra.lookup_functions import TableUse, in_force, written
-from lagrangia.algebra.numbering import Numbering
-from lagrangia.algebra.scalars import apply, apply_to_one, as_expression, symbols_in
+from lagrangia.algebra.numbering import Numbering, rebuilt
+from lagrangia.algebra.scalars import Expression, apply, apply_to_one, as_expression, symbols_in
 from lagrangia.algebra.scalars import symbol as make_symbol
 from lagrangia.base.records import dataclass
 from lagrangia.base.table_data import Beyond, TableData, lines_between
@@ -218,6 +218,23 @@ class CasadiAlgebra:
             return then if condition else otherwise
         opposite = apply_to_one(ca.OP_NOT, condition)
         return apply(ca.OP_IF_ELSE_ZERO, condition, then) + apply(ca.OP_IF_ELSE_ZERO, opposite, otherwise)
+
+    def arms_in_force(self, expressions: Sequence[ca.SX]) -> list[ca.SX]:
+        """The same with modes for what max, min, abs and sign take where time decides: what is made of them, as their rates, is
+        that of one arm until the event."""
+
+        def made(op: int, _: list[int], operands: list[Expression]) -> Expression | None:
+            a, b = operands if len(operands) > 1 else (operands[0], 0.0)
+            if op not in _ARMS or self._crossing(a - b) is None:
+                return None
+            is_first = self.compare("<" if op == ca.OP_FMIN else ">", a, b)
+            if op in (ca.OP_FMIN, ca.OP_FMAX):
+                return as_expression(self.choose(is_first, a, b))
+            sign = is_first - self.compare("<", a, b)
+            return as_expression(sign if op == ca.OP_SIGN else sign * a)
+
+        is_bent = any(not _ARMS.isdisjoint(operations_in(x)) for x in expressions)
+        return rebuilt(expressions, self.index.numbering, made) if is_bent else list(expressions)
 
     def logic(self, operator: str, *conditions: Scalar) -> Scalar:
         """Of a condition and its mirror image, as v > 0 or v < 0, it is said whether both are equal: see dynamics/switches.py."""
@@ -448,6 +465,7 @@ def uses(function: ca.Function, operations: frozenset[int]) -> bool:
     return not operations.isdisjoint(function.instruction_id(k) for k in range(function.n_instructions()))
 
 
+_ARMS = frozenset({ca.OP_FABS, ca.OP_FMIN, ca.OP_FMAX, ca.OP_SIGN})
 _JUMPS = frozenset({ca.OP_LT, ca.OP_LE, ca.OP_EQ, ca.OP_NE, ca.OP_SIGN, ca.OP_FLOOR, ca.OP_CEIL})
 _SX_FUNCTIONS: Mapping[str, Callable[..., Any]] = {
     **{name: partial(apply_to_one, getattr(ca, f"OP_{name.upper()}")) for name in (

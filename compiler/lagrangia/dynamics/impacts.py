@@ -57,6 +57,7 @@ class Impacts:
 
     conditions: ca.SX = _NONE  # (w,): g, of t, q, v, u, p and modes; of contacts that of all else which has to be true
     gaps: ca.SX = _NONE  # (w,): g of the comparison that is a contact or goes one way, 0 where none is
+    arms: ca.SX = _NONE  # (w,): the same gaps, with modes for the arms of max, min and abs that time decides on
     rates: ca.SX = _NONE  # (r,): of what is reset
     wanted: ca.SX = _NONE  # (r,): after the event
     forces: ca.SX = _NONE  # (w,): symbols of the forces along -gaps
@@ -106,8 +107,9 @@ def find_impacts(kinematics: Kinematics) -> Impacts:
     forces, impulses = ca.SX.sym("contact", len(found)), ca.SX.sym("impulse", len(places))
     strengths = iter(impulses.elements())
     loads = [load for event, force in zip(found, forces.elements(), strict=True) for load in event.loads(force, strengths)]
-    conditions, gaps, rates, wanted = (ca.vertcat(_NONE, *parts) for parts in (
-        [event.g for event in found], [event.gap for event in found], [x for event in found for x in event.rates],
+    conditions, gaps, arms, rates, wanted = (ca.vertcat(_NONE, *parts) for parts in (
+        [event.g for event in found], [event.gap for event in found], [event.arm for event in found],
+        [x for event in found for x in event.rates],
         [x for event in found for x in event.wanted]))
     flags = tuple(x for pair in places for x in pair)
     firsts = accumulate((len(event.kinds) for event in found), initial=0)
@@ -116,7 +118,8 @@ def find_impacts(kinematics: Kinematics) -> Impacts:
     one_way = tuple(ONE_WAY in event.kinds for event in found)
     on_level = tuple(event.meetings.on_level() for event in found)
     known = _find_known(kinematics, rates, wanted)
-    return Impacts(conditions, gaps, rates, wanted, forces, impulses, flags, one_way, on_level, known, tuple(loads), pressing)
+    return Impacts(conditions, gaps, arms, rates, wanted, forces, impulses, flags, one_way, on_level, known, tuple(loads),
+                   pressing)
 
 
 def _find_known(kinematics: Kinematics, rates: ca.SX, wanted: ca.SX) -> tuple[bool, ...]:
@@ -150,7 +153,7 @@ class _Event:
         self._check()
         self.kept_position = held_by(model, when)
         kept = next((k for k, x in enumerate(self.places) if are_alike(x, self.kept_position)), None)
-        self.gap = ca.SX(0)
+        self.gap = self.arm = ca.SX(0)
         self.held: Flat | None = None
         contacts = self._find_all(self._turns_back)
         limits = [] if any(contacts) else self._find_all(self._stops)
@@ -194,8 +197,9 @@ class _Event:
             fail("L0303", f"{_counted(len(wanted))} for {_counted(len(moving))}", reset.span)
         self.places += [position] * len(moving)
         self.may_rest += [not reset.is_kept] * len(moving)
-        self.rates += [self._expression(value_of(rate_of(x))) for x in moving]
-        self.wanted += [self._expression(x) for x in wanted]
+        in_force = self.kinematics.algebra.arms_in_force
+        self.rates += in_force([self._expression(value_of(rate_of(x))) for x in moving])
+        self.wanted += in_force([self._expression(x) for x in wanted])
 
     def _check(self) -> None:
         symbols, rates = self.kinematics.symbols, ca.vertcat(_NONE, *self.rates)
@@ -226,6 +230,7 @@ class _Event:
         """The condition into what was chosen, and what else has to be true; and along what a force holds what rests."""
         guards = [self._level(x) for x in parts_of(self.condition) if x is not chosen]
         self.gap = self._expression(self.kinematics.evaluator.value(level_of(chosen)))
+        (self.arm,) = self.kinematics.algebra.arms_in_force([self.gap])
         self.g = ca.mmin(ca.vertcat(*guards)) if guards else ca.SX(1)
         own = next(k for k, x in enumerate(self.kinds) if x == kind)
         is_least = kind == ONE_WAY and self._stops(self.gap, self.rates[own], self.wanted[own]) < 0
@@ -246,7 +251,8 @@ class _Event:
         if ca.depends_on(g, v):
             return False
         q, rates = (ca.vertcat(_NONE, *x.values()) for x in (symbols.positions, symbols.rates))
-        pace = ca.jtimes(g, ca.vertcat(q, symbols.time), ca.vertcat(self.kinematics.paced(rates.elements()), 1))
+        (arm,) = self.kinematics.algebra.arms_in_force([g])
+        pace = ca.jtimes(arm, ca.vertcat(q, symbols.time), ca.vertcat(self.kinematics.paced(rates.elements()), 1))
         look, numbers = self._numbers_of([pace, rate, wanted, *(ca.densify(ca.gradient(x, v)) for x in (pace, rate))])
         return all(_turns_back(look, numbers, np.random.default_rng(seed)) for seed in (3, 4))
 

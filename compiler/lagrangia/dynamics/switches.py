@@ -135,7 +135,7 @@ def find_switches(motion: Motion, late: ca.SX | None = None) -> Switches:
         return Switches()
     found = {pair: found[pair] for pair in sorted(found, key=lambda pair: pair not in signs)}
     slopes, gaps = ca.SX.sym("du", motion.u.numel()), motion.impacts.gaps
-    one_way, paces = motion.impacts.one_way, _rates_of(gaps, motion, slopes)
+    one_way, paces = motion.impacts.one_way, _rates_of(motion.impacts.arms, motion, slopes)
     resting = [gaps[k] if one_way[k] else paces[k] for k in range(gaps.numel())]
     values = ca.vertcat(ca.SX(0, 1), *found.values(), events, gaps, *resting)
     places = {pair: symbol(f"s_{k}") for k, pair in enumerate(found)}
