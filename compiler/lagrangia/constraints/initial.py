@@ -209,15 +209,15 @@ class _Starts:
                                   "leave `fixed` out")
         level = self._level()
         self._read_lost()
-        loops = [""] * len(self.residuals)
+        loops, closed = [""] * len(self.residuals), list[tuple[ca.SX, Span]]()
         loose = {self.number[name] for row in constraints.rows if row.is_holonomic for name in row.follows if name in self.number}
         for row in constraints.rows:
-            around = row.loop.around if row.loop else ""
             positions = [row.value_at_start(self.kinematics)] if row.is_holonomic else []
             values = [*positions, row.rate(self.kinematics)]
-            self.residuals += [(self._at_start(ca.SX(value)), row.span) for value in values]
-            loops += [around] * len(values)
-        self.residuals += [(self._at_start(value), row.span) for value, row in constraints.agreements]
+            closed += [(ca.SX(value), row.span) for value in values]
+            loops += [row.loop.around if row.loop else ""] * len(values)
+        closed += [(value, row.span) for value, row in constraints.agreements]
+        self.residuals += zip(self.kinematics.at_start([x for x, _ in closed]), [span for _, span in closed], strict=True)
         loops += [row.loop.around if row.loop else "" for _, row in constraints.agreements]
         self.report.raise_errors()
         n, rates = self.n, ca.vertcat(column(*self.kinematics.symbols.rates.values()), self.lost_v)

@@ -183,18 +183,14 @@ def forces_of_loops(kinematics: Kinematics, rows: Sequence[Row]) -> list[Forces 
     size = kinematics.geometry.size
     shifts, rates = ({name: ca.SX.sym(f"{kind}_{name}", size) for name in names} for kind in ("shift", "rate"))
     apart = kinematics.displaced({}, {name: (shifts[name], rates[name]) for name in names})
-    moving = ca.vertcat(ca.SX(0, 1), *rates.values())
-    still = [ca.vertcat(ca.SX(0, 1), *shifts.values()), moving, kinematics.symbols.tau]
-    found: list[Forces | None] = []
-    for row in rows:
-        if row.loop is None:
-            found.append(None)
-            continue
-        force = ca.gradient(ca.SX(row.rate(apart)), moving)
-        force = ca.substitute([force], still, [ca.SX.zeros(moving.numel()), ca.SX.zeros(moving.numel()), ca.SX(1)])[0]
-        parts = zip(names, ca.vertsplit(ca.densify(force), size), strict=True)
-        found.append(Forces({name: scalars_in(x) for name, x in parts if name in (row.loop.a, row.loop.b)}, {}))
-    return found
+    moving = column(*rates.values())
+    still, zeros = [column(*shifts.values()), moving, kinematics.symbols.tau], ca.SX.zeros(moving.numel())
+    ends = [dict.fromkeys((row.loop.a, row.loop.b)) if row.loop else {} for row in rows]
+    gradients = [ca.gradient(ca.SX(row.rate(apart)), column(*[rates[name] for name in frames]))
+                 for row, frames in zip(rows, ends, strict=True) if frames]
+    found = ca.substitute(gradients, still, [zeros, zeros, ca.SX(1)]) if gradients else []
+    forces = iter([map(scalars_in, ca.vertsplit(ca.densify(force), size)) for force in found])
+    return [Forces(dict(zip(frames, next(forces), strict=True)), {}) if frames else None for frames in ends]
 
 
 def _movable(kinematics: Kinematics) -> frozenset[str]:

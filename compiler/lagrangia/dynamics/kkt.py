@@ -97,7 +97,8 @@ def factor(M: ca.SX, J: ca.SX, is_singular: bool, is_regular: bool = False, smal
         M = M + J.T @ (ca.diag(weight) @ J)
     E = ca.SX.zeros(J.size1()) if is_regular else small * ((J * J) @ (1 / diagonal_of(M)))
     if small == SMALL_IN_SPACE and not is_regular:
-        E = ca.vertcat(ca.SX(0, 1), *[x if x.is_zero() else x + LEAST * ca.sum1(E) for x in ca.vertsplit(ca.densify(E))])
+        least = LEAST * ca.sum1(E)
+        E = ca.vertcat(ca.SX(0, 1), *[x if x.is_zero() else x + least for x in ca.vertsplit(ca.densify(E))])
     K = ca.blockcat([[M, J.T], [J, -ca.diag(E)]])
     order = (_front if is_singular else _levels)(M.sparsity(), J.sparsity())
     D, upper, _ = ca.ldl(K[list(order), list(order)], False)

@@ -18,7 +18,8 @@ Constrained articulated body dynamics algorithms (2024), after Popov and Vereshc
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import field
-from functools import cached_property, reduce
+from functools import cached_property
+from itertools import islice
 from typing import Protocol
 
 import casadi as ca
@@ -97,6 +98,8 @@ class _Bonds:
 
     between: dict[tuple[int, int], Scalar] = field(default_factory=dict)
     plain: dict[int, Scalar] = field(default_factory=dict)
+    places: dict[int, int] = field(default_factory=dict)  # of these, one after another
+    sums: list[Scalar] = field(default_factory=list)  # of the first, the first two ..., as far as none has changed since
     doubt: list[ca.SX] = field(default_factory=list)
     may_vanish: bool = False  # whether nothing may move along a constraint at a position, as about an axis in space
 
@@ -106,6 +109,7 @@ class _Bonds:
         self.between[key] = plus(self.between.get(key, 0.0), value)
         if i == j:
             self.plain[i] = plus(self.plain.get(i, 0.0), value)
+            del self.sums[self.places.setdefault(i, len(self.places)) :]
 
     def take(self, i: int, j: int, value: Scalar) -> None:
         """From N_ij, of what is closed."""
@@ -128,7 +132,9 @@ class _Bonds:
         """E: a small part of what N_ii is by itself, where it may vanish with a part of what those of others are."""
         if is_zero(plain) or not self.may_vanish:
             return small * plain
-        return small * (plain + LEAST * reduce(plus, self.plain.values()))
+        for value in islice(self.plain.values(), len(self.sums), None):
+            self.sums.append(plus(self.sums[-1], value) if self.sums else value)
+        return small * (plain + LEAST * self.sums[-1])
 
     def is_lost(self, own: Scalar, plain: Scalar) -> ca.SX:
         """Whether N_ii has lost digits to what is closed."""

@@ -21,6 +21,7 @@ class Frames(Leaves, Protocol):
     algebra: CasadiAlgebra
     evaluator: Evaluator
     seen: dict[tuple[str, int], dict[str, Any]]  # poses from bases of loops, by levels
+    closed: dict[tuple[int, int], list[Scalar]]  # gaps, by ids of closures in space and levels
 
     @property
     def is_displaced(self) -> bool:

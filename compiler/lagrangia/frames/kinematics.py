@@ -1,7 +1,6 @@
 """ComponentGraph -> position, angle, velocity and rate of every frame as functions of q, v and t.
 
-The poses (planar.py) are evaluated with Duals, so the velocities come with the positions.
-"""
+The poses (planar.py) are evaluated with Duals, so the velocities come with the positions."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
@@ -99,6 +98,7 @@ class Kinematics(Attitudes):
     quaternions: dict[str, Quaternion] = field(default_factory=dict)  # plain ones of attitudes, and their matrices
     axes: dict[str, Matrix] = field(default_factory=dict)
     seen: dict[tuple[str, int], dict[str, Any]] = field(default_factory=dict)  # poses from bases of loops, by levels
+    closed: dict[tuple[int, int], list[Scalar]] = field(default_factory=dict)  # gaps, by ids of closures in space and levels
     _amounts: dict[int, Value] = field(default_factory=dict)  # of steps that never change, by the ids of their expressions
 
     def __post_init__(self) -> None:

@@ -17,9 +17,13 @@ from lagrangia.language.tree import Ref
 
 
 def gaps(frames: Frames, closure: Closure, level: int) -> list[Scalar]:
-    """What must vanish, at a level; lengths in m, angles in rad."""
-    a, b, back = _sides(frames, closure, level)
-    return spatial_joints.gaps(a, b, back, _kept(frames, closure, level), frames.algebra)
+    """What must vanish, at a level; lengths in m, angles in rad. Made once for all rows that ask."""
+    found = frames.closed.get((id(closure), level))
+    if found is None:
+        a, b, back = _sides(frames, closure, level)
+        found = spatial_joints.gaps(a, b, back, _kept(frames, closure, level), frames.algebra)
+        frames.closed[id(closure), level] = found
+    return found
 
 
 def gaps_of_start(frames: Frames, closure: Closure) -> list[Scalar]:
