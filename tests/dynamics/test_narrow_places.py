@@ -67,6 +67,20 @@ def test_no_swing_from_rest_to_rest_passes_over_a_well() -> None:
         assert well.simulate(solver="taylor", tolerance=tolerance, at=at)["b.s"] == pytest.approx(right, abs=3 * tolerance)
 
 
+@pytest.mark.parametrize("force", ["(0.1[m]/b.s)^12", "(0.1/sin(b.s/1[m]))^12"])
+def test_no_step_passes_through_a_wall(force: str) -> None:
+    """A repelling pole, on both sides of which the energies are the same: 2.8 m and more off, untold."""
+    wall = lagrangia.loads(f"""model Wall
+      World world(gravity = {{0, 0}}); Block b(m = 1, base = world, s(start = 1), v(start = -5));
+    energy
+      potential 0.1[J]*{force};
+    end Wall;""")
+    right = wall.simulate(solver="erk", tolerance=1e-11, at=[0.5])["b.s"]
+    assert right > 1
+    for solver in ("auto", "erk5", "erk9", "taylor"):
+        assert wall.simulate(solver=solver, tolerance=1e-4, at=[0.5])["b.s"] == pytest.approx(right, abs=2e-3)
+
+
 def test_what_is_wide_costs_nothing() -> None:
     wide = lagrangia.loads(SCENE.replace("w = 0.002", "w = 1").replace("/0.002[s]", "/1[s]").replace("-abs(", "-(w/3 + "))
     counts = [wide.simulate(solver=solver, tolerance=1e-5, at=[2.9]).statistics for solver in ("erk", "erk9", "pirk")]

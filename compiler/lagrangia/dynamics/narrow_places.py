@@ -82,6 +82,8 @@ class _Products:
         value, low, high = self.factors[factor], self.lowest.get(factor, 0.0), self.highest.get(factor, 0.0)
         if low < 0 and (least := _least(value, moving, -low)) is not None:
             return as_expression(low * ca.log(ca.fabs(value / least)))
+        if low <= -_HIGH or (low < 0 and factor in self.straight):
+            return as_expression(low * ca.log(ca.fabs(value)))  # a pole
         if high < _HIGH or factor in self.straight:
             return None
         return _logarithm(value, as_expression(high))
