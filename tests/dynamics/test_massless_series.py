@@ -108,6 +108,16 @@ def test_starts_that_are_moved_are_told(scene: Write, capsys: pytest.CaptureFixt
     assert "p1.s begins at 0.125 m, not at 0.1 m" in told and "p2.s begins at 0.25 m, not at 0.3 m" in told
 
 
+def test_starts_that_were_given_are_not_told(scene: Write) -> None:
+    """Of two places without mass in a row, with a damper at the second, whoever states one is told of the other alone."""
+    row = ("model M Block m(m = 1, base = world, s(start = 0.1)); Prismatic n1(a = world{}), n2(a = world{}); Spring "
+           "k1(k = 100, stretch = m.s - n1.s), k2(k = 50, stretch = n1.s - n2.s); Damper c(c = 5, rate = n2.v); end M;")
+    (told,) = scene(row.format("", "")).simulate(at=[0], initial={"n2.s": 0.02}).notes
+    assert told == "n1.s begins at 0.07333 m, where the forces on it are in balance"
+    (told,) = scene(row.format(", s(start = 0.05)", ", s(start = 0.02)")).simulate(at=[0]).notes
+    assert told == "n2.s begins at -0.05 m, not at 0.02 m: the equations ask for it"
+
+
 def test_starts_that_time_alone_gives_are_told(scene: Write) -> None:
     text = """model M Revolute h(a = world, phi(start = %s)), g(a = b.b); Bar b(m = 1, L = 1, a = h.b), c(m = 1, L = 1, a = g.b);
       Motion drive(of = h.phi, to = 1 + 0.2[1/s]*time); end M;"""

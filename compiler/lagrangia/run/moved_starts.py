@@ -26,7 +26,7 @@ def moved_starts(scene: Scene, progress: Progress, values: Values, row: Sequence
         if kind == GUESS or (kind == FREE and k < scene.n and not scene.sizes["n_initial_positions"]):
             yield from _moved(column, wanted, given, value)
     yield from _lost(scene, progress, values, row)
-    yield from _balanced(scene, row)
+    yield from _balanced(scene, values, row)
 
 
 def _moved(column: Column, wanted: float, given: float, value: float) -> Iterator[str]:
@@ -37,23 +37,30 @@ def _moved(column: Column, wanted: float, given: float, value: float) -> Iterato
 
 def _lost(scene: Scene, progress: Progress, values: Values, row: Sequence[float]) -> Iterator[str]:
     """The same of coordinates that others give and that have starts of their own."""
-    kinds, n_lost = scene.fixed, scene.sizes["n_lost"]
-    half, outputs = len(kinds) // 2, {column.name: k for k, column in enumerate(scene.outputs, 1 + 2 * scene.n)}
+    outputs = {column.name: k for k, column in enumerate(scene.outputs, 1 + 2 * scene.n)}
     guess = [x for part in evaluate(scene.tapes["start"], progress.parameters) for x in part[scene.n :]]
     for name, (k, _) in scene.lost.items():
-        kind = kinds[scene.n + k] if k < n_lost else kinds[half + scene.n + k - n_lost]
-        if name in outputs and kind == GUESS:
+        if name in outputs and _kind_of_lost(scene, k) == GUESS:
             yield from _moved(scene.outputs[outputs[name] - 1 - 2 * scene.n], guess[k], values.lost[k], row[outputs[name]])
 
 
-def _balanced(scene: Scene, row: Sequence[float]) -> Iterator[str]:
+def _kind_of_lost(scene: Scene, k: int) -> int:
+    """How the start of the k-th of scene.lost is stated."""
+    n_lost, half = scene.sizes["n_lost"], len(scene.fixed) // 2
+    return scene.fixed[scene.n + k] if k < n_lost else scene.fixed[half + scene.n + k - n_lost]
+
+
+def _balanced(scene: Scene, values: Values, row: Sequence[float]) -> Iterator[str]:
     """Places without mass where nobody stated one, if dampers hold back some of them: where these begin, the others follow."""
     balanced, kinds = {*scene.notes["balanced"]}, dict(zip((x.name for x in scene.coordinates), scene.fixed, strict=False))
     if all(name not in balanced or kind == LOOSE for name, kind in kinds.items()):
         return
     told = {x.name for x in scene.outputs} | {name for name, kind in kinds.items() if kind >= FREE}
+    stated = {x.name for x, given in zip(scene.coordinates, values.q, strict=True) if not math.isnan(given)}
+    stated |= {name for name, (k, _) in scene.lost.items()
+               if _kind_of_lost(scene, k) in (GUESS, FIXED) or not math.isnan(values.lost[k])}
     for k, column in enumerate((*scene.coordinates, *scene.rates, *scene.outputs), 1):
-        if column.name in balanced & told and abs(row[k]) > _ROUNDING:
+        if column.name in (balanced & told) - stated and abs(row[k]) > _ROUNDING:
             yield f"{column.name} begins at {quantity(row[k], column.unit)}, where the forces on it are in balance"
 
 
