@@ -125,8 +125,8 @@ LagAnswer lag_instance_get_whole(LagInstance *s, int group, const unsigned int *
         worst = settled > worst ? settled : worst;
         worst = answer > worst ? answer : worst;
         values[i] = is_integer ? nearbyint(values[i]) : values[i] > 0.5;
-        if (is_integer && worst < LAG_ANSWER_ERROR)
-            worst = as_integer(s, references[i], values[i]);
+        const LagAnswer whole = is_integer && worst < LAG_ANSWER_ERROR ? as_integer(s, references[i], values[i]) : LAG_ANSWER_OK;
+        worst = whole > worst ? whole : worst;
     }
     return worst;
 }
