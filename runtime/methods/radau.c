@@ -155,8 +155,9 @@ static double attempt(LagRadau *s, LagRun *run, double t_new, LagConvergence *co
     if (*convergence != LAG_STAGES_CONVERGED || !lag_radau_finish(s, run, h))
         return INFINITY;
     double error = lag_radau_error(s, run, h, again, worst);
-    /* Of the account's integrals, too: motion that is given by time, or even, has hardly errors of its own. */
-    if (s->missed > error)
+    /* Of the account's integrals, too: motion that is given by time, or even, has hardly errors of its own. Near dead points of linkages
+     * that time drives along powers grow beyond all bounds, and shorter steps would not lead across. */
+    if (s->missed > error && (!run->model->loops_know_time || run->model->n_multipliers >= run->model->n))
         error = fmax(error, lag_account_count(m, h, lag_radau_knows_powers(s, run, h) ? s->missed : 0));
     run->statistics.worst = *worst;
     return error < INFINITY && !lag_radau_is_solution(s, run, h) ? INFINITY : error;

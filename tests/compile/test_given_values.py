@@ -34,7 +34,7 @@ def test_a_mass_that_is_0_by_its_parameters_leaves_its_place_to_the_balance_of_f
 @pytest.mark.parametrize("bound", ["z", "0"])
 def test_a_mass_declared_0_may_be_given(scene: Write, bound: str) -> None:
     """Its place is a coordinate then, which may be started."""
-    model, other = two(scene, "z = 0", bound), two(scene, "z = 1")
+    model, other = two(scene, "z = 0", bound), lag.loads(TWO.format(z="z = 1", bound="z"))
     given = {"c.m" if bound == "0" else "z": 1.0}
     for initial in ({}, {"c.s": 0.3}):
         found, wanted = (m.simulate(at=[0, 1], initial=initial, parameters=p) for m, p in ((model, given), (other, {})))
