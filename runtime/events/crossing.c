@@ -9,6 +9,7 @@
 #include <string.h>
 
 #include "events/conditions.h"
+#include "events/hiding.h"
 #include "numbers/extremes.h"
 #include "state/inside.h"
 #include "model/schedule.h"
@@ -366,6 +367,15 @@ static int are_far(LagRun *run)
     return 1;
 }
 
+/* The end of a part: at the next of the hidden places, or of the step, or as it was thought. */
+static double first_end(double low, double high, const double *hidden, int n_hidden)
+{
+    int k = 0;
+    while (k < n_hidden && hidden[k] <= low)
+        ++k;
+    return lag_min(lag_min(k < n_hidden ? hidden[k] : 1, high), 1);
+}
+
 /* The same in the latest step. Where conditions go up and down in it (a cam that turns freely, sin(w t)) it is looked at in parts, and
  * the next one is not longer than a few of them. */
 double lag_crossing_find(LagRun *run)
@@ -377,11 +387,12 @@ double lag_crossing_find(LagRun *run)
     const int may_pause = !run->model->conditions_may_hide && h <= MUCH_LONGER * s->resolved;
     const int is_paused = ++s->unlooked < 0 && may_pause;
     const int is_due = !is_paused && (is_long || h > LONGER * s->resolved || s->unlooked > LOOK_AGAIN);
-    double width = 1, narrowest = 1;
+    double width = 1, narrowest = 1, hidden[LAG_HIDDEN];
     if (are_far(run))
         return LAG_NOWHERE;
+    const int n_hidden = lag_hiding_places(run, hidden);
     for (double low = 0; low < 1;) {
-        const Part part = {low, low + width < 1 ? low + width : 1};
+        const Part part = {low, first_end(low, low + width, hidden, n_hidden)};
         evaluate_end(run, part.high);
         const int is_looked_at = is_due || (!is_paused && turns(run, (part.high - part.low) * h));
         const Likeness like = is_looked_at ? resolve(run, part) : ROUGHLY;

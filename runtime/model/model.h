@@ -95,6 +95,7 @@ struct LagModel {
     int n_rests;    /* behind these: 1 where a switch is held at its jump, which may take more than what moves, else 0 */
     int n_roots;    /* of positions, in the forces: these bend where what stands under one touches 0 */
     int n_looks;    /* of functions in the forces that fade where what stands inside is large: these turn within a narrow range */
+    int n_hiding;   /* of them, the last: of conditions that time alone decides, which may come and go within a step */
     int n_cones;    /* slips in the plane, of which a force holds both components */
     int n_lookups;  /* tables in time, whose pieces are modes */
     int n_pieces;   /* inputs that stand where functions of time do: polynomials between rows, whose coefficients are modes */

@@ -192,3 +192,17 @@ def test_what_keeps_lengths_of_nothing_from_dividing_is_no_width() -> None:
     """Springs in space had narrow places 1e-300 m wide, and a hexapod took 2.3 to 3.6 times as long."""
     scene = lagrangia.load(EXAMPLES / "hexapod.lag")
     assert "looks" not in scene.compilation.functions.table
+
+
+@pytest.mark.parametrize(("condition", "lasts", "count"), [
+    ("1/(1 + 1e6*(time - 1.2345)^2) > 0.5", 0.002, 1), ("exp(-1e8*(time - 1.2345)^2) > 0.5", 2e-4*math.sqrt(math.log(2)), 1),
+    ("sin(3*time)^100 > 0.99", 4/3*math.acos(0.99**0.01), 2),
+    ("tanh(1e4*(time - 1.2345))^2 < 0.5", 2e-4*math.atanh(math.sqrt(0.5)), 1)])
+@pytest.mark.parametrize("solver", ["auto", "erk"])
+def test_conditions_of_time_are_met_however_short_they_hold(condition: str, lasts: float, count: int, solver: str) -> None:
+    """Nothing else bends here, so that a step goes over all of it."""
+    run = lagrangia.loads(f"""model M World world(gravity = {{0, 0}}); Block b(m = 1, base = world); discrete Real n(start = 0);
+      AppliedForce a(at = b.center, force = {{if {condition} then 1 else 0, 0}});
+    equation when {condition} then n = pre(n) + 1; end when; end M;""").simulate(stop=2, solver=solver)
+    assert run["n"][-1] == count
+    assert run["der(b.s)"][-1] == pytest.approx(lasts, rel=1e-6)

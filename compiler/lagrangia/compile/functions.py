@@ -35,7 +35,7 @@ from lagrangia.dynamics.impulses import find_kick
 from lagrangia.dynamics.jacobians import Jacobian, build_jacobian
 from lagrangia.dynamics.joint_loads import settled
 from lagrangia.dynamics.motion import Motion
-from lagrangia.dynamics.narrow_places import find_narrow_places
+from lagrangia.dynamics.narrow_places import find_hiding_places, find_narrow_places
 from lagrangia.dynamics.negative_inertia import without_negative_inertia
 from lagrangia.dynamics.reactions import build_reactions
 from lagrangia.dynamics.sampling import Sampling, find_sampling
@@ -110,7 +110,7 @@ def build_functions(
                  **_patterns(kinematics, jacobian, switches, modes), **delaying.patterns, **guarding.patterns}
     refused |= _refusals(jacobian, bool(len(patterns.get("cones", ()))), bool(delaying.stated))
     return Functions(table, names, tuple(kind for _, kind in events_of(modes)), power.numel(), needs, patterns, refused,
-                     {**jacobian.sizes, **guarding.sizes(ca.vertcat(a, symbols)), "n_lengths": switches.lengths,
+                     {**jacobian.sizes, **guarding.sizes(ca.vertcat(a, symbols)), **_switch_sizes(motion, switches),
                       "breaks_rise": int(delaying.rises)}, pays, hoisted.settled, find_thresholds(motion, switches), guarding)
 
 
@@ -164,7 +164,7 @@ def build_island_functions(kinematics: Kinematics, motion: Motion) -> Functions:
     patterns, refused, pays = _add_linear(table, kinematics, motion)
     return Functions(table, (), tuple(kind for _, kind in events_of(modes)), power.numel(), False,
                      patterns | _patterns(kinematics, jacobian, switches, modes),
-                     refused, {**jacobian.sizes, "n_lengths": switches.lengths}, pays, hoisted.settled)
+                     refused, {**jacobian.sizes, **_switch_sizes(motion, switches)}, pays, hoisted.settled)
 
 
 def _functions_of_parameters(kinematics: Kinematics, motion: Motion, hoisted: ca.SX) -> dict[str, ca.Function]:
@@ -176,7 +176,12 @@ def _functions_of_parameters(kinematics: Kinematics, motion: Motion, hoisted: ca
 def _watched(motion: Motion, switches: Switches) -> dict[str, list[ca.SX]]:
     """Results of the functions that tell of events."""
     return {"switches": [switches.values, switches.rates], "resets": [motion.impacts.rates, motion.impacts.wanted],
-            "roots": switches.hold(list(find_roots(motion, switches))), "looks": [find_narrow_places(motion, switches)]}
+            "roots": switches.hold(list(find_roots(motion, switches))),
+            "looks": [ca.vertcat(find_narrow_places(motion, switches), find_hiding_places(motion, switches))]}
+
+
+def _switch_sizes(motion: Motion, switches: Switches) -> dict[str, int]:
+    return {"n_lengths": switches.lengths, "n_hiding": find_hiding_places(motion, switches).numel()}
 
 
 def _functions_of_steps(motion: Motion, jacobian: Jacobian, switches: Switches, found: Mapping[str, list[ca.SX]], d: ca.SX,

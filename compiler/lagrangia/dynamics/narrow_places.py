@@ -101,12 +101,25 @@ def find_narrow_places(motion: Motion, switches: Switches) -> ca.SX:
     if motion.asked.isdisjoint(_ASKED):
         return ca.SX(0, 1)
     known = motion.unsolved or motion
-    moving, rest = symbols_in(ca.vertcat(motion.t, motion.q, motion.v)), symbols_in(motion.a)
+    rest = symbols_in(motion.a)
     if known.felt is not None:
         rest = rest | symbols_in(known.felt.reactions)
-    rates, numbering, found = symbols_in(motion.v), Numbering(), dict[tuple[bool, int], Expression]()
-    coordinates = ca.symvar(ca.vertcat(motion.t, motion.q, motion.v))
-    starts = {numbering.of_symbol(symbol) for symbol in coordinates}
+    return _find(switches.hold([known.h]), ca.vertcat(motion.t, motion.q, motion.v), symbols_in(motion.v), rest)
+
+
+def find_hiding_places(motion: Motion, switches: Switches) -> ca.SX:
+    """The same of conditions that time alone decides: these may come and go within a step, whatever its stages are."""
+    if motion.asked.isdisjoint(_ASKED) or not ca.depends_on(switches.values, motion.t):
+        return ca.SX(0, 1)
+    moved = symbols_in(ca.vertcat(motion.q, motion.v, motion.a))
+    timed = [as_expression(g) for g in ca.vertsplit(switches.values) if moved.isdisjoint(symbols_in(g))]
+    return _find(timed, motion.t, frozenset(), moved)
+
+
+def _find(expressions: list[ca.SX], coordinates: ca.SX, rates: frozenset[int], rest: frozenset[int]) -> ca.SX:
+    """Of expressions, by what moves in them; nothing of what depends on the rest."""
+    moving, numbering, found = symbols_in(coordinates), Numbering(), dict[tuple[bool, int], Expression]()
+    starts = {numbering.of_symbol(symbol) for symbol in ca.symvar(coordinates)}
     products = _Products(numbering, starts, set(starts))
 
     def note(op: int, numbers: list[int], operands: list[Expression]) -> None:
@@ -126,7 +139,7 @@ def find_narrow_places(motion: Motion, switches: Switches) -> ca.SX:
         elif (least := _least(inner, moving)) is not None:
             found[key] = as_expression(-ca.log(ca.fabs(inner / least)))
 
-    rebuilt(switches.hold([known.h]), numbering, note)
+    rebuilt(expressions, numbering, note)
     for factor in products.factors:
         if (place := products.place(factor, moving)) is not None:
             found[True, factor] = place

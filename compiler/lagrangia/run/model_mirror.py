@@ -64,8 +64,8 @@ def _shared(values: Any) -> Any:
 _SIZES = (
     "n", "n_parameters", "n_hoisted", "n_inputs", "n_modes", "n_events", "n_outputs", "n_initial", "n_power",
     "n_holonomic", "n_multipliers", "n_initial_positions", "n_lost", "n_switches", "n_lengths", "n_whens", "n_rubs", "n_resets",
-    "n_rests", "n_roots", "n_looks", "n_cones", "n_lookups", "n_pieces", "n_samplers", "n_held", "n_delays",
-    "n_attitudes", "n_kept", "n_guards", "n_seen", "guards_need_acceleration", "breaks_rise",
+    "n_rests", "n_roots", "n_looks", "n_hiding", "n_cones", "n_lookups", "n_pieces", "n_samplers", "n_held",
+    "n_delays", "n_attitudes", "n_kept", "n_guards", "n_seen", "guards_need_acceleration", "breaks_rise",
 )
 FUNCTIONS = (
     "parameters", "hoist", "start", "initial", "momentum", "events", "modes", "rhs", "outputs", "energies", "place", "steer",
