@@ -81,14 +81,18 @@ static int is_last_row(LagRun *run, double *row)
     return !(run->guards.row >= run->guards.end) && lag_row_at(run, run->guards.end, row, 1) == LAG_OK;
 }
 
-LagStatus lag_run_advance(LagRun *run, const double *times, int rows, double *results, int *done, double seconds)
+/* After a pause it stays what it was: what rows lie in the latest step depends on when that came, and no choice may. */
+static void note_spacing(LagRun *run, const double *times, int rows)
+{
+    if (rows == 0)
+        run->row_spacing = 0;
+    else if (times[rows - 1] != run->paused_before)
+        run->row_spacing = (times[rows - 1] - run->motion.t) / rows;
+}
+
+static LagStatus rows_of(LagRun *run, const double *times, int rows, double *results, int *done)
 {
     const size_t width = (size_t)lag_run_row_width(run->model);
-    set_deadline(run, seconds);
-    *done = 0;
-    if (!run->started)
-        return lag_fail(run, LAG_NOT_STARTED, -1, 0, 0);
-    run->row_spacing = rows > 0 ? (times[rows - 1] - run->motion.t) / rows : 0;
     for (int i = 0; i < rows; ++i) {
         double *row = results + (size_t)i * width;
         const LagStatus status = lag_advance_to(run, times[i], row);
@@ -97,6 +101,18 @@ LagStatus lag_run_advance(LagRun *run, const double *times, int rows, double *re
             return status == LAG_ENDED ? lag_guards_tell(run) : status;
     }
     return rows > 0 && run->guards.broken && times[rows - 1] >= run->guards.end ? lag_guards_tell(run) : LAG_OK;
+}
+
+LagStatus lag_run_advance(LagRun *run, const double *times, int rows, double *results, int *done, double seconds)
+{
+    set_deadline(run, seconds);
+    *done = 0;
+    if (!run->started)
+        return lag_fail(run, LAG_NOT_STARTED, -1, 0, 0);
+    note_spacing(run, times, rows);
+    const LagStatus status = rows_of(run, times, rows, results, done);
+    run->paused_before = status == LAG_PAUSED ? times[rows - 1] : -INFINITY;
+    return status;
 }
 
 /* A step, unless it was made already, and the row at its end. */

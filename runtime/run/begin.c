@@ -73,6 +73,7 @@ static void clear(LagRun *run)
     run->motion.energy = run->motion.doubt = run->motion.looseness = run->motion.work_error = 0;
     run->wanted = run->paced = run->settings.t_start;
     run->row_spacing = 0;
+    run->paused_before = -INFINITY;
     run->logged = 0;
     run->scheduled = 0;
 }

@@ -93,6 +93,7 @@ struct LagRun {
     double other_end;     /* the same, but for those of what is read late */
     double wanted;        /* time of the row that is asked for */
     double row_spacing;   /* of the rows that are asked for at once, on average; 0: nobody knows */
+    double paused_before; /* the last of these, where a pause came before all were there; -INFINITY: none did */
     double paced;         /* when progress was looked at */
     double step;          /* length proposed for the next step */
     double *probe; /* 6 n: scratch of lag_singularity, with constraints */

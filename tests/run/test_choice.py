@@ -149,3 +149,13 @@ def test_commands_tell_the_row(capsys: pytest.CaptureFixture[str], tmp_path: Pat
                                              (1e-8, "1e-08"), (1.5e6, "1.5e+06"), (float("inf"), "inf")])  # fmt: skip
 def test_figures_are_short(value: float, text: str) -> None:
     assert figure(value) == text
+
+
+def test_choices_do_not_depend_on_when_a_run_was_paused(monkeypatch: pytest.MonkeyPatch) -> None:
+    """On a busy machine it is paused sooner, in the midst of rows that lie in one step."""
+    model = lag.load(EXAMPLES / "bicycle.lag")
+    whole = model.simulate(tolerance=1e-6)
+    monkeypatch.setattr("lagrangia.run.simulate._FIRST", 1e-9)
+    monkeypatch.setattr("lagrangia.run.simulate._PAUSE", 1e-9)
+    parts = model.simulate(tolerance=1e-6)
+    assert all((whole[name] == parts[name]).all() for name in model.coordinate_names)
