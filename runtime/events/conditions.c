@@ -87,6 +87,14 @@ void lag_conditions_units(const LagRun *run, const double *y, double share, doub
         error[i] = share * lag_scale_unit(&run->scale, i, y, y);
 }
 
+int lag_conditions_patterns(int components)
+{
+    int count = 1;
+    while (count < LAG_PATTERNS && 1 << (count - 1) < components)
+        ++count;
+    return count;
+}
+
 void lag_conditions_disturb(const LagRun *run, const double *y, const double *error, int pattern, double *state)
 {
     const int bit = pattern == 0 ? 0 : 1 << (pattern - 1);
@@ -108,7 +116,7 @@ void lag_conditions_find_unknown(LagRun *run, double t, const double *y)
     memset(s->unknown, 0, (size_t)run->model->n_switches * sizeof *s->unknown);
     look_at(run, t, y, s->g_begin, s->rate_begin); /* which the next step begins with anew */
     lag_conditions_units(run, y, share, s->error);
-    for (int pattern = 0; pattern < LAG_PATTERNS; ++pattern) {
+    for (int pattern = 0; pattern < lag_conditions_patterns(2 * run->model->n); ++pattern) {
         lag_conditions_disturb(run, y, s->error, pattern, s->state);
         look_at(run, t, s->state, s->g_inside, s->rate_inside);
         for (int i = 0; i < run->model->n_switches; ++i)

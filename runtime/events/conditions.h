@@ -20,6 +20,7 @@ void lag_conditions_of_events(LagRun *run, double *g, double *rate);
  * of signs: any two near each other have the same sign in one, and not in another (what an impact has stopped is a difference of equal
  * numbers). Discrete variables have no errors. */
 enum { LAG_PATTERNS = 4 };
+int lag_conditions_patterns(int components); /* the first of them: the others differ in none of the first so many components */
 void lag_conditions_units(const LagRun *run, const double *y, double share, double *error);
 void lag_conditions_disturb(const LagRun *run, const double *y, const double *error, int pattern, double *state);
 

@@ -69,7 +69,8 @@ static void note_errors(LagRun *run, int pattern)
     const LagMotion *m = &run->motion;
     double *state = run->impacts.state, *slope = s->slope + m->n;
     lag_conditions_disturb(run, m->y, s->error, pattern, state);
-    lag_conditions_by(run, m->t, state, m->y + m->n, slope, s->g_inside, s->rate_inside);
+    if (pattern < lag_conditions_patterns(m->n)) /* else as by another one */
+        lag_conditions_by(run, m->t, state, m->y + m->n, slope, s->g_inside, s->rate_inside);
     lag_conditions_by(run, m->t, m->y, state + m->n, slope, s->rate_begin, s->rate_inside);
     for (int k = 0; k < model->n_whens; ++k) {
         const int places[] = {lag_when(model, k), lag_gap(model, k), lag_contact(model, k)};
@@ -162,7 +163,7 @@ void lag_contacts_find_errors(LagRun *run)
         return;
     }
     memset(error, 0, size);
-    for (int pattern = 0; pattern < LAG_PATTERNS; ++pattern)
+    for (int pattern = 0; pattern < lag_conditions_patterns(2 * model->n); ++pattern)
         note_errors(run, pattern);
     memcpy(run->impacts.known, error, size);
 }

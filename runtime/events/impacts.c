@@ -206,7 +206,7 @@ static void find_met(LagRun *run)
     memset(met, 0, (size_t)run->model->n_whens * sizeof *met);
     if (!has_levels(run))
         return;
-    for (int pattern = 0; pattern < LAG_PATTERNS; ++pattern) {
+    for (int pattern = 0; pattern < lag_conditions_patterns(2 * m->n); ++pattern) {
         lag_conditions_disturb(run, m->y, run->impacts.rounding, pattern, state);
         lag_conditions_by(run, m->t, state, state + m->n, s->slope + m->n, s->g_inside, s->rate_inside);
         for (int k = 0; k < run->model->n_whens; ++k)

@@ -320,7 +320,7 @@ int lag_radau_knows_powers(LagRadau *s, LagRun *run, double h)
     const double *at_end = s->trial.power + (s->tableau->stages - 1) * n_power, least = fmax(m->energy, h * h * m->strength);
     for (int k = 0; k < 2 * n; ++k)
         s->filtered[k] = s->weight[k] > 0 ? goal_of(run) / s->weight[k] : 0;
-    for (int pattern = 0; pattern < LAG_PATTERNS; ++pattern) {
+    for (int pattern = 0; pattern < lag_conditions_patterns(2 * n); ++pattern) {
         lag_conditions_disturb(run, m->other, s->filtered, pattern, m->point);
         if (!lag_motion_slope(m, m->t + h, m->point, m->point + n, m->sum))
             return 0;

@@ -71,7 +71,7 @@ static double change_by(LagRun *run, double t, int i, const double *error)
 {
     LagGuards *s = &run->guards;
     double most = 0;
-    for (int pattern = 0; pattern < LAG_PATTERNS; ++pattern) {
+    for (int pattern = 0; pattern < lag_conditions_patterns(2 * run->model->n); ++pattern) {
         lag_conditions_disturb(run, s->state, error, pattern, s->beside);
         lag_guards_at(run, t, s->beside, s->other);
         most = lag_max(fabs(s->other[i] - s->found[i]), most);

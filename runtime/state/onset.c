@@ -133,6 +133,8 @@ static int foresee_motion(LagMotion *m, const LagScale *scale, double h)
         }
         if (!lag_motion_slope(m, m->t + h, m->point, m->point + n, m->sum))
             return 0;
+        if (memcmp(before, after, (size_t)n * sizeof *after) == 0)
+            break;
     }
     memset(scale->motion, 0, size);
     memset(scale->change, 0, size);

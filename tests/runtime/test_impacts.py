@@ -41,10 +41,11 @@ def bounces(t: np.ndarray, e: float) -> tuple[np.ndarray, np.ndarray]:
 
 
 def test_flights_that_are_cubics_are_not_looked_at_twice(scene: Write) -> None:
-    """A parabola is one from its beginning to an impact as well: 25.5 accelerations an impact, 26.5 where it was seen anew."""
+    """A parabola is one from its beginning to an impact as well, and what is foreseen by iterations has settled at once: 22.5
+    accelerations an impact, where it was seen anew and iterated on 26.5."""
     run = scene(BALL).simulate(at=[6.0], tolerance=1e-8, parameters={"e": 0.9})
     assert run.statistics.events > 9
-    assert run.statistics.rhs_evaluations < 26 * run.statistics.events
+    assert run.statistics.rhs_evaluations < 23 * run.statistics.events
 
 
 @pytest.mark.parametrize("e", [0.0, 0.5, 0.8, 0.95, 1.0])
