@@ -12,6 +12,7 @@
 #include "numbers/extremes.h"
 #include "events/impulses.h"
 #include "events/contact_friction.h"
+#include "events/sampling.h"
 #include "model/schedule.h"
 #include "state/state.h"
 
@@ -96,6 +97,12 @@ void lag_impacts_await_jump(LagRun *run, double t, const double *y)
         run->impacts.before[k] = truth(run, k);
         run->impacts.gap_before[k] = run->switches.g_inside[lag_gap(run->model, k)];
     }
+}
+
+void lag_impacts_hold_as_before(LagRun *run)
+{
+    for (int k = 0; k < run->model->n_whens; ++k)
+        run->switches.held[lag_when(run->model, k)] = run->impacts.before[k] > 0;
 }
 
 /* What a condition has been last, also by events of the same moment. */
@@ -297,8 +304,8 @@ static void leave_to_first(LagRun *run)
                 fires[k] = run->impacts.has_contact[k];
 }
 
-/* Events of a rank whose conditions have come true, and contacts that are closed and approach; `is_new`: nothing has been reset at
- * this instant. Returns whether there are some. */
+/* Events of a rank whose conditions have come true, and contacts that are closed and approach; `is_new`: nothing has been reset or
+ * sampled at this instant since these were looked at. Returns whether there are some. */
 static int find_events(LagRun *run, int rank, int is_new)
 {
     LagImpacts *s = &run->impacts;
@@ -351,18 +358,21 @@ static void keep_wanted(LagRun *run, int comes)
     }
 }
 
-/* All that comes at once, rank by rank: each event reads what those of lower ranks set. Returns whether there is some. */
+/* All that comes at once, rank by rank: each event reads what those of lower ranks set, and what is held of its own (held values of
+ * rank 0 were taken before). Returns whether there is some. */
 static int find_round(LagRun *run, int is_new)
 {
     LagImpacts *s = &run->impacts;
     const LagModel *model = run->model;
-    int last = 0, some = 0;
+    int last = lag_sampling_last_rank(model), some = 0, is_changed = !is_new;
     for (int k = 0; k < model->n_whens; ++k)
         last = lag_rank_of(model, k) > last ? lag_rank_of(model, k) : last;
     memset(s->at_once, 0, (size_t)model->n_whens * sizeof *s->at_once);
     for (int rank = 0; rank <= last; ++rank) {
-        const int comes = find_events(run, rank, is_new && !some);
+        is_changed |= is_new && rank > 0 && lag_sampling_take(run, run->motion.t, run->motion.y, rank);
+        const int comes = find_events(run, rank, !is_changed);
         some |= comes;
+        is_changed |= comes;
         if (last > 0)
             keep_wanted(run, comes);
     }

@@ -61,6 +61,9 @@ int lag_impacts_press(LagRun *run);
 void lag_impacts_await_jump(LagRun *run, double t, const double *y);
 int lag_impacts_note_jump(LagRun *run, double t, const double *y);
 
+/* Events are held as they were before such a jump: at the start nothing holds them yet. */
+void lag_impacts_hold_as_before(LagRun *run);
+
 /* The places among the switches of event k: of its condition; of the gap of a contact, or the rate that may go one way; and of what
  * rests there: the rate of the gap, or once more that rate. Whether switch i is the first of them. */
 static inline int lag_when(const LagModel *model, int k) { return model->n_switches - 3 * model->n_whens + k; }

@@ -82,6 +82,14 @@ void lag_switches_set(LagRun *run, double t, const double *q, const double *v)
     }
 }
 
+void lag_switches_look(LagRun *run, double t, const double *y)
+{
+    if (run->model->n_whens > 0)
+        lag_switches_set(run, t, y, y + run->model->n);
+    if (run->model->switches_need_acceleration)
+        lag_motion_slope(&run->motion, t, y, y + run->model->n, run->switches.slope);
+}
+
 void lag_switches_settle(LagRun *run, double t, const double *y)
 {
     LagSwitches *s = &run->switches;

@@ -48,6 +48,9 @@ int lag_switches_enter(LagRun *run);
 /* Sets them as they are at a state. */
 void lag_switches_set(LagRun *run, double t, const double *q, const double *v);
 
+/* The same, and the accelerations by that, where conditions ask for them. */
+void lag_switches_look(LagRun *run, double t, const double *y);
+
 /* Where no step holds them: sets them as they are at a state, with the shares of what slides; and leaves them to the state again, but
  * for what rests at contacts. */
 void lag_switches_settle(LagRun *run, double t, const double *y);

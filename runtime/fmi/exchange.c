@@ -19,9 +19,9 @@
 #include "events/conditions.h"
 #include "events/cones.h"
 #include "events/contacts.h"
+#include "events/sampling.h"
 #include "model/function.h"
 #include "model/schedule.h"
-#include "steps/sampling.h"
 #include "steps/segment.h"
 #include "state/state.h"
 
@@ -389,7 +389,8 @@ static int begin_segment(LagInstance *s)
         lag_project_present(run);
         lag_instance_tell(s, run->motion.y, s->x);
     }
-    lag_sampling_take(run, s->vital.t, lag_instance_plain(s, s->x));
+    lag_sampling_meet(run, s->vital.t);
+    lag_sampling_take(run, s->vital.t, lag_instance_plain(s, s->x), 0);
     const int is_moved = switch_over(s);
     give_slack(s);
     lag_energies(run, s->vital.t, lag_instance_plain(s, s->x), after);

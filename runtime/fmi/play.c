@@ -14,6 +14,8 @@
 #include "fmi/instance.h"
 #include "fmi/opening.h"
 
+#include "events/sampling.h"
+
 #include "model/attitude_places.h"
 #include "model/function.h"
 #include "state/state.h"
@@ -206,7 +208,7 @@ static void give(LagPlayer *player)
     for (int i = 0; i < 4 * m->n_attitudes; ++i)
         *held++ = s->run->d[lag_attitude_mode(m->attitudes, i / 4) + i % 4];
     for (int i = 0; i < m->n_held; ++i)
-        *held++ = s->run->d[m->held[i]];
+        *held++ = s->run->d[lag_held_mode(m, i)];
 }
 
 const double *lag_play_drawing(LagPlayer *player, const double *q)

@@ -123,7 +123,7 @@ struct LagModel {
     const int *lookups;         /* 2 n_lookups: the event whose argument a table is asked for, and the first of its modes */
     const int *pieces;          /* 4 n_pieces: the input, those that are its first two rates (-1: none), the first of its modes */
     const int *samplers;        /* n_samplers: the event whose argument is a whole number at its instants, from 0 on */
-    const int *held;            /* n_held: the mode of each */
+    const int *held;            /* 3 n_held: the mode of each, its sampler, and its rank at an instant */
     const int *stated;          /* n_delays: whether it is said what was before the start */
     const int *attitudes;       /* 2 n_attitudes: the first coordinate of each, and the first of four modes: its reference */
     const int *kept;            /* n_kept: the coordinate of each, whose rate it is */

@@ -5,13 +5,13 @@
 #include "state/account.h"
 #include "state/attitudes.h"
 #include "events/contacts.h"
+#include "events/sampling.h"
 #include "state/evaluate.h"
 #include "model/function.h"
 #include "choice/parts.h"
 #include "run/retry.h"
 #include "run/run.h"
 #include "steps/delays.h"
-#include "steps/sampling.h"
 #include "steps/segment.h"
 #include "steps/branch.h"
 #include "state/stepper.h"
@@ -78,13 +78,21 @@ static void clear(LagRun *run)
     run->scheduled = 0;
 }
 
-/* What is held and what is read late: either may be made of the other. */
+/* What is held and what is read late: either may be made of the other. Conditions of events are looked at before: those that what is
+ * sampled makes true come at the start. */
 static LagStatus take_first(LagRun *run)
 {
-    LagStatus status = lag_delays_begin(run);
-    if (status == LAG_OK && lag_sampling_take(run, run->motion.t, run->motion.y))
-        status = lag_delays_begin(run);
-    return status;
+    const double t = run->motion.t, *y = run->motion.y;
+    const LagStatus status = lag_delays_begin(run);
+    if (status != LAG_OK || run->model->n_held == 0)
+        return status;
+    lag_switches_look(run, t, y);
+    lag_impacts_await_jump(run, t, y);
+    if (!lag_sampling_meet(run, t))
+        return LAG_OK;
+    for (int rank = 0; rank <= lag_sampling_last_rank(run->model); ++rank)
+        lag_sampling_take(run, t, y, rank);
+    return lag_delays_begin(run);
 }
 
 static void choose(LagRun *run)
@@ -129,7 +137,7 @@ LagStatus lag_run_start(LagRun *run, const double *q_given, const double *v_give
     run->start_energy = energies[2];
     run->given_energy = run->missed_energy = 0;
     lag_stiffness_reset(run);
-    LagStatus status = lag_segment_evaluate(run);
+    LagStatus status = lag_segment_begin(run);
     if (status == LAG_OK)
         status = lag_guards_meet(run, run->motion.t, run->motion.y);
     run->statistics.passed = lag_contacts_find_passed(run);

@@ -5,12 +5,12 @@
 #include <stdlib.h>
 
 #include "events/accelerations.h"
+#include "events/sampling.h"
 #include "state/account.h"
 #include "state/evaluate.h"
 #include "model/function.h"
 #include "choice/parts.h"
 #include "steps/delays.h"
-#include "steps/sampling.h"
 #include "steps/singular.h"
 
 static size_t work_size(const LagModel *model)
@@ -43,6 +43,7 @@ static void layout_vectors(LagRun *run, LagArena *arena)
     run->event_a = lag_take(arena, events);
     run->event_b = lag_take(arena, events);
     lag_sampling_layout(run, arena);
+    lag_delays_layout(run, arena);
     lag_retry_layout(&run->retry, model, arena);
     run->acceleration = lag_take(arena, n);
     run->power = lag_take(arena, (size_t)model->n_power);

@@ -40,7 +40,9 @@ struct LagRun {
     double *p, *c, *c_kept, *u, *u_slope, *d, *d_before;
     double *nothing_given;        /* n_parameters zeros */
     double *event_a, *event_b;
-    double *fires, *sampled, *held; /* n_samplers: whether it is an instant; the last one, counted from 0. n_held: their values */
+    double *fires, *held; /* n_held: whether it is found now; values */
+    double *sampled;      /* n_samplers: the latest instant, counted from 0 */
+    int *is_due;          /* n_samplers: whether it is at this time */
     double *acceleration, *power; /* for outputs */
     double *multipliers;          /* of the latest accelerations */
     double *start;                /* (q, lost ones, v, their rates) */

@@ -10,11 +10,11 @@
 #include "state/holds.h"
 #include "state/onset.h"
 #include "events/rest.h"
+#include "events/sampling.h"
 #include "model/schedule.h"
 #include "model/table.h"
 #include "steps/branch.h"
 #include "steps/delays.h"
-#include "steps/sampling.h"
 #include "steps/step.h"
 #include "state/stepper.h"
 #include "steps/turns.h"
@@ -119,7 +119,7 @@ LagStatus lag_segment_evaluate(LagRun *run)
         lag_stepper_choose(run, run->choice.trouble(run, LAG_TROUBLE_DISTURBED));
         run->choice.reset(run);
     }
-    const int is_bend = lag_delays_look_for_bend(run, lag_switches_enter(run));
+    const int is_bend = lag_delays_look_for_bend(run, lag_switches_enter(run)) && run->started;
     if (run->sliding.jams)
         return lag_fail(run, LAG_NO_IMPULSE, -1, 0, lag_impacts_striking(run));
     if (lag_turn_release(run) && run->sliding.count > run->methods.table->most_sliding)
@@ -148,20 +148,28 @@ LagStatus lag_segment_evaluate(LagRun *run)
     return LAG_OK;
 }
 
-/* What is held takes its values of now, and events come where these make their conditions true. */
-static LagStatus sample(LagRun *run)
+/* Events at the start, by what is sampled there: what was held before is put back, and sampled anew in the order of the instant. */
+static LagStatus strike_first(LagRun *run)
 {
-    const double t = run->motion.t;
-    if (run->model->n_samplers == 0)
-        return LAG_OK;
-    lag_impacts_await_jump(run, t, run->motion.y);
-    lag_sampling_take(run, t, run->motion.y);
-    if (!lag_impacts_note_jump(run, t, run->motion.y))
-        return LAG_OK;
+    const double t = run->motion.t, *y = run->motion.y;
+    lag_account_open(run);
+    lag_sampling_put_back(run);
+    lag_impacts_hold_as_before(run);
+    lag_sampling_take(run, t, y, 0);
+    lag_impacts_note_jump(run, t, y);
     const LagStatus status = lag_impacts_strike(run);
-    if (status == LAG_OK)
-        lag_project_present(run);
+    lag_project_present(run);
+    lag_account_close(run);
     return status;
+}
+
+LagStatus lag_segment_begin(LagRun *run)
+{
+    const LagMotion *m = &run->motion;
+    if (run->model->n_held > 0)
+        lag_switches_look(run, m->t, m->y);
+    const LagStatus status = run->model->n_held > 0 && lag_impacts_note_jump(run, m->t, m->y) ? strike_first(run) : LAG_OK;
+    return status == LAG_OK ? lag_segment_evaluate(run) : status;
 }
 
 LagStatus lag_segment_next(LagRun *run)
@@ -178,15 +186,14 @@ LagStatus lag_segment_next(LagRun *run)
         return lag_fail(run, LAG_INPUT_JUMPS, jumping, 0, jump);
     lag_delays_await_kick(run);
     lag_kick(run, t, run->motion.y);
+    lag_sampling_meet(run, t);
+    lag_sampling_take(run, t, run->motion.y, 0);
     lag_impacts_note_jump(run, t, run->motion.y);
     LagStatus status = lag_impacts_strike(run);
     if (status != LAG_OK)
         return status;
     lag_delays_look_for_kick(run);
     lag_project_present(run);
-    status = sample(run);
-    if (status != LAG_OK)
-        return status;
     lag_account_close(run);
     if (run->logged < run->most_logged)
         run->event_log[run->logged++] = t;

@@ -10,6 +10,9 @@ void lag_segment_enter(LagRun *run);
 /* Evaluates the accelerations at its beginning and chooses a first step. */
 LagStatus lag_segment_evaluate(LagRun *run);
 
+/* The latter at the start of a run, behind the events that what is sampled there brings about. */
+LagStatus lag_segment_begin(LagRun *run);
+
 /* Both, at an event; keeps the energy account over it. */
 LagStatus lag_segment_next(LagRun *run);
 

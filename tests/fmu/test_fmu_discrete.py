@@ -62,7 +62,8 @@ model Counts "x = cos(t): down at pi/2 + 2 pi k; n = 1, 2, ... at 0.5, 1, ..."
   Integer n(start = 0), downs(start = 0), turns(start = 0), two(start = 0), more(start = 0);
   Boolean down(start = false);
   discrete Time first(start = 0), last(start = 0), third(start = 0), ticked(start = 0);
-  Integer ticks(start = 0);
+  Integer ticks(start = 0), mark(start = 0), shown(start = 0);
+  discrete Time seen(start = 0);
 equation
   when time > 0.5*(n + 1) then n = pre(n) + 1; end when;
   when block.s < 0 then down = true; downs = pre(downs) + 1; elsewhen block.s > 0 then down = false; end when;
@@ -73,6 +74,9 @@ equation
   when n >= 3 then third = time; end when;
   when sample(0.25, 1) then ticks = pre(ticks) + 1; end when;
   when ticks >= 3 then ticked = time; end when;
+  when time >= 3 then mark = 7; end when;
+  when sample(0, 1) then shown = mark; end when;
+  when shown > 5 then seen = time; end when;
   annotation(experiment(StopTime = 9.9));
 end Counts;
 """
@@ -85,7 +89,7 @@ def test_events_of_discrete_variables(tmp_path: Path, version: str) -> None:
     file.write_text(COUNTS, encoding="utf-8")
     (path,) = lagrangia.load(file).export_fmu(tmp_path / "counts.fmu", fmi=version)
     counted = {"n": 19, "downs": 2, "turns": 3, "two": 1, "more": 0}
-    told = {"first": math.pi / 2, "last": 5 * math.pi / 2, "third": 1.5, "ticked": 2.25}
+    told = {"first": math.pi / 2, "last": 5 * math.pi / 2, "third": 1.5, "ticked": 2.25, "seen": 3}
     for kind in ("ModelExchange", "CoSimulation"):
         end = simulate_fmu(str(path), fmi_type=kind, stop_time=9.9, output=[*counted, *told], relative_tolerance=1e-8)[-1]
         assert {name: end[name] for name in counted} == counted, kind

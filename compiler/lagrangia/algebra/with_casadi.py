@@ -39,7 +39,7 @@ class Mode:
     column: int = 0
     of_input: tuple[int, int, int] | None = None  # the places of one and of its first two rates among the inputs, or -1
 
-    of_sampler: int | None = None  # whose instants change it; its formula is then its first value
+    of_sampler: tuple[int, int] | None = None  # whose instants change it, and its rank there; its formula is then its first value
     of_attitude: str = ""  # whose reference it is a part of: it moves with the steps, from its formula on
 
     @cached_property
@@ -298,8 +298,9 @@ class CasadiAlgebra:
         return [self._mode(("input", column, places[0]), as_expression(value), arguments, 0, column=column, of_input=places)
                 for column, value in enumerate(values)]
 
-    def held(self, name: str, sampler: int, first: ca.SX, arguments: Sequence[ca.SX]) -> ca.SX:
-        """A value that only changes where one of the arguments is a whole number, by what the run time asks for there."""
+    def held(self, name: str, sampler: tuple[int, int], first: ca.SX, arguments: Sequence[ca.SX]) -> ca.SX:
+        """A value that only changes where one of the arguments is a whole number, by what the run time asks for there; the number
+        of its sampler and its rank."""
         return self._mode(("held", name), first, arguments, 1, of_sampler=sampler)
 
     def reference(self, attitude: str, part: int, first: ca.SX) -> ca.SX:
@@ -372,7 +373,7 @@ class CasadiAlgebra:
 
     def _mode(self, key: Hashable, value: ca.SX | None, arguments: Sequence[ca.SX], kind: int, use: TableUse | None = None,
               column: int = 0, of_input: tuple[int, int, int] | None = None,
-              of_sampler: int | None = None) -> ca.SX:
+              of_sampler: tuple[int, int] | None = None) -> ca.SX:
         if key not in self.index.symbols:
             made = self.index.symbols[key] = make_symbol(f"d_{len(self.modes)}")
             self.index.hashes.add(made.__hash__())

@@ -79,8 +79,8 @@ reinit(rate, value)   the rate is that of anything that the motion decides: der(
                       or of events at the same moment, are found together.
 Discrete variables    n = value, of a variable of its own, declared as discrete Real, Integer or Boolean, which keeps it until the
                       next event: n = pre(n) + 1; last = time; on = not pre(on). pre(n) is n before the event; n, of another
-                      variable, what it is from there on: events of one instant come in the order of what they read, and those
-                      that read each other's values in a circle are told. Integer n(start = 0) begins at 0, or where
+                      variable, what it is from there on: events and samples of one instant come in the order of what they read,
+                      and those that read each other's values in a circle are told. Integer n(start = 0) begins at 0, or where
                       `when initial()` says; Integer n[3](each start = 0) are three. Forces, outputs and conditions of others may
                       read them; places and energies may not. Columns of results show what is true as 1, what is not as 0.
 Rows                  at the instant of an event show what is before it, the last one too, and so do Co-Simulation FMUs at the

@@ -9,15 +9,15 @@ from lagrangia.language.attitudes import parts_of
 
 
 def find_samplers(modes: list[Mode]) -> dict[str, tuple[int, ...]]:
-    """LagModel.samplers: of each the event of its instants; LagModel.held: the modes that they change. Nothing where there are
-    none."""
+    """LagModel.samplers: of each the event of its instants; LagModel.held: the modes that they change, each with its sampler and
+    its rank. Nothing where there are none."""
     places: dict[int, int] = {}
     event = 0
     for mode in {id(mode.arguments): mode for mode in modes}.values():
         if mode.of_sampler is not None:
-            places[mode.of_sampler] = event
+            places[mode.of_sampler[0]] = event
         event += len(mode.arguments)
-    held = tuple(k for k, mode in enumerate(modes) if mode.of_sampler is not None)
+    held = tuple(x for k, mode in enumerate(modes) if mode.of_sampler is not None for x in (k, *mode.of_sampler))
     return {"samplers": tuple(places[k] for k in sorted(places)), "held": held} if held else {}
 
 

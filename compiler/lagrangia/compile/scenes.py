@@ -199,7 +199,7 @@ def _sizes(n: int, n_parameters: int, n_inputs: int, n_modes: int, functions: Fu
         "shares_bend": int(motion.felt is not None), "is_steady": int(_is_steady(functions)),
     }
     if "held" in functions.patterns:
-        found |= {"n_held": len(functions.patterns["held"]), "n_samplers": len(functions.patterns["samplers"])}
+        found |= {"n_held": len(functions.patterns["held"]) // 3, "n_samplers": len(functions.patterns["samplers"])}
     if "stated" in functions.patterns:
         found |= {"n_delays": len(functions.patterns["stated"]), "is_steady": 0}
     if "attitudes" in functions.patterns:

@@ -12,22 +12,26 @@ from lagrangia.language.samplers import in_order
 
 @dataclass(frozen=True)
 class Sampling:
-    """`fires` (samplers,): 1 of those whose instant it is, else 0; `values` (held,): what is held from there on, in the order of
-    the modes; `places`: these modes. `first`: what is held before any instant, of parameters alone."""
+    """`fires` (held,): 1 of those whose instant it is, else 0; `values` (held,): what is held from there on, in the order of
+    the modes; `places`, `samplers`: these modes, and whose they are. `first`: what is held before any instant, of parameters
+    alone."""
 
     fires: ca.SX
     values: ca.SX
     places: tuple[int, ...]
+    samplers: tuple[int, ...]
     first: ca.SX
 
 
 def find_sampling(kinematics: Kinematics) -> Sampling:
     """Raises LagError L0901 for what is made of accelerations or forces, which are not known beforehand."""
     model, modes, tau = kinematics.graph.model, kinematics.algebra.modes, kinematics.symbols.tau
-    fires = ca.vertcat(ca.SX(0, 1), *[ca.SX.sym(f"fires_{k}") for k in range(len(model.samplers))])
+    names = [name for mode in modes if mode.of_sampler is not None
+             for name, symbol in kinematics.symbols.held.items() if symbol.__hash__() == mode.hash]
+    fires = {name: ca.SX.sym(f"fires_{name}") for name in names}
     unknown = column(*kinematics.symbols.accelerations.values())
     found: dict[str, Scalar] = {}
-    for number, held in in_order(model) if model.samplers else ():
+    for held in in_order(model) if model.samplers else ():
         knowing = kinematics.knowing(found)
         value = knowing.evaluator.value(held.value)
         if isinstance(value, tuple):
@@ -37,8 +41,9 @@ def find_sampling(kinematics: Kinematics) -> Sampling:
         if ca.depends_on(value, ca.vertcat(unknown, *forces)):
             fail("L0901", "not supported yet: a held value of accelerations or of forces in joints and contacts", held.span,
                  "let it follow from positions, rates and loads")
-        found[held.name] = ca.if_else(fires[number], value, kinematics.symbols.held[held.name])
-    names = {kinematics.symbols.held[name].__hash__(): name for name in found}
+        found[held.name] = ca.if_else(fires[held.name], value, kinematics.symbols.held[held.name])
     places = tuple(k for k, mode in enumerate(modes) if mode.of_sampler is not None)
-    values = ca.vertcat(ca.SX(0, 1), *[found[names[modes[k].symbol.__hash__()]] for k in places])
-    return Sampling(fires, values, places, ca.vertcat(ca.SX(0, 1), *[modes[k].value for k in places]))
+    samplers = tuple(mode.of_sampler[0] for mode in modes if mode.of_sampler is not None)
+    values = ca.vertcat(ca.SX(0, 1), *[found[name] for name in names])
+    first = ca.vertcat(ca.SX(0, 1), *[modes[k].value for k in places])
+    return Sampling(ca.vertcat(ca.SX(0, 1), *fires.values()), values, places, samplers, first)

@@ -459,7 +459,7 @@ def _hold(kinematics: Kinematics, number: int, sampler: Sampler) -> None:
             fail("L0232", "instants and first values depend on parameters only", span)
     arguments = [(kinematics.symbols.time - start) / interval]
     for held, first in zip(sampler.held, starts, strict=True):
-        kinematics.symbols.held[held.name] = algebra.held(held.name, number, first, arguments)
+        kinematics.symbols.held[held.name] = algebra.held(held.name, (number, held.rank), first, arguments)
 
 
 def _pieces(algebra: CasadiAlgebra, model: FlatModel, name: str, values: Mapping[str, Any], inputs: list[str]) -> Value:

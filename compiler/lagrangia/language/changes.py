@@ -53,13 +53,14 @@ def at_change(event: Event) -> Event:
     return replace(event, resets=resets)
 
 
-def events_of_changes(changing: Mapping[str, Ref], rank: int) -> Iterator[Event]:
-    """How each n.before begins, and follows, behind all others."""
+def events_of_changes(changing: Mapping[str, Ref], variables: Mapping[str, Variable], rank: int) -> Iterator[Event]:
+    """How each n.before begins, as what is held did before any instant, and follows, behind all others."""
     for ref in changing.values():
-        resets = (Reset(before(ref), ref, ref.span, is_kept=True),)
+        begun = Call("pre", (ref,), (), ref.span) if variables[ref.name].kind == "held" else ref
+        first, later = (Reset(before(ref), value, ref.span, is_kept=True) for value in (begun, ref))
         component = ref.name.rpartition(".")[0]
-        yield Event(Call("initial", (), (), ref.span), resets, component, ref.span, (ref.name, "start"), is_start=True)
-        yield Event(changed(ref), resets, component, ref.span, (ref.name, "change"), rank=rank)
+        yield Event(Call("initial", (), (), ref.span), (first,), component, ref.span, (ref.name, "start"), is_start=True)
+        yield Event(changed(ref), (later,), component, ref.span, (ref.name, "change"), rank=rank)
 
 
 def variables_of_changes(changing: Mapping[str, Ref], variables: Mapping[str, Variable], types: Mapping[str, str],
@@ -68,14 +69,11 @@ def variables_of_changes(changing: Mapping[str, Ref], variables: Mapping[str, Va
     found = {}
     given = {x.rate.name for event in kept for x in event.resets if x.is_kept and isinstance(x.rate, Ref)}
     for name, ref in changing.items():
-        if name not in types and name not in given:
+        if name not in types and name not in given and variables[name].kind != "held":
             report.error("L0901", "not of this language: an event where what moves changes, which it does all the time", ref.span,
                          "compare it with something, as x > 1; change(n) is of what events give its value")
             continue
         own = variables[name]
-        if own.kind == "held":
-            report.error("L0901", "not supported yet: an event where a held value changes", ref.span,
-                         "write what happens in the `when sample(...)` that gives it, or compare it with something")
         found[before(ref).name] = Variable(
             before(ref).name, "variable", (), own.unit, own.display_unit, None, None, False, None, None, False,
             f"{name} as events of its changes know it", own.span, type_name=own.type_name)

@@ -255,7 +255,7 @@ def _at_start(value: Flat, variables: Mapping[str, Variable]) -> Flat:
     def before(node: Flat) -> Flat | None:
         if isinstance(node, Call) and node.function == "pre" and isinstance(inner := node.arguments[0], Ref):
             variable = variables[inner.name]
-            if variable.kind == "variable" and variable.binding is None:
+            if variable.kind in ("variable", "held") and variable.binding is None:
                 return variable.start or Number(0.0, None, node.span)
         return None
 

@@ -185,13 +185,14 @@ class EventClauses:
     def finish(self, variables: Mapping[str, Variable], equations: Sequence[Equation]) -> Discrete:
         """The events, and what keeps discrete variables. Reports L0212, L0231, L0232, L0302."""
         self.whole.find_broken(self._integers, self.report)
-        ordered, past = in_order(self._events, bindings_of(variables, equations))
-        self._changing |= {name: ref for name, ref in past.items() if name not in self._changing}
+        ordered = in_order(self._events, self.samplers, bindings_of(variables, equations))
+        self.samplers = ordered.samplers
+        self._changing |= {name: ref for name, ref in ordered.past.items() if name not in self._changing}
         made = variables_of_changes(self._changing, variables, self.types, self._events, self.report)
         if self.report.errors:
             return Discrete({}, [], [], [])
-        last = max((event.rank for event in ordered), default=0) + 1
-        events = [*ordered, *events_of_changes(self._changing, last)]
+        last = max((event.rank for event in ordered.events), default=0) + 1
+        events = [*ordered.events, *events_of_changes(self._changing, variables, last)]
         self.types |= {name: variable.type_name for name, variable in made.items()}
         found = find_discrete(events, {**variables, **made}, equations, self.whole, self.report)
         return replace(found, variables={**made, **found.variables})

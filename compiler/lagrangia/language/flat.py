@@ -171,6 +171,7 @@ class Held:
     name: str
     value: Flat
     span: Span
+    rank: int = 0  # at an instant: at_one_instant.py
 
 
 @dataclass(frozen=True)

@@ -64,11 +64,11 @@ def refuse_held(model: FlatModel, what: str) -> None:
              "lag simulate, sweeps and FMUs have them; lag linearize gives the sampled system")
 
 
-def in_order(model: FlatModel) -> list[tuple[int, Held]]:
-    """All held values with the numbers of their samplers, so that each reads those before it alone. Raises LagError L0212."""
-    of = {held.name: (k, held) for k, sampler in enumerate(model.samplers) for held in sampler.held}
+def in_order(model: FlatModel) -> list[Held]:
+    """All held values, so that each reads those before it alone. Raises LagError L0212."""
+    of = {held.name: held for sampler in model.samplers for held in sampler.held}
     bindings = {name: variable.binding for name, variable in model.variables.items()}
-    found: dict[str, tuple[int, Held]] = {}
+    found: dict[str, Held] = {}
     pending: list[str] = []
 
     def visit(name: str) -> None:
@@ -76,10 +76,10 @@ def in_order(model: FlatModel) -> list[tuple[int, Held]]:
             return
         if name in pending:
             chain = " > ".join([*pending[pending.index(name) :], name])
-            fail("L0212", f"'{name}' follows from itself at its instants", of[name][1].span, chain,
+            fail("L0212", f"'{name}' follows from itself at its instants", of[name].span, chain,
                  f"pre({name}) is the value before")
         pending.append(name)
-        for other in read_now([of[name][1].value], bindings):
+        for other in read_now([of[name].value], bindings):
             if other in of:
                 visit(other)
         pending.pop()

@@ -55,7 +55,7 @@ def _over(A: Matrix, B_h: Matrix, B_w: Matrix, t: float) -> Matrix:
 def _phases(study: Study) -> tuple[float, list[tuple[float, Matrix]]]:
     """The interval, and its instants from the first one on, with which samplers fire."""
     kinematics = study.c.kinematics
-    of = {mode.of_sampler: mode.arguments[0] for mode in kinematics.algebra.modes if mode.of_sampler is not None}
+    of = {mode.of_sampler[0]: mode.arguments[0] for mode in kinematics.algebra.modes if mode.of_sampler is not None}
     arguments = ca.vertcat(*[of[k] for k in range(len(of))])
     table = ca.Function("instants", [kinematics.symbols.time, study.c.motion.p], [arguments])
     first, second = (table(t, study.p).full().ravel() for t in (0.0, 1.0))
@@ -79,6 +79,7 @@ class _Sampler:
         c, self.study = study.c, study
         sampling, m = find_sampling(c.struck), c.motion
         symbols = [mode.symbol for mode in c.kinematics.algebra.modes]
+        self.samplers = list(sampling.samplers)
         self.held = ca.vertcat(*[symbols[k] for k in sampling.places])
         others = [mode for mode in c.kinematics.algebra.modes if mode.of_sampler is None]
         values = ca.substitute(sampling.values, ca.vertcat(*[x.symbol for x in others]), ca.vertcat(*[x.value for x in others])) \
@@ -97,11 +98,11 @@ class _Sampler:
         self.of_v = np.hstack([np.zeros((N.shape[0], f)), N @ pace])[:, kept]
         names = [item.name for item in study.scene.inputs]
         self.of_u = np.array([[float(name == own) for own in inputs] for name in names]).reshape(len(names), len(inputs))
-        nothing = np.zeros(self.held.numel()), np.ones(sampling.fires.numel())
+        nothing = np.zeros(self.held.numel()), np.ones(len(study.c.flat.samplers))
         self.held_there = np.array(self.function(*self._here(*nothing))[5]).ravel()
 
     def _here(self, held: Matrix, fires: Matrix) -> tuple[object, ...]:
-        return self.study.time, self.q, self.v, self.study.u, self.study.p, held, fires
+        return self.study.time, self.q, self.v, self.study.u, self.study.p, held, fires[self.samplers]
 
     def instant(self, fires: Matrix) -> Matrix:
         """z, h and w just after an instant in terms of those before."""
