@@ -6,16 +6,14 @@ from lagrangia.language.folding import fold
 from lagrangia.language.tree import Binary, Flat, WhenBlock
 
 
-def warn_of_both(first: Flat, other: Flat, block: WhenBlock, report: Report, *, is_kept: bool, is_ended: bool) -> None:
+def warn_of_both(first: Flat, other: Flat, block: WhenBlock, report: Report, *, is_kept: bool) -> None:
     """Where the conditions of a `when` and of its elsewhen may come true at one instant, of which the first alone happens, unless
-    the second resets what moves, too, or one of them ends the run (`is_ended`); where they do so always, the second never
-    happens, which is an error."""
+    the second resets what moves, too; where they do so always, the second never happens, which is an error."""
     span = block.condition.span
     if are_alike(first, other):
         report.error("L0225", "this never happens: the condition is that of the branch before", span, "leave the branch out")
-    elif (is_ended or not is_kept) and not come_apart(first, other):
-        both = "`terminate` acts whichever branch it is of" if is_ended else "both happen"
-        report.warning("L0237", f"where this and the condition before come true at one instant, {both}", span,
+    elif not is_kept and not come_apart(first, other):
+        report.warning("L0237", "where this and the condition before come true at one instant, both happen", span,
                        "in Modelica the first one alone does; conditions that exclude each other, as x > 1 and x < -1, are safe")
 
 

@@ -7,7 +7,14 @@ from typing import Any, TypeGuard
 from lagrangia.base.diagnostics import Report, Span, fail
 from lagrangia.language.assertions import ending_of
 from lagrangia.language.at_one_instant import in_order
-from lagrangia.language.changes import at_change, changed, events_of_changes, variables_of_changes
+from lagrangia.language.changes import (
+    at_change,
+    changed,
+    ended,
+    events_of_changes,
+    variables_of_changes,
+    variables_of_endings,
+)
 from lagrangia.language.discrete import (
     Discrete,
     Event,
@@ -23,7 +30,8 @@ from lagrangia.language.events import level_of
 from lagrangia.language.flat import Equation, Guard, Held, Reset, Sampler, Variable
 from lagrangia.language.instances import Scope
 from lagrangia.language.names import Names
-from lagrangia.language.tree import Array, Call, Clause, Expression, Flat, Ref, Unary, WhenBlock
+from lagrangia.language.tree import Array, Call, Clause, Expression, Flat, Number, Ref, Unary, WhenBlock
+from lagrangia.language.truths import NO, truth_of
 from lagrangia.language.whole_numbers import WholeNumbers
 
 _SAMPLED = "write: when sample(0, 0.01) then u = ...; end when;"
@@ -42,6 +50,7 @@ class EventClauses:
         self._integers: list[Flat] = []  # values of Integer variables
         self._events: list[Event] = []
         self._changing: dict[str, Ref] = {}  # those whose change is an event
+        self._ended: list[Ref] = []  # by branches, of which the first that comes is the one
         self._chains: dict[int, tuple[tuple[WhenBlock, Scope], int]] = {}  # the `when` of an elsewhen, by its id, and its branch
         self._resets: list[Reset] = []  # of the `when` that is being read
         self._endings: list[tuple[str, Span]] = []  # likewise: what is said where it ends the run
@@ -54,28 +63,40 @@ class EventClauses:
     def add(self, block: WhenBlock, scope: Scope, place: Span) -> None:
         """A `when` with its elsewhen. Raises LagError L0215, L0222, L0225."""
         conditions, (chain, branch) = self._conditions(block.condition, scope), self._chain(block, scope)
-        is_kept, is_ended = True, False  # whether all that the branch behind does is give values, and whether it ends the run
+        is_kept = True  # whether all that the branch behind does is give values, or end the run
         if block.otherwise is not None:
             if any(_is_call(x, "sample") for x in conditions):
                 fail("L0222", "elsewhen cannot follow a sampler", block.otherwise.span, "write two of them: when ... end when;")
             self._chains[id(block.otherwise)] = chain, branch + 1
             self.read("equation", block.otherwise, scope)
-            is_kept, is_ended = all(reset.is_kept for reset in self._resets), bool(self._endings)
+            is_kept = all(reset.is_kept for reset in self._resets)
         if any(_is_call(x, "sample") for x in conditions):
             self._add_sampler(block, conditions, scope, place)
             return
         self._resets, self._endings = [], []
         for part in block.body:
             self.read("when", part, scope)
+        if self._endings and any(_is_call(x, "initial") for x in conditions):
+            fail("L0222", "a run does not end where it begins", self._endings[0][1])
         if not (self._resets or self._endings) and not self.report.errors:
             fail("L0222", "nothing happens here", block.span, "write: reinit(der(x), value);")
         if block.otherwise is not None:
-            is_ended |= not self._resets  # what only ends the run is no event that others could come behind
             others = self._conditions(block.otherwise.condition, scope)
             for first, other in ((x, y) for x in conditions for y in others if not (isinstance(x, Call) or isinstance(y, Call))):
-                warn_of_both(first, other, block.otherwise, self.report, is_kept=is_kept, is_ended=is_ended)
+                warn_of_both(first, other, block.otherwise, self.report, is_kept=is_kept)
+        if block.otherwise is not None or branch > 0:
+            self._let_events_end(block.condition.span, scope)
         for condition in conditions:
             self._add_event(condition, chain, branch, scope.instance.path, place)
+
+    def _let_events_end(self, condition: Span, scope: Scope) -> None:
+        """Of branches, that may come at one instant, the first alone ends the run: by a variable of its own."""
+        for text, span in self._endings:
+            ref = ended(len(self._ended) + 1, condition)
+            self._ended.append(ref)
+            self._resets.append(Reset(ref, Number(1.0, None, span), span, is_kept=True))
+            self.names.guards.append(Guard(truth_of(ref, NO), text, "end", scope.instance.path, span))
+        self._endings = []
 
     def _chain(self, block: WhenBlock, scope: Scope) -> tuple[tuple[WhenBlock, Scope], int]:
         known = self._chains.get(id(block))
@@ -117,8 +138,6 @@ class EventClauses:
 
     def _add_event(self, condition: Flat, chain: object, branch: int, component: str, place: Span) -> None:
         is_start = _is_call(condition, "initial")
-        if is_start and self._endings:
-            fail("L0222", "a run does not end where it begins", self._endings[0][1])
         if self._resets:
             event = Event(condition, tuple(self._resets), component, place, chain, is_start, branch)
             self._events.append(at_change(event))
@@ -194,6 +213,7 @@ class EventClauses:
         last = max((event.rank for event in ordered.events), default=0) + 1
         events = [*ordered.events, *events_of_changes(self._changing, variables, last)]
         self.types |= {name: variable.type_name for name, variable in made.items()}
+        made |= variables_of_endings(self._ended)
         found = find_discrete(events, {**variables, **made}, equations, self.whole, self.report)
         return replace(found, variables={**made, **found.variables})
 
