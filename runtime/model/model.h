@@ -110,6 +110,8 @@ struct LagModel {
     int breaks_rise; /* no delayed value is made of others at once: what breaks is smoother a lag later */
     const int *coordinate_kind; /* n + n_lost: group of like coordinates */
     const int *fixed;           /* 2 (n + n_lost): LAG_START_..., of positions then rates */
+    const int *initial_pattern; /* of the start equations: starts (n_initial + 1), the values, q then v, of which each speaks */
+    const int *mass_blocks;     /* n + n_lost: from 0 on; M is 0 between coordinates of different blocks */
     const int *event_kind;      /* n_events */
     const int *reset_places;    /* 3 n_resets: the event of each; LAG_CONTACT, ... of those at which something may rest; and the coordinate
                                  * whose rate itself it is, -1 of any other */
@@ -158,8 +160,7 @@ struct LagModel {
     LagFunction parameters; /* given, mask          -> p               given values kept, dependent ones computed */
     LagFunction hoist;      /* p                    -> c */
     LagFunction start;      /* p                    -> q, v            guesses */
-    LagFunction initial;    /* q, v, p              -> g, dg/d(q, v)   column-major, n_initial x 2 (n + n_lost); of q, v, p, u where
-                               inputs decide */
+    LagFunction initial;    /* q, v, p              -> g, dg/d(q, v)   where initial_pattern says; of q, v, p, u where inputs decide */
     LagFunction momentum;   /* q, v, p              -> M v             at the start; absent: start values have no mass */
     LagFunction events;     /* p                    -> a, b            event arguments a + b t */
     LagFunction modes;      /* t, p                 -> d */

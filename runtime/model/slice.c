@@ -73,13 +73,6 @@ void lag_slicer_begin(LagSlicer *s)
     }
 }
 
-int lag_is_empty_output(const LagSlicer *s, int output, int element)
-{
-    const LagTape *tape = s->function->tape;
-    const int at = s->output[s->first[output] + element], from = at < 0 ? -1 : s->from[2 * at];
-    return from >= 0 && tape->code[FIELDS * from] == LAG_OP_CONST && tape->constants[tape->code[FIELDS * from + 2]] == 0;
-}
-
 void lag_slice_layout(LagSlice *slice, const LagFunction *function, LagArena *arena)
 {
     if (lag_has_slices(function))

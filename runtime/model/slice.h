@@ -34,9 +34,6 @@ void lag_slicer_layout(LagSlicer *slicer, const LagFunction *function, LagArena 
 /* Reads the tape. */
 void lag_slicer_begin(LagSlicer *slicer);
 
-/* Whether an output is 0 whatever the arguments. */
-int lag_is_empty_output(const LagSlicer *slicer, int output, int element);
-
 /* Room for as much as the tape has. */
 void lag_slice_layout(LagSlice *slice, const LagFunction *function, LagArena *arena);
 

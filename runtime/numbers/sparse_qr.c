@@ -17,7 +17,8 @@ enum { DEPENDENT = INT_MAX };   /* step of a column of which nothing is left */
 void lag_sparse_qr_layout(LagSparseQr *s, size_t rows, size_t cols, LagArena *arena)
 {
     s->a = lag_take(arena, rows * cols);
-    s->left2 = lag_take(arena, cols);
+    lag_heap_layout(&s->longest, cols, arena);
+    lag_heap_layout(&s->shortest, cols, arena);
     s->diagonal = lag_take(arena, cols);
     s->length2 = lag_take(arena, cols);
     s->pivot = lag_take_ints(arena, cols);
@@ -36,7 +37,7 @@ void lag_sparse_qr_layout(LagSparseQr *s, size_t rows, size_t cols, LagArena *ar
 
 static double *column_of(const LagSparseQr *s, int j) { return s->a + (size_t)j * (size_t)s->rows; }
 static int *entries_of(const LagSparseQr *s, int j) { return s->entries + (size_t)j * (size_t)s->rows; }
-static int *columns_of(const LagSparseQr *s, int i) { return s->columns + (size_t)i * (size_t)s->cols; }
+static int *columns_of(const LagSparseQr *s, int i) { return s->columns + (size_t)i * (size_t)s->room; }
 
 static void add_entry(LagSparseQr *s, int i, int j)
 {
@@ -55,51 +56,96 @@ static double left2_of(const LagSparseQr *s, int j)
     return sum;
 }
 
-static void begin(LagSparseQr *s, int rows, int cols)
+void lag_sparse_qr_begin(LagSparseQr *s, int rows, int cols)
 {
     s->rows = rows;
-    s->cols = cols;
-    for (int i = 0; i < rows; ++i) {
-        s->row_step[i] = cols;
-        s->n_columns[i] = 0;
+    s->room = cols;
+    memset(s->n_columns, 0, (size_t)rows * sizeof *s->n_columns);
+    memset(s->n_entries, 0, (size_t)cols * sizeof *s->n_entries);
+}
+
+void lag_sparse_qr_add(LagSparseQr *s, int i, int j, double value)
+{
+    if (value == 0)
+        return;
+    column_of(s, j)[i] = value;
+    add_entry(s, i, j);
+}
+
+size_t lag_sparse_qr_entries(const LagSparseQr *s, int cols)
+{
+    size_t sum = 0;
+    for (int j = 0; j < cols; ++j)
+        sum += (size_t)s->n_entries[j];
+    return sum;
+}
+
+void lag_sparse_qr_fill(LagSparseQr *s, int cols)
+{
+    for (int i = 0; i < s->rows; ++i)
         s->row_mark[i] = -1;
-    }
     for (int j = 0; j < cols; ++j) {
-        s->pivot[j] = j;
-        s->column_step[j] = cols;
-        s->n_above[j] = s->n_entries[j] = 0;
-        s->column_mark[j] = -1;
-        for (int i = 0; i < rows; ++i)
-            if (column_of(s, j)[i] != 0)
-                add_entry(s, i, j);
-        s->left2[j] = left2_of(s, j);
+        for (int e = 0; e < s->n_entries[j]; ++e)
+            s->row_mark[entries_of(s, j)[e]] = j;
+        for (int i = 0; i < s->rows; ++i)
+            if (s->row_mark[i] != j)
+                column_of(s, j)[i] = 0;
     }
 }
 
-static int n_left(const LagSparseQr *s, int j) { return s->n_entries[j] - s->n_above[j]; }
+/* What is left of a column, and in how many rows. */
+static void measure(LagSparseQr *s, int j)
+{
+    s->longest.key[j] = -left2_of(s, j);
+    s->shortest.key[j] = s->n_entries[j] - s->n_above[j];
+}
 
-/* Gives step k the column with the fewest rows of those of which much is left. Returns the length of the longest. */
+static double left2(const LagSparseQr *s, int j) { return -s->longest.key[j]; }
+
+static void begin(LagSparseQr *s)
+{
+    for (int i = 0; i < s->rows; ++i) {
+        s->row_step[i] = s->cols;
+        s->row_mark[i] = -1;
+    }
+    for (int j = 0; j < s->cols; ++j) {
+        s->column_step[j] = s->cols;
+        s->n_above[j] = 0;
+        s->column_mark[j] = -1;
+        measure(s, j);
+    }
+    lag_heap_fill(&s->longest, s->cols);
+    lag_heap_fill(&s->shortest, s->cols);
+}
+
+/* Takes a column out of those without a step. */
+static void take_column(LagSparseQr *s, int j)
+{
+    lag_heap_take(&s->longest, j);
+    lag_heap_take(&s->shortest, j);
+}
+
+/* Gives step k the column with the fewest rows of those of which much is left. Returns the length of the longest; 0: there is none. */
 static double choose_column(LagSparseQr *s, int k)
 {
-    double longest2 = 0;
-    int best = k;
-    for (int c = k; c < s->cols; ++c)
-        longest2 = s->left2[s->pivot[c]] > longest2 ? s->left2[s->pivot[c]] : longest2;
-    for (int c = k; c < s->cols; ++c)
-        if (s->left2[s->pivot[c]] >= MUCH * MUCH * longest2
-            && (s->left2[s->pivot[best]] < MUCH * MUCH * longest2 || n_left(s, s->pivot[c]) < n_left(s, s->pivot[best])))
-            best = c;
-    const int j = s->pivot[best];
-    s->pivot[best] = s->pivot[k];
-    s->pivot[k] = j;
-    return sqrt(longest2);
+    const double most = s->longest.size > 0 ? -s->longest.key[s->longest.item[0]] : 0;
+    int passed = 0;
+    while (most > 0 && left2(s, s->shortest.item[0]) < MUCH * MUCH * most) {
+        s->changed[passed++] = s->shortest.item[0];
+        lag_heap_take(&s->shortest, s->shortest.item[0]);
+    }
+    if (most > 0)
+        s->pivot[k] = s->shortest.item[0];
+    while (passed > 0)
+        lag_heap_put(&s->shortest, s->changed[--passed]);
+    return sqrt(most);
 }
 
 /* Makes the reflector of step k: of its column it leaves the diagonal alone. */
 static void make_reflector(LagSparseQr *s, int k)
 {
     const int j = s->pivot[k], *entries = entries_of(s, j);
-    const double norm = sqrt(s->left2[j]);
+    const double norm = sqrt(left2(s, j));
     double *u = column_of(s, j), largest = -1;
     int top = 0;
     for (int e = s->n_above[j]; e < s->n_entries[j]; ++e) {
@@ -108,6 +154,7 @@ static void make_reflector(LagSparseQr *s, int k)
         top = entries[e];
         largest = fabs(u[top]);
     }
+    take_column(s, j);
     s->column_step[j] = s->row_step[top] = k;
     s->pivot_row[k] = top;
     s->diagonal[k] = u[top] > 0 ? -norm : norm;
@@ -156,9 +203,12 @@ static void take_over(LagSparseQr *s, int k, int c)
     const int j = s->pivot[k], *entries = entries_of(s, j);
     for (int e = s->n_above[c]; e < s->n_entries[c]; ++e)
         s->row_mark[entries_of(s, c)[e]] = c;
-    for (int e = s->n_above[j]; e < s->n_entries[j]; ++e)
-        if (s->row_mark[entries[e]] != c)
-            add_entry(s, entries[e], c);
+    for (int e = s->n_above[j]; e < s->n_entries[j]; ++e) {
+        if (s->row_mark[entries[e]] == c)
+            continue;
+        column_of(s, c)[entries[e]] = 0;
+        add_entry(s, entries[e], c);
+    }
 }
 
 /* The row of step k is no longer left of column c; nothing is, and nothing comes to it, where it is not longer than `least`. */
@@ -169,18 +219,22 @@ static void leave(LagSparseQr *s, int k, int c, double least)
         ++e;
     entries[e] = entries[s->n_above[c]];
     entries[s->n_above[c]++] = s->pivot_row[k];
-    s->left2[c] = left2_of(s, c);
-    if (s->left2[c] > least * least)
+    measure(s, c);
+    if (left2(s, c) > least * least) {
+        lag_heap_update(&s->longest, c);
+        lag_heap_update(&s->shortest, c);
         return;
-    s->left2[c] = 0;
+    }
+    take_column(s, c);
     s->column_step[c] = DEPENDENT;
 }
 
-void lag_sparse_qr(LagSparseQr *s, int rows, int cols, double tolerance)
+void lag_sparse_qr(LagSparseQr *s, int cols, double tolerance)
 {
-    const int most = rows < cols ? rows : cols;
+    const int most = s->rows < cols ? s->rows : cols;
     double first = 0;
-    begin(s, rows, cols);
+    s->cols = cols;
+    begin(s);
     for (s->rank = 0; s->rank < most; ++s->rank) {
         const int k = s->rank;
         const double longest = choose_column(s, k);
@@ -227,17 +281,17 @@ static void solve_least_squares(const LagSparseQr *s, double *z, double *y)
 static void solve_dependent(const LagSparseQr *s, const double *b, const double *weight, LagSparseQr *dependent, double *z,
                             double *y)
 {
-    memset(dependent->a, 0, (size_t)s->cols * (size_t)s->rank * sizeof *dependent->a);
+    lag_sparse_qr_begin(dependent, s->cols, s->rank);
     for (int j = 0; j < s->cols; ++j) {
         const int *entries = entries_of(s, j);
         for (int e = 0; e < s->n_above[j]; ++e)
-            dependent->a[j + s->row_step[entries[e]] * s->cols] = weight[j] * column_of(s, j)[entries[e]];
+            lag_sparse_qr_add(dependent, j, s->row_step[entries[e]], weight[j] * column_of(s, j)[entries[e]]);
         if (s->column_step[j] < s->rank)
-            dependent->a[j + s->column_step[j] * s->cols] = weight[j] * s->diagonal[s->column_step[j]];
+            lag_sparse_qr_add(dependent, j, s->column_step[j], weight[j] * s->diagonal[s->column_step[j]]);
         z[j] = weight[j] * b[j];
     }
     memset(y, 0, (size_t)s->rank * sizeof *y);
-    lag_sparse_qr(dependent, s->cols, s->rank, 0);
+    lag_sparse_qr(dependent, s->rank, 0);
     solve_least_squares(dependent, z, y);
 }
 

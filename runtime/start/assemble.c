@@ -69,15 +69,16 @@ static double largest_like(const LagAssembly *s, const double *x, int j)
  * Notes in `tied` which ones those are. */
 static void reach_by_equation(LagAssembly *s, int i, double *tied)
 {
-    const int n = lag_start_size(s->model), equations = s->model->n_initial;
-    const double *row = s->newton.jacobian + i;
+    const int n = lag_start_size(s->model), *values = s->newton.values, end = s->newton.first[i + 1];
+    const double *slopes = s->newton.jacobian;
     double turned = 0, shifted = 0;
-    for (int j = 0; j < n; ++j) {
-        double *slope = is_angle(s, j) ? &turned : &shifted;
-        *slope = fmax(*slope, fabs(row[j * equations]));
+    for (int k = s->newton.first[i]; k < end && values[k] < n; ++k) {
+        double *slope = is_angle(s, values[k]) ? &turned : &shifted;
+        *slope = fmax(*slope, fabs(slopes[k]));
     }
-    for (int j = 0; j < n; ++j) {
-        if (is_angle(s, j) || !(turned > 0) || !(fabs(row[j * equations]) > 0))
+    for (int k = s->newton.first[i]; k < end && values[k] < n; ++k) {
+        const int j = values[k];
+        if (is_angle(s, j) || !(turned > 0) || !(fabs(slopes[k]) > 0))
             continue;
         tied[j] = 1;
         s->reach[j] = fmax(s->reach[j], fmax(turned, fabs(s->newton.g[i])) / shifted);
@@ -112,10 +113,9 @@ static void set_reach(LagAssembly *s, const double *p, const double *x, double *
  * not, but for rounding. */
 static int is_finite(const LagAssembly *s, int i)
 {
-    const int equations = s->model->n_initial, unknowns = 2 * lag_start_size(s->model);
     int finite = isfinite(s->newton.g[i]) != 0;
-    for (int j = 0; finite && j < unknowns; ++j)
-        finite = fabs(s->newton.jacobian[i + j * equations]) < BOUNDLESS;
+    for (int k = s->newton.first[i]; finite && k < s->newton.first[i + 1]; ++k)
+        finite = fabs(s->newton.jacobian[k]) < BOUNDLESS;
     return finite;
 }
 
@@ -130,13 +130,14 @@ static int are_finite(const LagAssembly *s)
 /* Whether a value is one that an equation that is not finite speaks of. */
 static int is_lost(const LagAssembly *s, int j)
 {
-    const int equations = s->model->n_initial;
-    int lost = 0;
-    for (int i = 0; !lost && i < equations; ++i) {
-        const double slope = fabs(s->newton.jacobian[i + j * equations]);
-        lost = (slope > 0 || isnan(slope)) && !is_finite(s, i);
+    for (int i = 0; i < s->model->n_initial; ++i) {
+        if (is_finite(s, i))
+            continue;
+        for (int k = s->newton.first[i]; k < s->newton.first[i + 1]; ++k)
+            if (s->newton.values[k] == j && !(s->newton.jacobian[k] == 0))
+                return 1;
     }
-    return lost;
+    return 0;
 }
 
 /* What steps aside, in turn: places that move no mass, places, rates; what is guessed, last. */
@@ -309,16 +310,18 @@ static int solve(LagAssembly *s, const double *p, const int *fixed, int active, 
 /* The number of independent equations of positions at x, their gradients compared with those at a general position. */
 static int rank_at(LagAssembly *s, const double *p, const double *x, double *work)
 {
-    const int n = lag_start_size(s->model), equations = s->model->n_initial, positions = s->model->n_initial_positions;
+    const int n = lag_start_size(s->model), positions = s->model->n_initial_positions;
     LagNewton *newton = &s->newton;
     if (lag_newton_evaluate(newton, p, x, work) != 0)
         return 0;
+    lag_newton_begin_matrix(newton, n, positions);
     for (int i = 0; i < positions; ++i) {
         const double length = newton->general_length[i];
-        for (int j = 0; j < n; ++j)
-            newton->transposed[i * n + j] = length > 0 ? newton->jacobian[i + j * equations] * s->reach[j] / length : 0;
+        for (int k = newton->first[i]; k < newton->first[i + 1]; ++k)
+            if (length > 0 && newton->values[k] < n)
+                lag_newton_put(newton, newton->values[k], i, newton->jacobian[k] * s->reach[newton->values[k]] / length);
     }
-    return lag_newton_factor(newton, n, positions, SINGULAR);
+    return lag_newton_factor(newton, positions, SINGULAR);
 }
 
 static int holds(const int *fixed, int n, int kind)

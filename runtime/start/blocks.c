@@ -16,15 +16,12 @@ void lag_blocks_layout(LagBlocks *s, const LagModel *model, LagArena *arena)
     s->open = lag_take_ints(arena, equations);
     s->moved = lag_take_ints(arena, equations);
     s->first = lag_take_ints(arena, unknowns + 1);
-    s->equations = lag_take_ints(arena, equations * unknowns);
+    s->equations = lag_take_ints(arena, equations > 0 ? (size_t)model->initial_pattern[equations] : 0);
     s->scale = lag_take(arena, unknowns);
 }
 
-/* Whether equation i speaks of value j, which may move, at the general position. */
-static int speaks(const LagNewton *newton, int i, int j)
-{
-    return newton->scale[j] > 0 && newton->general[i + j * newton->model->n_initial] != 0;
-}
+/* Whether an equation speaks of a value that may move, by its slope k at the general position. */
+static int speaks(const LagNewton *newton, int k) { return newton->scale[newton->values[k]] > 0 && newton->general[k] != 0; }
 
 /* Fills `open` and `moved` while nobody owns anything. */
 static void count_values(LagBlocks *s, const LagNewton *newton)
@@ -32,7 +29,7 @@ static void count_values(LagBlocks *s, const LagNewton *newton)
     for (int i = 0; i < newton->model->n_initial; ++i) {
         s->open[i] = 0;
         for (int k = newton->first[i]; k < newton->first[i + 1]; ++k)
-            s->open[i] += speaks(newton, i, newton->values[k]);
+            s->open[i] += speaks(newton, k);
         s->moved[i] = s->open[i] > 0;
     }
 }
@@ -44,7 +41,7 @@ static void list_equations(LagBlocks *s, const LagNewton *newton)
     int *next = s->first + 1; /* of each value; in the end that of the one behind it */
     memset(s->first, 0, ((size_t)unknowns + 1) * sizeof *s->first);
     for (int k = 0; k < newton->first[equations]; ++k)
-        ++next[newton->values[k]];
+        next[newton->values[k]] += speaks(newton, k);
     for (int j = 0, before = 0; j < unknowns; ++j) {
         const int count = next[j];
         next[j] = before;
@@ -52,7 +49,8 @@ static void list_equations(LagBlocks *s, const LagNewton *newton)
     }
     for (int i = 0; i < equations; ++i)
         for (int k = newton->first[i]; k < newton->first[i + 1]; ++k)
-            s->equations[next[newton->values[k]]++] = i;
+            if (speaks(newton, k))
+                s->equations[next[newton->values[k]]++] = i;
 }
 
 /* The equation without a block that speaks of the fewest values that nobody owns; -1 where all have one. */
@@ -71,12 +69,12 @@ static int take_values(LagBlocks *s, const LagNewton *newton, int i)
     int count = 0;
     for (int k = newton->first[i]; k < newton->first[i + 1]; ++k) {
         const int j = newton->values[k];
-        if (!speaks(newton, i, j) || s->owner[j] >= 0)
+        if (!speaks(newton, k) || s->owner[j] >= 0)
             continue;
         s->owner[j] = s->count;
         ++count;
         for (int e = s->first[j]; e < s->first[j + 1]; ++e)
-            s->open[s->equations[e]] -= speaks(newton, s->equations[e], j);
+            --s->open[s->equations[e]];
     }
     return count;
 }

@@ -11,7 +11,7 @@ typedef struct {
     int *owner;    /* 2 n: the block that moves a value, -1: none */
     int *open;     /* n_initial: of how many values that nobody owns an equation speaks */
     int *moved;    /* n_initial: whether it speaks of any that may move */
-    int *first;    /* 2 n + 1: equations[first[j]] .. equations[first[j + 1] - 1] speak of value j */
+    int *first;    /* 2 n + 1: equations[first[j]] .. equations[first[j + 1] - 1] speak of value j, where it may move */
     int *equations;
     double *scale; /* 2 n: those of newton.h, while a block moves */
 } LagBlocks;

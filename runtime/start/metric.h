@@ -8,15 +8,23 @@
 /* Positions at the start; there are as many rates. Called n where start values are solved. */
 static inline int lag_start_size(const LagModel *model) { return model->n + model->n_lost; }
 
+/* Whether there are so many start equations that account of zeros may be worth while. */
+static inline int lag_is_long_start(const LagModel *model) { return model->n_initial >= 100; }
+
 typedef struct {
     const LagModel *model;
-    double *factor; /* n x n: the rows of L below the diagonal, of the values that may move */
+    double *factor; /* of each block the rows of L, as many columns as rows: below the diagonal, of the values that may move */
     double *unit;   /* n: what a value is divided by */
     double *column; /* n */
     double *rates;  /* n */
     int *order;     /* n: the values that may move, those nobody guessed first */
-    int *first;     /* n: before it a row of L is 0 */
-    int count, n_free;
+    int *first;     /* n: before it a row of L is 0, of the values in `order` */
+    int *start;     /* n + 1: where the members of each block begin */
+    int *member;    /* n: places in `order`, ascending in each block */
+    int *part;      /* n: where the rows of a block begin */
+    int *touched, *mark; /* n: scratch of blocks */
+    int offset; /* of positions 0, of rates n: the first of `values` that it measures */
+    int count, n_free, n_blocks, asked;
 } LagMetric;
 
 /* Takes nothing where the model has no `momentum`: every value is then measured by its unit alone. */
@@ -31,8 +39,9 @@ void lag_metric_set(LagMetric *metric, const double *q, const double *p, const i
                     double *work);
 
 /* With the distance |z|, dx = B z: a gradient g (n) becomes B' g, z becomes dx (n), 0 for values that may not move, dx becomes z.
- * z has `count` entries. */
-void lag_metric_of_gradient(const LagMetric *metric, const double *g, double *z);
+ * z has `count` entries; of a gradient that is 0 but for `values` those that need not be 0 are written alone, and listed in `places`.
+ * Returns their number. */
+int lag_metric_of_gradient(LagMetric *metric, const double *g, const int *values, int n_values, double *z, int *places);
 void lag_metric_to_step(const LagMetric *metric, const double *z, double *dx);
 void lag_metric_from_step(const LagMetric *metric, const double *dx, double *z);
 

@@ -24,12 +24,10 @@
 
 static const double SATISFIED = 1e-10, DEPENDENT = 1e-10, SHORTEST_STEP = 1e-4, LONGEST_STEP = 0.5, FAITHFUL = 0.9,
                     STEEPEST = 1e9;
-enum { MANY = 100 }; /* equations */
 enum { FULL = 8 }; /* matrices with an entry of so many that is not 0, or more, gain nothing by account of zeros */
 static const double CRITICAL = 1e-6, PUSH = 1e-2, GOLDEN_RATIO = 0.6180339887498949;
 
-/* Whether zeros may be worth keeping account of. */
-static int is_long(const LagNewton *s) { return s->model->n_initial >= MANY; }
+static int is_long(const LagNewton *s) { return lag_is_long_start(s->model); }
 
 static void lay_factors(LagNewton *s, size_t equations, size_t unknowns, LagArena *arena)
 {
@@ -48,14 +46,16 @@ static void lay_factors(LagNewton *s, size_t equations, size_t unknowns, LagAren
 void lag_newton_layout(LagNewton *s, const LagModel *model, LagArena *arena)
 {
     const size_t equations = (size_t)model->n_initial, unknowns = equations > 0 ? 2 * (size_t)lag_start_size(model) : 0;
+    const size_t slopes = equations > 0 ? (size_t)model->initial_pattern[equations] : 0;
     s->model = s->positions.model = s->rates.model = model;
-    s->is_read = s->n_rows = 0;
+    s->is_read = s->n_rows = s->positions.offset = 0;
+    s->rates.offset = lag_start_size(model);
     s->g = lag_take(arena, equations);
-    s->jacobian = lag_take(arena, equations * unknowns);
-    s->first = lag_take_ints(arena, equations + 1);
-    s->values = lag_take_ints(arena, equations * unknowns);
+    s->first = model->initial_pattern;
+    s->values = equations > 0 ? model->initial_pattern + equations + 1 : NULL;
+    s->jacobian = lag_take(arena, slopes);
     s->length = lag_take(arena, equations);
-    s->general = lag_take(arena, equations * unknowns);
+    s->general = lag_take(arena, slopes);
     s->general_length = lag_take(arena, equations);
     s->longest = lag_take(arena, equations);
     s->weight = lag_take(arena, equations);
@@ -67,6 +67,7 @@ void lag_newton_layout(LagNewton *s, const LagModel *model, LagArena *arena)
     s->trial = lag_take(arena, unknowns);
     s->z = lag_take(arena, unknowns);
     s->gradient = lag_take(arena, unknowns);
+    s->places = lag_take_ints(arena, unknowns);
     s->pivot = (int *)lag_take(arena, equations);
     s->active = (int *)lag_take(arena, equations);
     s->rows = lag_take_ints(arena, equations);
@@ -96,36 +97,17 @@ static int evaluate(LagNewton *s, const LagSlice *slice, const double *p, const 
     return 0;
 }
 
-/* Of which values equations may speak: of all, where nobody knows. */
-static void read_pattern(LagNewton *s)
-{
-    const int equations = s->model->n_initial, unknowns = 2 * lag_start_size(s->model);
-    const int is_known = lag_has_slices(&s->model->initial);
-    int count = 0;
-    if (s->is_read)
-        return;
-    s->is_read = 1;
-    if (is_known)
-        lag_slicer_begin(&s->slicer);
-    for (int i = 0; i < equations; ++i) {
-        s->first[i] = count;
-        for (int j = 0; j < unknowns; ++j)
-            if (!is_known || !lag_is_empty_output(&s->slicer, 1, i + j * equations))
-                s->values[count++] = j;
-    }
-    s->first[equations] = count;
-}
-
 void lag_newton_survey(LagNewton *s, const double *reach)
 {
-    const int equations = s->model->n_initial, unknowns = 2 * lag_start_size(s->model);
-    memcpy(s->general, s->jacobian, (size_t)equations * (size_t)unknowns * sizeof *s->general);
-    memset(s->gradient, 0, (size_t)unknowns * sizeof *s->gradient);
-    read_pattern(s);
-    for (int i = 0; i < equations; ++i) {
+    memcpy(s->general, s->jacobian, (size_t)s->first[s->model->n_initial] * sizeof *s->general);
+    memset(s->gradient, 0, 2 * (size_t)lag_start_size(s->model) * sizeof *s->gradient);
+    if (lag_has_slices(&s->model->initial) && !s->is_read)
+        lag_slicer_begin(&s->slicer);
+    s->is_read = 1;
+    for (int i = 0; i < s->model->n_initial; ++i) {
         double length2 = 0;
         for (int k = s->first[i]; k < s->first[i + 1]; ++k) {
-            const double slope = s->general[i + s->values[k] * equations] * reach[s->values[k]];
+            const double slope = s->general[k] * reach[s->values[k]];
             length2 += slope * slope;
         }
         s->general_length[i] = isfinite(length2) ? sqrt(length2) : 0;
@@ -137,18 +119,24 @@ void lag_newton_survey(LagNewton *s, const double *reach)
 /* So many values may move: in the metrics, vectors have an entry for each, positions first. */
 static int moving(const LagNewton *s) { return s->positions.count + s->rates.count; }
 
-/* The gradient of an equation in the metrics. Returns its length. */
-static double measure_gradient(LagNewton *s, const double *jacobian, int i, double *measured)
+/* The gradient of an equation in the metrics, where `places` says, so many of them. Returns its length. */
+static double measure_gradient(LagNewton *s, const double *jacobian, int i, double *measured, int *count)
 {
-    const int equations = s->model->n_initial, n = lag_start_size(s->model), end = s->first[i + 1];
+    const int n = lag_start_size(s->model), begin = s->first[i], end = s->first[i + 1];
+    int middle = begin, first = 0; /* from here on rates */
     double length2 = 0;
-    for (int k = s->first[i]; k < end; ++k)
-        s->gradient[s->values[k]] = jacobian[i + s->values[k] * equations];
-    lag_metric_of_gradient(&s->positions, s->gradient, measured);
-    lag_metric_of_gradient(&s->rates, s->gradient + n, measured + s->positions.count);
-    for (int j = 0; j < moving(s); ++j)
-        length2 += measured[j] * measured[j];
-    for (int k = s->first[i]; k < end; ++k)
+    for (int k = begin; k < end; ++k) {
+        s->gradient[s->values[k]] = jacobian[k];
+        middle += s->values[k] < n;
+    }
+    first = lag_metric_of_gradient(&s->positions, s->gradient, s->values + begin, middle - begin, measured, s->places);
+    *count = first + lag_metric_of_gradient(&s->rates, s->gradient + n, s->values + middle, end - middle,
+                                            measured + s->positions.count, s->places + first);
+    for (int e = first; e < *count; ++e)
+        s->places[e] += s->positions.count;
+    for (int e = 0; e < *count; ++e)
+        length2 += measured[s->places[e]] * measured[s->places[e]];
+    for (int k = begin; k < end; ++k)
         s->gradient[s->values[k]] = 0;
     return sqrt(length2);
 }
@@ -171,7 +159,6 @@ static int list_rows(LagNewton *s)
 /* The equations that are looked at, and what computes them. */
 static void choose_rows(LagNewton *s)
 {
-    const int equations = s->model->n_initial;
     if (!list_rows(s) || !lag_has_slices(&s->model->initial))
         return;
     lag_slice_begin(&s->slicer, &s->residuals);
@@ -183,7 +170,7 @@ static void choose_rows(LagNewton *s)
         const int i = s->rows[r];
         lag_slice_add(&s->slicer, &s->slopes, 0, i);
         for (int k = s->first[i]; k < s->first[i + 1]; ++k)
-            lag_slice_add(&s->slicer, &s->slopes, 1, i + s->values[k] * equations);
+            lag_slice_add(&s->slicer, &s->slopes, 1, k);
     }
     lag_slice_end(&s->slicer, &s->slopes);
 }
@@ -196,19 +183,20 @@ void lag_newton_measure(LagNewton *s, const double *p, const int *fixed, const d
     choose_rows(s);
     for (int r = 0; r < s->n_rows; ++r) {
         const int i = s->rows[r];
-        const double length = measure_gradient(s, s->general, i, s->step);
+        int entries = 0;
+        const double length = measure_gradient(s, s->general, i, s->step, &entries);
         s->weight[i] = isfinite(length) ? length : 0;
     }
 }
 
-/* The slope of equation i along value j, in its natural size. */
-static double slope(const LagNewton *s, int i, int j) { return s->jacobian[i + j * s->model->n_initial] * s->scale[j]; }
+/* A slope, along a value in its natural size. */
+static double slope(const LagNewton *s, int k) { return s->jacobian[k] * s->scale[s->values[k]]; }
 
 static double squared_length(const LagNewton *s, int i)
 {
     double length2 = 0;
     for (int k = s->first[i]; k < s->first[i + 1]; ++k)
-        length2 += slope(s, i, s->values[k]) * slope(s, i, s->values[k]);
+        length2 += slope(s, k) * slope(s, k);
     return length2;
 }
 
@@ -271,18 +259,18 @@ static double sum_of_squares(const LagNewton *s)
  * unit is worth in the sum of squares. Returns their number: equations that do not change with what may move, or beyond all measure, are left out. */
 static int measure_equations(LagNewton *s)
 {
-    const int rows = moving(s);
     int count = 0;
+    lag_newton_begin_matrix(s, moving(s), s->n_rows);
     for (int r = 0; r < s->n_rows; ++r) {
         const int i = s->rows[r];
-        double *column = s->transposed + count * rows;
-        const double length = measure_gradient(s, s->jacobian, i, column), unit = fmax(length, s->weight[i]);
+        int entries = 0;
+        const double length = measure_gradient(s, s->jacobian, i, s->trial, &entries), unit = fmax(length, s->weight[i]);
         if (!(length > 0 && isfinite(unit)))
             continue;
+        for (int e = 0; e < entries; ++e)
+            lag_newton_put(s, s->places[e], count, s->trial[s->places[e]] / unit);
         s->right[count] = -s->g[i] / unit;
         s->share[count++] = unit / s->length[i];
-        for (int j = 0; j < rows; ++j)
-            column[j] /= unit;
     }
     return count;
 }
@@ -305,32 +293,45 @@ static double cut(LagNewton *s)
     return longest;
 }
 
-static int is_mostly_zero(const double *a, size_t size)
+void lag_newton_begin_matrix(LagNewton *s, int rows, int most_columns)
 {
-    size_t entries = 0;
-    for (size_t k = 0; k < size; ++k)
-        entries += a[k] != 0;
-    return entries * FULL < size;
+    s->n_matrix_rows = rows;
+    if (is_long(s))
+        lag_sparse_qr_begin(&s->sparse, rows, most_columns);
+    else
+        memset(s->transposed, 0, (size_t)rows * (size_t)most_columns * sizeof *s->transposed);
 }
 
-int lag_newton_factor(LagNewton *s, int rows, int count, double tolerance)
+void lag_newton_put(LagNewton *s, int i, int column, double value)
 {
-    s->is_sparse = is_long(s) && is_mostly_zero(s->transposed, (size_t)rows * (size_t)count);
-    if (!s->is_sparse)
-        return lag_qr(s->transposed, rows, count, s->diagonal, s->pivot, tolerance);
-    lag_sparse_qr(&s->sparse, rows, count, tolerance);
-    return s->sparse.rank;
+    if (is_long(s))
+        lag_sparse_qr_add(&s->sparse, i, column, value);
+    else
+        s->transposed[i + column * s->n_matrix_rows] = value;
+}
+
+int lag_newton_factor(LagNewton *s, int count, double tolerance)
+{
+    const size_t size = (size_t)s->n_matrix_rows * (size_t)count;
+    s->is_sparse = is_long(s) && lag_sparse_qr_entries(&s->sparse, count) * FULL < size;
+    if (s->is_sparse) {
+        lag_sparse_qr(&s->sparse, count, tolerance);
+        return s->sparse.rank;
+    }
+    if (is_long(s))
+        lag_sparse_qr_fill(&s->sparse, count);
+    return lag_qr(s->transposed, s->n_matrix_rows, count, s->diagonal, s->pivot, tolerance);
 }
 
 /* `step` from the wish `z`, so changed that the linearised equations hold. Returns its length. */
 static double correct(LagNewton *s)
 {
-    const int n = lag_start_size(s->model), rows = moving(s), count = measure_equations(s);
-    const int rank = lag_newton_factor(s, rows, count, DEPENDENT);
+    const int n = lag_start_size(s->model), count = measure_equations(s);
+    const int rank = lag_newton_factor(s, count, DEPENDENT);
     if (s->is_sparse)
         lag_sparse_qr_nearest(&s->sparse, s->right, s->share, &s->dependent, s->scratch.y, s->scratch.b, s->z);
     else
-        lag_qr_nearest(s->transposed, rows, count, rank, s->diagonal, s->pivot, s->right, s->share, &s->scratch, s->z);
+        lag_qr_nearest(s->transposed, s->n_matrix_rows, count, rank, s->diagonal, s->pivot, s->right, s->share, &s->scratch, s->z);
     lag_metric_to_step(&s->positions, s->z, s->step);
     lag_metric_to_step(&s->rates, s->z + s->positions.count, s->step + n);
     return cut(s);
@@ -370,7 +371,7 @@ static void step_down(LagNewton *s)
     for (int r = 0; r < s->n_rows; ++r) {
         const int i = s->rows[r];
         for (int k = s->first[i]; k < s->first[i + 1]; ++k)
-            s->step[s->values[k]] -= slope(s, i, s->values[k]) / s->length[i] * s->g[i] / s->length[i];
+            s->step[s->values[k]] -= slope(s, k) / s->length[i] * s->g[i] / s->length[i];
     }
 }
 
@@ -382,7 +383,7 @@ static double squared_change(const LagNewton *s)
         const int i = s->rows[r];
         double change = 0;
         for (int k = s->first[i]; k < s->first[i + 1]; ++k)
-            change += slope(s, i, s->values[k]) / s->length[i] * s->step[s->values[k]];
+            change += slope(s, k) / s->length[i] * s->step[s->values[k]];
         change2 += change * change;
     }
     return change2;

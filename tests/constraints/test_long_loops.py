@@ -306,3 +306,21 @@ def test_the_size_of_all_constraints_is_summed_once() -> None:
     bonds.add(1, 1, 4e13)  # what changes is summed anew
     found = bonds.beside(1.0, 1.0)
     assert float(ca.substitute(found, ca.vertcat(*ca.symvar(found)), ca.SX.ones(3))) == pytest.approx(5.0)
+
+
+@pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
+def test_starts_of_a_row_of_loops(tmp_path: Path) -> None:
+    """Of many loops beside each other each begins as one alone, and the equations cost what they do alone."""
+    rows = []
+    for n in (1, 25):
+        text = "".join(HUNG.format(k=k, base="world") for k in range(n))
+        (tmp_path / f"row{n}.lag").write_text(f"model Row {text} end Row;", encoding="utf-8")
+        model = lag.load(tmp_path / f"row{n}.lag")
+        rows.append((model.scene, model.simulate(at=[0.0], stop=0.1)))
+    (one, first), (many, last) = rows
+    assert many.sizes["n_initial"] == 25 * one.sizes["n_initial"] >= 100  # from so many on zeros are kept account of
+    assert len(many.tapes["initial"].code) < 26 * len(one.tapes["initial"].code)
+    assert len(set(many.patterns["mass_blocks"])) == 25 * len(set(one.patterns["mass_blocks"]))
+    for name in ("f0.phi", "g0.phi", "p0.phi"):
+        for k in range(25):
+            assert last[name.replace("0", str(k))][0] == pytest.approx(first[name][0], abs=1e-7)

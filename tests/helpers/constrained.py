@@ -34,12 +34,14 @@ def constrained(
         "residual": ([t, q, v, u, d, c], [phi, rate]),
     }
     sizes = {"n": n, "n_holonomic": phi.numel(), "n_multipliers": m, "n_outputs": m, "outputs_need_acceleration": 1}
+    patterns = dict[str, tuple[int, ...]]()
     if guess:
         g = ca.vertcat(phi, rate)
-        functions["initial"] = ([q, v, p], [g, ca.vec(ca.densify(ca.jacobian(g, ca.vertcat(q, v))))])
+        functions["initial"] = ([q, v, p], [g, ca.vec(ca.densify(ca.jacobian(g, ca.vertcat(q, v))).T)])
+        patterns["initial_pattern"] = (*range(0, 2 * n * g.numel() + 1, 2 * n), *([*range(2 * n)] * g.numel()))
         sizes |= {"n_initial": g.numel(), "n_initial_positions": phi.numel()}
     tapes = {name: _tape(name, inputs, outputs) for name, (inputs, outputs) in functions.items()}
-    return Model.from_tapes(sizes, tapes, kinds or [0] * n, [0] * (2 * n))
+    return Model.from_tapes(sizes, tapes, kinds or [0] * n, [0] * (2 * n), patterns=patterns)
 
 
 def _tape(name: str, inputs: list[ca.SX], outputs: list[ca.SX]) -> Tape:

@@ -1,5 +1,7 @@
 """Models for the run time, written in C by hand: what the compiler would make, without the compiler."""
 
+import re
+
 from lagrangia.base.folders import data_folder
 from lagrangia.native.build import build
 from lagrangia.run.library import Runtime
@@ -25,7 +27,7 @@ HEADS = {
     "start": "const double *p = in[0];(void)p;double *q = out[0], *v = out[1];(void)q,(void)v;",
     "modes": "const double t = *in[0], *p = in[1];(void)t,(void)p;double *d = out[0];",
     "events": "double *a = out[0], *b = out[1];",
-    "initial": "const double *q = in[0], *v = in[1];(void)q,(void)v;double *g = out[0], *J = out[1];",
+    "initial": "const double *q = in[0], *v = in[1];(void)q,(void)v;double *g = out[0], *J = out[1];",  # row by row
     "parameters": "const double *given = in[0], *mask = in[1];double *p = out[0];",
     "place": "const double t = *in[0], *q = in[1];(void)t,(void)q;double *dq = out[0];",
     "steer": "const double *q = in[1], *v = in[2];(void)q,(void)v;double *dv = out[0];",
@@ -42,8 +44,12 @@ def compiled(n: int, *, kinds: list[int] | None = None, event_kind: str = "0", n
     text += "".join(FUNCTION.format(name=name, body=HEADS[name] + body) for name, body in bodies.items())
     kind = ", ".join(map(str, kinds or [1] * n)) or "0"
     text += f"static const int kind[] = {{{kind}}}, fixed[{2 * n + 1}], event_kind[] = {{{event_kind}}};\n"
+    equations = int(found[1]) if (found := re.search(r"\.n_initial = (\d+)", numbers)) else 0
+    slopes = [*range(0, 2 * n * equations + 1, 2 * n), *range(2 * n)] + [*range(2 * n)] * max(0, equations - 1)
+    text += f"static const int slopes[] = {{{', '.join(map(str, slopes))}}};\n"
     fields = "".join(f", .{name} = {{.code = {name}}}" for name in bodies)
     text += "LAG_API const LagModel lag_model = {.coordinate_kind = kind, .fixed = fixed, .event_kind = event_kind,\n"
+    text += "    .initial_pattern = slopes,\n"
     text += f"    .n = {n}{numbers}{fields}}};\n"
     return Model.from_library(build("case", text, include=[FOLDER]))
 

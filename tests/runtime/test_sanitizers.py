@@ -30,9 +30,10 @@ static int modes(const double *const *in, double *const *out, double *work)
 { (void)work; out[0][0] = floor(in[0][0]); return 0; }
 static int initial(const double *const *in, double *const *out, double *work)
 { (void)work; out[0][0] = in[0][0] * in[0][0] - 2; out[1][0] = 2 * in[0][0]; out[1][1] = 0; return 0; }
-static const int kind[] = {3}, fixed[] = {0, 0}, integer[] = {LAG_EVENT_INTEGER};
+static const int kind[] = {3}, fixed[] = {0, 0}, slopes[] = {0, 2, 0, 1}, integer[] = {LAG_EVENT_INTEGER};
 static const LagModel model = {.n = 1, .n_inputs = 1, .n_modes = 1, .n_events = 1, .n_initial = 1, .n_power = 2,
-    .coordinate_kind = kind, .fixed = fixed, .event_kind = integer, .start = {.code = start}, .initial = {.code = initial},
+    .coordinate_kind = kind, .fixed = fixed, .initial_pattern = slopes, .event_kind = integer, .start = {.code = start},
+    .initial = {.code = initial},
     .events = {.code = events}, .modes = {.code = modes}, .rhs = {.code = rhs}};
 static int rod_rhs(const double *const *in, double *const *out, double *work)
 { const double *q = in[1], *v = in[2], l = v[0]*v[0] + v[1]*v[1] + q[1];

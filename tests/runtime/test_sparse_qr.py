@@ -12,6 +12,7 @@ pytestmark = pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
 
 NEAREST = """
 #include <stdlib.h>
+#include "numbers/heap.c"
 #include "numbers/sparse_qr.c"
 static void lay(LagSparseQr *qr, size_t rows, size_t cols)
 {
@@ -27,8 +28,11 @@ __attribute__((visibility("default"))) int nearest(int rows, int cols, const dou
     LagSparseQr qr, dependent;
     lay(&qr, rows, cols);
     lay(&dependent, cols, cols);
-    memcpy(qr.a, a, (size_t)rows * cols * sizeof *a);
-    lag_sparse_qr(&qr, rows, cols, 1e-10);
+    lag_sparse_qr_begin(&qr, rows, cols);
+    for (int j = 0; j < cols; ++j)
+        for (int i = 0; i < rows; ++i)
+            lag_sparse_qr_add(&qr, i, j, a[i + j * rows]);
+    lag_sparse_qr(&qr, cols, 1e-10);
     lag_sparse_qr_nearest(&qr, b, weight, &dependent, calloc(cols, sizeof *x), calloc(cols, sizeof *x), x);
     for (int j = 0; j < cols; ++j)
         *entries += qr.n_entries[j];

@@ -6,7 +6,7 @@ For the run time, in the order that runtime/model/model.h states, with everythin
 
 from collections.abc import Mapping
 from dataclasses import replace
-from itertools import islice
+from itertools import islice, pairwise
 
 import casadi as ca
 
@@ -106,7 +106,7 @@ def build_functions(
               | _delay_functions(motion, delaying, [*state[:4], full[-2], c], found["delayed"]))
     needs = bool(y.numel()) and ca.depends_on(y, ca.vertcat(a, symbols))
     patterns, refused, pays = _add_linear(table, kinematics, motion)
-    patterns |= {"reset_places": _reset_places(kinematics, motion), **_kept_places(kinematics, motion),
+    patterns |= {"reset_places": _reset_places(kinematics, motion), **_kept_places(kinematics, motion), **_start_patterns(table),
                  **_patterns(kinematics, jacobian, switches, modes), **delaying.patterns, **guarding.patterns}
     refused |= _refusals(jacobian, bool(len(patterns.get("cones", ()))), bool(delaying.stated))
     return Functions(table, names, tuple(kind for _, kind in events_of(modes)), power.numel(), needs, patterns, refused,
@@ -369,6 +369,16 @@ def _start_functions(kinematics: Kinematics, motion: Motion, initial: InitialCon
     if not initial.residual_spans:
         return {}
     return {"initial": initial_function(kinematics, initial), "momentum": _momentum_function(kinematics, motion, initial)}
+
+
+def _start_patterns(table: Mapping[str, ca.Function]) -> dict[str, tuple[int, ...]]:
+    """Of which values each start equation speaks, and which coordinates have momenta by each other's rates."""
+    if "initial" not in table:
+        return {}
+    gradients = table["initial"].sparsity_out("G")
+    _count, order, starts = table["momentum"].jac_sparsity(0, 1).scc()
+    blocks = {j: k for k, (first, end) in enumerate(pairwise(starts)) for j in order[first:end]}
+    return {"initial_pattern": (*gradients.colind(), *gradients.row()), "mass_blocks": tuple(blocks[j] for j in sorted(blocks))}
 
 
 def _momentum_function(kinematics: Kinematics, motion: Motion, initial: InitialConditions) -> ca.Function:

@@ -32,7 +32,7 @@ _FEWEST_TOGETHER = 4  # the library takes less time for three
 
 
 def tape_of(function: ca.Function) -> Tape:
-    """The instructions of an SX Function with dense inputs and outputs.
+    """The instructions of an SX Function; of inputs and outputs what is not structurally 0.
 
     Raises NotImplementedError for an operation that the run time lacks.
     """
@@ -41,7 +41,7 @@ def tape_of(function: ca.Function) -> Tape:
 
 def tapes_together(functions: Sequence[ca.Function]) -> list[Tape]:
     """Of each. Raises NotImplementedError as `tape_of` does."""
-    return [arranged(read_instructions(f), [f.numel_in(i) for i in range(f.n_in())], [f.numel_out(i) for i in range(f.n_out())])
+    return [arranged(read_instructions(f), [f.nnz_in(i) for i in range(f.n_in())], [f.nnz_out(i) for i in range(f.n_out())])
             for f in functions]
 
 

@@ -120,14 +120,14 @@ def start_function(kinematics: Kinematics, initial: InitialConditions) -> ca.Fun
 
 
 def initial_function(kinematics: Kinematics, initial: InitialConditions) -> ca.Function:
-    """q, v, p -> the residuals and their Jacobian, column by column; of q, v, p, u where inputs decide."""
+    """q, v, p -> the residuals, and their gradients as columns, where these are not 0; of q, v, p, u where inputs decide."""
     positions, rates = (ca.vertcat(ca.SX(0, 1), *x.values()) for x in (kinematics.symbols.positions, kinematics.symbols.rates))
     q, v, p = ca.vertcat(positions, initial.lost_q), ca.vertcat(rates, initial.lost_v), parameter_symbols(kinematics)
-    jacobian = ca.densify(ca.jacobian(initial.residuals, ca.vertcat(q, v)))
+    gradients = ca.jacobian(initial.residuals, ca.vertcat(q, v)).T
     arguments, labels = [q, v, p], ["q", "v", "p"]
     if kinematics.graph.model.moving_inputs or ca.depends_on(initial.residuals, input_symbols(kinematics)):
         arguments, labels = [*arguments, input_symbols(kinematics)], [*labels, "u"]
-    return ca.Function("initial", arguments, [initial.residuals, ca.vec(jacobian)], labels, ["g", "J"])
+    return ca.Function("initial", arguments, [ca.densify(initial.residuals), gradients], labels, ["g", "G"])
 
 
 def find_idle_starts(kinematics: Kinematics) -> Report:

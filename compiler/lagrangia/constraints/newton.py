@@ -43,9 +43,8 @@ class Equations:
     def __call__(self, x: Vector) -> tuple[Vector, Vector]:
         """g (m,) and its Jacobian (m, 2 n)."""
         inputs = () if self.u is None else (self.u,)
-        g, jacobian = self.initial(x[: self.n], x[self.n :], self.p, *inputs)
-        values = g.full().ravel()
-        return values, jacobian.full().reshape(values.size, 2 * self.n, order="F")
+        g, gradients = self.initial(x[: self.n], x[self.n :], self.p, *inputs)
+        return g.full().ravel(), gradients.full().T
 
 
 def start_equations(kinematics: Kinematics, initial: InitialConditions, table: Mapping[str, ca.Function]) -> Equations:

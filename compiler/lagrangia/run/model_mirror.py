@@ -81,6 +81,8 @@ class ModelMirror(c.Structure):
         *((name, c.c_int) for name in _SIZES),
         ("coordinate_kind", Ints),
         ("fixed", Ints),
+        ("initial_pattern", Ints),
+        ("mass_blocks", Ints),
         ("event_kind", Ints),
         ("reset_places", Ints),
         ("on_level", Ints),
