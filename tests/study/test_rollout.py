@@ -95,7 +95,9 @@ def test_runs_that_fail_are_told_and_the_others_go_on(scene: Scene) -> None:
 
 @pytest.mark.parametrize(("given", "told"), [
     ({"q0": np.zeros((2, 3))}, r"q0 has the shape \(runs, 2\)"), ({"u": np.zeros((2, 25))}, r"u has the shape \(runs, 25, 1\)"),
-    ({"u": np.full((2, 25, 1), np.nan)}, "finite"), ({"q0": np.zeros((2, 2)), "u": np.zeros((3, 25, 1))}, "others are of 3"),
+    ({"u": np.full((2, 25, 1), np.nan)}, r"and u\[0, 0, 0\] is nan"),
+    ({"u": np.zeros((0, 25, 1)), "q0": np.zeros((3, 2))}, "'u' is of 0 runs"),
+    ({"u": np.ma.masked_greater(np.eye(25)[None, :, :1], 0)}, "1 of it are masked"), ({"q0": np.zeros((2, 2)), "u": np.zeros((3, 25, 1))}, "others are of 3"),
     ({"p": {"mass": [1.0, 2.0]}}, "mass"), ({"p": {"m": [-1.0]}}, "m"), ({"q0": [[0.0, np.inf]]}, "finite"),
     ({"times": [0.0]}, "two numbers or more"), ({"times": [1.0, 0.0]}, "finite and rising"),
     ({"solver": "casadi:cvodes"}, "own solvers"), ({"u": np.zeros((2, 25, 1)) + 1j}, "u must be an array of real numbers, not o"),

@@ -71,15 +71,18 @@ def _listed(given: Any) -> list[Any] | None:
 
 
 def an_array(what: str, given: Any) -> "NDArray[np.float64]":
-    """Of real numbers, in any dimensions. Raises LagError L0702."""
+    """Of real numbers, in any dimensions, none of them masked. Raises LagError L0702."""
     import numpy as np
 
+    if np.ma.is_masked(given):
+        fail("L0702", f"{what} must be an array of numbers, and {np.ma.count_masked(given)} of it are masked", None,
+             "what is masked has no value: .filled(...) gives it one, .compressed() leaves it out")
     try:
         found = np.asarray(given)
     except ValueError:  # rows of several lengths
         found = np.asarray(None)
     if found.dtype == object and found.ndim:  # fractions, long integers
-        found = np.array([a_number(what, x) for x in found.ravel()]).reshape(found.shape)
+        found = np.array([a_number(f"element of {what}", x) for x in found.ravel()]).reshape(found.shape)
     if found.dtype.kind not in "biuf":
         shown = f"one of {given.dtype}" if isinstance(given, np.ndarray) else repr(given)
         fail("L0702", f"{what} must be an array of real numbers, not {shown}"[:200])

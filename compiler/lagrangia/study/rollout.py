@@ -110,9 +110,9 @@ def _table(given: "Mapping[str, ArrayLike]", runs: int) -> "dict[str, NDArray[np
         if x.ndim > 1:
             fail("L0702", f"'{name}' is a number, or one for each run, not an array of the shape {x.shape}", None,
                  "a part of a vector has a name of its own: p={'world.gravity[2]': [-9.81, -1.62]}")
-    lengths = {name: x.shape[0] for name, x in found.items() if x.ndim == 1}
-    count = max([runs, *lengths.values()])
-    for name, length in {**lengths, **({"u": runs} if runs > 1 else {})}.items():
+    lengths = {name: x.shape[0] for name, x in found.items() if x.ndim == 1} | ({"u": runs} if runs != 1 else {})
+    count = max(lengths.values(), default=1)
+    for name, length in lengths.items():
         if length != count:
             fail("L0702", f"'{name}' is of {length} runs, and others are of {count}")
     return {name: np.broadcast_to(x, (count,)) for name, x in found.items()}

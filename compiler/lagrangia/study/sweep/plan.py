@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from lagrangia.base.attitude_values import HINT
-from lagrangia.base.checked_values import a_count, a_number, by_name
+from lagrangia.base.checked_values import a_count, a_number, an_array, by_name
 from lagrangia.base.cutting import stem
 from lagrangia.base.diagnostics import LagError, Report, fail, suggest
 from lagrangia.base.records import dataclass
@@ -189,7 +189,8 @@ def _held(scene: Scene, given: Any, runs: int, rows: int) -> "np.ndarray | None"
     except (TypeError, ValueError):
         fail("L0712", f"inputs that are held are numbers of the shape (runs, times - 1, inputs) = {wanted}")
     if not np.isfinite(held).all():
-        fail("L0605", "the inputs must be finite numbers")
+        first = tuple(np.argwhere(~np.isfinite(held))[0].tolist())
+        fail("L0605", f"the inputs must be finite numbers, and u{[*first]} is {held[first]}")
     return held
 
 
@@ -360,7 +361,8 @@ def _check_finite(factor: Factor) -> None:
 
     for name, column in zip(factor.names, factor.values.T, strict=True):
         if not np.isfinite(column).all():
-            fail("L0605", f"the values of '{name}' must be finite numbers")
+            first = int(np.argmin(np.isfinite(column)))
+            fail("L0605", f"the values of '{name}' must be finite numbers, and number {first + 1} is {column[first]}")
 
 
 def _values(name: _Name, value: Any) -> "tuple[np.ndarray | Distribution, bool]":
@@ -377,10 +379,7 @@ def _values(name: _Name, value: Any) -> "tuple[np.ndarray | Distribution, bool]"
                 fail("L0712", f"'{name.name}' has {len(name.elements)} elements", None, f"choose one, such as {name.elements[0]}")
             return found, False
     else:
-        try:
-            found = np.asarray(value, dtype=np.float64)
-        except (TypeError, ValueError, OverflowError):
-            fail("L0712", f"the values of '{name.name}' must be numbers, not {type(value).__name__}: {value!r}"[:200])
+        found = an_array(f"the values of '{name.name}'", value)
         if found.ndim == 0 or (found.ndim == 1 and len(name.elements) > 1):
             found, is_alone = found[np.newaxis], True
     found = found.reshape(len(found), -1 if found.size else 0)

@@ -341,8 +341,12 @@ def columns_of_runs(given: Any) -> "dict[str, np.ndarray]":
             fail("L0713", f"the table of runs: the column '{name}' holds something else than numbers")
         if is_complex:
             fail("L0713", f"the table of runs: the column '{name}' holds complex numbers")
-        if found[name].ndim != 1 or len(found[name]) != len(found[names[0]]) or not len(found[name]):
+        if np.ma.is_masked(given[name]):
+            fail("L0713", f"the table of runs: the column '{name}' holds masked numbers, which have no value")
+        if found[name].ndim != 1 or len(found[name]) != len(found[names[0]]):
             fail("L0713", f"the table of runs: the column '{name}' needs a number for each run")
+        if not len(found[name]):
+            fail("L0713", f"the table of runs has no row: the column '{name}' is empty")
     return found
 
 
