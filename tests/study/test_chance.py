@@ -146,6 +146,7 @@ def test_indices_need_their_own_runs_and_a_variance(scene: Scene) -> None:
 
 @pytest.mark.parametrize(("given", "panels"), [
     ({"parameters": UNIFORM, "samples": 50}, 4 + 2),  # a column a value, the histogram; parallel coordinates and their bar
+    ({"parameters": UNIFORM, "samples": 16, "sampling": "saltelli"}, 5 + 2),
     ({"parameters": {"x": "linspace(0, 1, 5)"}}, 1), ({}, 1)])
 def test_pictures_have_a_panel_for_each_pair(given: dict[str, object], panels: int, scene: Scene, tmp_path: Path) -> None:
     figure = scene(ISHIGAMI).simulate_many(**given, outputs="f").plot(tmp_path / "x.svg")
@@ -154,6 +155,28 @@ def test_pictures_have_a_panel_for_each_pair(given: dict[str, object], panels: i
     counts = [axes for axes in figure.axes if axes.get_xlabel() in ("runs", "run")]  # ticks stood at 2.5 of them
     assert bool(counts) == ("x" not in given.get("parameters", {}) or "samples" in given)
     assert all(tick == round(tick) for axes in counts for tick in axes.get_xticks())
+
+
+def test_sobol_indices_are_bars(scene: Scene) -> None:
+    sweep = scene(ISHIGAMI).simulate_many(parameters=UNIFORM, samples=64, sampling="saltelli", outputs="f")
+    axes = next(axes for axes in sweep.plot().axes if axes.get_xlabel() == "Sobol' indices")
+    (found,) = sweep.sensitivity().values()
+    assert [label.get_text() for label in axes.get_yticklabels()] == [*found]
+    assert [bar.get_width() for bar in axes.patches] == [getattr(index, which).value for which in ("first", "total")
+                                                         for index in found.values()]
+    failing = scene(ISHIGAMI).simulate_many(parameters=UNIFORM, samples=4, sampling="saltelli", outputs="f", max_steps=1,
+                                            solver="erk").plot()
+    assert all([text.get_text() for text in axes.texts] == ["no run has a value"] for axes in failing.axes[:5])
+
+
+def test_of_very_many_runs_some_are_dots(scene: Scene, monkeypatch: pytest.MonkeyPatch) -> None:
+    """All of a million took 320 MB; the ends of what is found are among those that are drawn."""
+    monkeypatch.setattr("lagrangia.study.sweep.pictures._MOST_DOTS", 20)
+    sweep = scene(ISHIGAMI).simulate_many(parameters=UNIFORM, samples=100, outputs="f")
+    figure = sweep.plot()
+    dots = figure.axes[0].collections[0].get_offsets()
+    assert 20 <= len(dots) <= 24 and dots[:, 1].min() == sweep["f"].min() and dots[:, 1].max() == sweep["f"].max()
+    assert "100 runs (dots of 20)" in figure.get_suptitle()
 
 
 def test_the_command_tells_and_draws(tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:

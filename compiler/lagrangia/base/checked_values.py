@@ -75,7 +75,7 @@ def an_array(what: str, given: Any) -> "NDArray[np.float64]":
     import numpy as np
 
     if np.ma.is_masked(given):
-        fail("L0702", f"{what} must be an array of numbers, and {np.ma.count_masked(given)} of it are masked", None,
+        fail("L0702", f"{what} must be an array of numbers, and {int(np.sum(given.mask))} of it are masked", None,
              "what is masked has no value: .filled(...) gives it one, .compressed() leaves it out")
     try:
         found = np.asarray(given)

@@ -295,7 +295,7 @@ normal(mean, deviation)    random, with --samples N and --seed; also uniform(low
 --sampling lhs             a Latin hypercube; saltelli: N (values + 2) runs, from which Sobol' indices say what matters (SciPy)
 --until CONDITION          ends random runs once a standard error is small enough: se(mean(max(y))) < 1[mm], se(deviation(y))
                            < 0.1, se(quantile(max(y), 0.95)) < 0.01; looked at after 100, 150, 225, ... runs, the same each time
---plot FILE                measures over what is varied, histograms, parallel coordinates (.png, .svg, .pdf)
+--plot FILE                measures over what is varied, histograms, Sobol' indices, parallel coordinates (.png, .svg, .pdf)
 --runs FILE.csv            a line of names (parameters, starts, inputs that are held) and one for each run; --together takes lists
                            side by side
 Together they nest: each line of --runs with each value of each list, each of these with each sample. Numbers may carry units.

@@ -1,17 +1,21 @@
-"""A sweep as a picture: each measure over what is varied, as a histogram where that is random, and as parallel coordinates."""
+"""A sweep as a picture: each measure over what is varied, as a histogram where that is random, with the Sobol' indices where
+these were asked for, and as parallel coordinates.
+"""
 
 import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
+from lagrangia.base.diagnostics import LagError
 from lagrangia.study.sweep.plan import Job
+from lagrangia.study.sweep.sensitivity import sobol_indices
 from lagrangia.view.curves import new_figure, own_style, require_format, save
 
 if TYPE_CHECKING:
     import numpy as np
 
 _MOST_MEASURES, _MOST_VARIED = 4, 5
-_MOST_LINES = 500  # runs in parallel coordinates
+_MOST_LINES, _MOST_DOTS = 500, 100_000  # runs in parallel coordinates, in a panel
 _PARALLEL = 3  # values that differ from run to run, from which on these are drawn
 _FINEST = 60  # bars
 _ALIKE, _BESIDE = 1e-12, 0.05  # of the largest value: differences that are rounding; what is shown on both sides of such values
@@ -51,7 +55,8 @@ def draw_sweep(sweep: Table, path: str | os.PathLike[str] | None = None) -> Any:
     job = sweep.job
     names, measures = job.variations.names[:_MOST_VARIED], [m.text for m in job.measures[:_MOST_MEASURES]]
     units = dict(zip(sweep.names, sweep.units(), strict=True))
-    columns, has_lines = len(names) + bool(job.sampling), len(names) >= _PARALLEL
+    beside = [_histogram, *([_indices] if job.sampling == "saltelli" else [])] if job.sampling else []
+    columns, has_lines = len(names) + len(beside), len(names) >= _PARALLEL
     if not columns:
         columns, names = 1, ("run",)
     figure = new_figure(1.2 + 3.0 * columns, 0.6 + 2.5 * (len(measures) + has_lines))
@@ -63,9 +68,9 @@ def draw_sweep(sweep: Table, path: str | os.PathLike[str] | None = None) -> Any:
             _tell_empty(panel, sweep, measure)
             panel.set_xlabel(_literal(name, units.get(name, "")) if row == len(measures) - 1 else "", fontsize=9)
             panel.set_ylabel(_literal(measure, units[measure]) if column == 0 else "", fontsize=9)
-        if job.sampling:
-            panel = figure.add_subplot(grid[row, columns - 1])
-            _histogram(panel, sweep[measure])
+        for column, draw in enumerate(beside, len(names)):
+            panel = figure.add_subplot(grid[row, column])
+            draw(panel, sweep, measure)
             _tell_empty(panel, sweep, measure)
     if has_lines:
         panel = figure.add_subplot(grid[len(measures), :])
@@ -73,6 +78,7 @@ def draw_sweep(sweep: Table, path: str | os.PathLike[str] | None = None) -> Any:
         _tell_empty(panel, sweep, measures[0])
     left = len(job.measures) - len(measures), len(job.variations.names) - len(names)
     more = [f"{count} {what} more" for count, what in zip(left, ("measures", "values"), strict=True) if count > 0]
+    more += [f"dots of {_MOST_DOTS}"] if sweep.runs > _MOST_DOTS else []
     said = f" ({', '.join(more)})" if more else ""
     figure.suptitle(f"{_literal(job.scene.name)}: {_counted(sweep, measures)}{said}", fontsize=11)
     if path is not None:
@@ -93,9 +99,16 @@ def _tell_empty(panel: Any, sweep: Table, measure: str) -> None:
     import numpy as np
 
     if not np.isfinite(sweep[measure]).any():
-        panel.text(0.5, 0.5, "no run has a value", ha="center", va="center", transform=panel.transAxes, fontsize=9)
-        panel.set_xticks([])
-        panel.set_yticks([])
+        _say(panel, "no run has a value")
+
+
+def _say(panel: Any, text: str) -> None:
+    """In place of a picture."""
+    for said in panel.texts:
+        said.remove()
+    panel.text(0.5, 0.5, text, ha="center", va="center", transform=panel.transAxes, fontsize=9)
+    panel.set_xticks([])
+    panel.set_yticks([])
 
 
 def _literal(name: str, unit: str = "") -> str:
@@ -120,9 +133,27 @@ def _span(values: "np.ndarray") -> tuple[float, float] | None:
     return middle - beside, middle + beside
 
 
+def _evenly(runs: int, most: int, *also: int) -> "np.ndarray":
+    """As many of the runs at most, and those that shall not be missed."""
+    import numpy as np
+
+    return np.unique(np.append(np.linspace(0, runs - 1, min(runs, most)), also).astype(int))
+
+
+def _ends(values: "np.ndarray") -> tuple[int, int]:
+    """The runs of the least and the largest of them."""
+    import numpy as np
+
+    is_there = np.isfinite(values)
+    return int(np.where(is_there, values, np.inf).argmin()), int(np.where(is_there, values, -np.inf).argmax())
+
+
 def _scatter(panel: Any, sweep: Table, name: str, measure: str) -> None:
-    """Dots; a line through them where nothing else is varied, in an order."""
+    """Dots, where there are many those of evenly chosen runs; a line through them where nothing else is varied, in an order."""
     x, y = _values(sweep, name), sweep[measure]
+    if sweep.runs > _MOST_DOTS:
+        chosen = _evenly(sweep.runs, _MOST_DOTS, *_ends(x), *_ends(y))
+        x, y = x[chosen], y[chosen]
     size = next(size for runs, size in _SIZES if sweep.runs <= runs)
     is_line = len(sweep.job.variations.names) == 1 and not sweep.job.sampling
     if is_line:
@@ -142,10 +173,11 @@ def _count_along(panel: Any) -> None:
     panel.locator_params(axis="x", integer=True, min_n_ticks=1)
 
 
-def _histogram(panel: Any, values: "np.ndarray") -> None:
+def _histogram(panel: Any, sweep: Table, measure: str) -> None:
     """With the mean as a line; as many bars as the square root of the runs."""
     import numpy as np
 
+    values = sweep[measure]
     found = values[np.isfinite(values)]
     if len(found):
         bars, span = min(_FINEST, max(5, round(len(found) ** 0.5))), _span(values)
@@ -159,12 +191,34 @@ def _histogram(panel: Any, values: "np.ndarray") -> None:
     panel.grid(alpha=0.3)
 
 
+def _indices(panel: Any, sweep: Table, measure: str) -> None:
+    """Bars of what each value does alone, and in all, with standard errors, if all runs have a value."""
+    import numpy as np
+
+    names = sweep.job.variations.names
+    try:
+        found = sobol_indices(sweep[measure], len(names), sweep.job.seed)
+    except LagError as error:
+        _say(panel, error.diagnostics[0].message.replace(": ", ":\n"))
+        return
+    for k, which in enumerate(("first", "total")):
+        shares = [getattr(index, which) for index in found[:_MOST_VARIED]]
+        panel.barh(np.arange(len(shares)) + 0.4 * k - 0.2, [share.value for share in shares], 0.36, color=f"C{k}", alpha=0.7,
+                   xerr=[share.error for share in shares], error_kw={"linewidth": 1.0}, label=("first order", "total")[k])
+    panel.set_yticks(range(len(found[:_MOST_VARIED])), [_literal(name) for name in names[:_MOST_VARIED]])
+    panel.invert_yaxis()
+    panel.set_xlabel("Sobol' indices", fontsize=9)
+    panel.tick_params(labelsize=8)
+    panel.legend(fontsize=8)
+    panel.grid(alpha=0.3, axis="x")
+
+
 def _parallel(figure: Any, panel: Any, sweep: Table, names: list[str], measure: str, units: dict[str, str]) -> None:
     """Each run a line across axes of what is varied, scaled from least to most; evenly chosen runs where there are many."""
     import numpy as np
     from matplotlib.collections import LineCollection
 
-    runs = np.unique(np.linspace(0, sweep.runs - 1, min(sweep.runs, _MOST_LINES)).astype(int))
+    runs = _evenly(sweep.runs, _MOST_LINES)
     axes = [*names, measure]
     table = np.stack([_values(sweep, name)[runs] for name in axes], axis=1)
     table = table[np.isfinite(table).all(axis=1)]
