@@ -81,18 +81,22 @@ end Short;
     ("if n <= 0 then 0 else 1", 0.5),
     ("if n >= 0 then 1 else 0", 2), ("if n <= 1 then 1 else 0", 2), ("if part < 0.3 then 0 else 1", 0.5),
     ("if part > 0.3 then 1 else 0", 0), ("if n > 0 and block.s < 9 then 1 else 0", 0.5),
+    ("if n > held then 1 else 0", 0.375), ("if n > late then 1 else 0", 0.375), ("if n - late <= held then 0 else 1", 0.375),
 ])
 def test_forces_on_a_level(tmp_path: Path, force: str, s: float) -> None:
-    """What events set to the very level that a force compares it with, where it stays: n = 1, part = 0.3 from 1 s on."""
+    """What events set to the very level that a force compares it with, where it stays: n = 1, part = 0.3 from 1 s on, held = 1
+    and late = 1 from 1.5 s on."""
     file = tmp_path / "level.lag"
     file.write_text(f"""model Level
   Block block(m = 1, base = world);
-  Integer n(start = 0);
+  Integer n(start = 0), held(start = 0);
   discrete Real part(start = 0);
+  Real late = if time < 1.5 then 0 else 1;
 energy
   work 1[N]*({force}) on block.s;
 equation
   when time > 1 then n = 1; part = 0.3*n; end when;
+  when sample(1.5, 5) then held = 1; end when;
 end Level;
 """, encoding="utf-8")
     assert lagrangia.load(file).simulate(stop=2.0, solver="erk")["block.s"][-1] == pytest.approx(s)

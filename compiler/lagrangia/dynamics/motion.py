@@ -114,6 +114,7 @@ class Motion:
     asked: frozenset[str] = frozenset({"choice"})  # of the algebra, while the scene was put down
     felt: Felt | None = None  # where forces feel reactions
     stepped: ca.SX = field(default_factory=lambda: ca.SX(0, 1))  # of v, discrete variables: they change at events alone
+    pieces: ca.SX = field(default_factory=lambda: ca.SX(0, 1))  # modes, which change at known instants alone
     unsolved: "Motion | None" = None  # the same with the amounts of `felt` for symbols, of those that are solved for
     solution: Solution | None = None  # of these, with conditions as they are
 
@@ -182,7 +183,12 @@ def build_motion(kinematics: Kinematics, energies: Energies, constraints: Constr
     inertia, index = short.inertia if short and way == "collected" else None, kinematics.algebra.index
     return Motion(q, v, a, t, u, p, T, V, D, H, momentum, inertial, acceleration, bodies, constrained, dissipated, source, way,
                   counted, inertia, impacts, (*index.lengths.values(),), kinematics.turning, frozenset(index.asked),
-                  stepped=_stepped(kinematics))
+                  stepped=_stepped(kinematics), pieces=_pieces(kinematics))
+
+
+def _pieces(kinematics: Kinematics) -> ca.SX:
+    """All modes but the references of attitudes, which steps move along, as a column."""
+    return ca.vertcat(ca.SX(0, 1), *(mode.symbol for mode in kinematics.algebra.modes if not mode.of_attitude))
 
 
 def _stepped(kinematics: Kinematics) -> ca.SX:

@@ -129,7 +129,8 @@ def find_switches(motion: Motion, late: ca.SX | None = None) -> Switches:
     known = motion.unsolved or motion
     laws, reactions = ([known.felt.laws], known.felt.reactions) if known.felt else ([], ca.SX(0, 1))
     movers = ca.vertcat(motion.t, motion.q, motion.v, motion.u, reactions)
-    found, rests, cones = conditions_in([known.h, *laws, *others], movers, motion.v, numbering, (known.stepped, known.p))
+    found, rests, cones = conditions_in([known.h, *laws, *others], movers, motion.v, numbering,
+                                        (known.stepped, _between_events(known)))
     aliases = _other_shapes(known, found, movers, numbering)
     if not found and not events.numel():
         return Switches()
@@ -149,12 +150,17 @@ def find_switches(motion: Motion, late: ca.SX | None = None) -> Switches:
     return replace(switches, rubs=_find_rubs(motion, switches)) if motion.impacts.pressing else switches
 
 
+def _between_events(motion: Motion) -> ca.SX:
+    """What does not change between events, beside discrete variables: parameters, and what is held."""
+    return ca.vertcat(motion.p, motion.pieces)
+
+
 def _other_shapes(known: Motion, found: dict[Pair, Expression], movers: ca.SX, numbering: Numbering
                   ) -> dict[Pair, tuple[Pair, bool]]:
     """Conditions of reactions that forces feel: those of `found`, or else they come to them."""
     if known.felt is None:
         return {}
-    others, _, _ = conditions_in([known.felt.values], movers, known.v, numbering, (known.stepped, known.p))
+    others, _, _ = conditions_in([known.felt.values], movers, known.v, numbering, (known.stepped, _between_events(known)))
     aliases = match(found, {pair: g for pair, g in others.items() if pair not in found})
     found.update({pair: g for pair, g in others.items() if pair not in aliases})
     return aliases
@@ -199,7 +205,7 @@ class _Finding:
     v: ca.SX
     numbering: Numbering
     stepped: frozenset[int]  # hashes of the symbols that change at events alone
-    constant: frozenset[int]  # of those that do not change
+    constant: frozenset[int]  # of those that do not change between events
     found: dict[Pair, Expression] = field(default_factory=dict)
     asked: list[tuple[Pair, ...]] = field(default_factory=list)
     both: dict[tuple[Pair, Pair], None] = field(default_factory=dict)
@@ -319,7 +325,7 @@ def conditions_in(forces: Sequence[ca.SX], movers: ca.SX, v: ca.SX, numbering: N
                   known: tuple[ca.SX, ca.SX] = (_NONE, _NONE)
                   ) -> tuple[dict[Pair, Expression], dict[Pair, Expression], tuple[tuple[Pair, Pair], ...]]:
     """Differences of what conditions in the forces compare, of those that `movers` decide (`known`: of these those that change at
-    events alone, and parameters); symbols for the rates of which it
+    events alone, and what does not change between events); symbols for the rates of which it
     is asked whether they rest; and pairs of the latter that are asked about together."""
     finding = _Finding(movers, v, numbering, symbols_in(known[0]), symbols_in(known[1]))
     rebuilt(forces, numbering, finding.note)

@@ -44,10 +44,12 @@ def refuse_untold_rest(energies: Energies, motion: Motion) -> None:
     are not taken."""
     if not motion.operations.isdisjoint(STEPS):
         _refuse_equal(energies, motion)
-    if not bends(motion) or not _is_untold((motion.unsolved or motion).h, motion.v):
+    stepped = symbols_in(motion.stepped)  # discrete variables neither move nor rest
+    v = ca.vertcat(ca.SX(0, 1), *(x for x in motion.v.elements() if x.__hash__() not in stepped))
+    if not bends(motion) or not _is_untold((motion.unsolved or motion).h, v):
         return
     for force, span in _apart(energies, motion.v):
-        if _is_untold(force, motion.v):
+        if _is_untold(force, v):
             _refuse(span)
     _refuse(None)
 
