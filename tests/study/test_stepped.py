@@ -153,6 +153,8 @@ def test_what_no_step_can_be_is_told(scene: Scene) -> None:
     run = model.start()
     for wrong in (lambda: run.step(0), lambda: run.step(math.nan), lambda: run.steps(0, 0.1), lambda: run.steps([[1.0]], 0.1),
                   lambda: run.steps([[1.0, math.nan]], 0.1), lambda: run.set(H=1), lambda: run.set(F=math.inf),
+                  lambda: run.steps([[1.0, 2.0], [3.0]], 0.1), lambda: run.steps(np.ma.masked_less([[1.0, 2.0]], 2), 0.1),
+                  lambda: run.steps(np.full((1, 2), 1j), 0.1), lambda: run.set(F=np.complex128(1 + 1j)),  # imaginary parts went
                   lambda: run["nope"], lambda: model.start(solver="islands"),
                   lambda: model.start(inputs=([0, 1], {"F": [0, 1], "G": [0, 1]}))):
         with pytest.raises(LagError):

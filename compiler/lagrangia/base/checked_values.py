@@ -16,8 +16,11 @@ _HIGHEST = 1e100  # Hz: its square is still a number
 
 
 def a_number(what: str, value: Any) -> float:
-    """Of anything that is one, NumPy's too. Raises LagError L0702."""
-    if not isinstance(value, str | bytes | bool):
+    """Of anything that is a real one, NumPy's too. Raises LagError L0702."""
+    if type(value) is float:
+        return value
+    is_complex = getattr(getattr(value, "dtype", None), "kind", "") == "c"  # NumPy drops what is imaginary
+    if not is_complex and not isinstance(value, str | bytes | bool):
         try:
             return float(value)
         except (TypeError, ValueError, OverflowError):

@@ -7,7 +7,7 @@ from array import array
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from lagrangia.base.checked_values import a_number
+from lagrangia.base.checked_values import a_number, an_array
 from lagrangia.base.diagnostics import RunError, fail, suggest
 from lagrangia.run.engines import Engine
 from lagrangia.run.request import Experiment, Values
@@ -181,7 +181,7 @@ class SteppedRun:
             if inputs < 1:
                 fail("L0702", f"the number of steps must be positive, not {inputs}")
             return inputs, np.tile(self._u, (inputs, 1)) if len(self._u) else None
-        u = np.ascontiguousarray(inputs, dtype=float)
+        u = np.ascontiguousarray(an_array("inputs", inputs))
         wanted = len(self._u)
         if u.ndim == 1 and wanted == 1:
             u = u[:, np.newaxis]
