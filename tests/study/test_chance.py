@@ -189,6 +189,9 @@ def test_the_command_tells_and_draws(tmp_path: Path, capsys: pytest.CaptureFixtu
     assert Path("x.png").stat().st_size > 1000
     assert main([*command, "--samples", "101", "--until", "se(mean(block.s)) < 1e-9", "-o", "y.csv"]) == 0
     assert "not reached in 101 runs" in capsys.readouterr().out
+    never = [*command[:4], "--outputs", "first_time(block.s > 99)", "--samples", "100", "-o", "w.csv"]
+    assert main([*never, "--until", "se(mean(first_time(block.s > 99))) < 1"]) == 0
+    assert "< 1; too few runs have a value" in capsys.readouterr().out
     shared = [*command, "--initial", "der(block.s)=normal(0,1e-9)", "--samples", "64", "--sampling", "saltelli", "-o", "z.csv"]
     assert main(shared) == 0
     assert "Sobol' indices: k 1.0" in capsys.readouterr().out

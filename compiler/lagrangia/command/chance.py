@@ -30,7 +30,8 @@ def ended(sweep: Sweep, until: Until) -> str:
     found = until.estimate(sweep.ledger.results)
     if found.error < until.bound:
         return f"ended after {sweep.runs} runs: {until.text}; it is {found.value:.6g} +- {found.error:.2g}"
-    return f"not reached in {sweep.runs} runs: {until.text}; it is {found.value:.6g} +- {found.error:.2g}: take more --samples"
+    now = f"it is {found.value:.6g} +- {found.error:.2g}" if found.error < float("inf") else "too few runs have a value"
+    return f"not reached in {sweep.runs} runs: {until.text}; {now}: take more --samples"
 
 
 def _told(x: Estimate, sampling: str) -> str:
