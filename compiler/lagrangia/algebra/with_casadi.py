@@ -9,6 +9,7 @@ from typing import Any
 
 import casadi as ca
 
+from lagrangia.algebra.displacements import Displacements
 from lagrangia.algebra.duals import TINY, NotATimeError, Scalar, is_zero, minus, nested_lines, slopes_of
 from lagrangia.algebra.lookup_functions import TableUse, in_force, written
 from lagrangia.algebra.numbering import Numbering, rebuilt
@@ -90,6 +91,7 @@ class ModeIndex:
     tables: list[TableData] = field(default_factory=list)  # in time, each once
     literals: dict[Hashable, TableData] = field(default_factory=dict)
     asked: set[str] = field(default_factory=set)  # of the algebra: functions, "choice" for conditions and tables
+    displacements: Displacements = field(default_factory=Displacements)
 
 
 @dataclass(frozen=True)
@@ -165,6 +167,7 @@ class CasadiAlgebra:
         if function != "sqrt" or not isinstance(arguments[0], ca.SX) or not self._is_steady(arguments[0]):
             self.index.asked.add(function)
         if function in ("floor", "ceil"):
+            arguments = (self._at_rest(arguments[0]),)
             inner = arguments[0] if function == "floor" else -arguments[0]
             crossing = self._crossing(inner)
             if crossing is not None and crossing.step is None:
@@ -191,6 +194,7 @@ class CasadiAlgebra:
     def compare(self, operator: str, a: Scalar, b: Scalar) -> Scalar:
         """Of numbers 0 or 1; a mode where time decides, else CasADi's condition."""
         self.index.asked.add("choice")
+        a, b = self._at_rest(a), self._at_rest(b)
         if isinstance(a, float | int) and isinstance(b, float | int):
             return float(_COMPARE[operator](a, b))
         if isinstance(b, float | int) and (chosen := _chosen(a)) is not None:  # as the choice says: it changes with that alone
@@ -320,7 +324,7 @@ class CasadiAlgebra:
 
     def _at_rest(self, x: Scalar) -> Scalar:
         """What decides about conditions."""
-        return x
+        return self.index.displacements.at_rest(x) if isinstance(x, ca.SX) else x
 
     def _are_fixed(self, values: list[Scalar]) -> bool:
         """Whether they depend on parameters alone."""

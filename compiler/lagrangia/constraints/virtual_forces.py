@@ -78,7 +78,7 @@ def find_idle_displacements(kinematics: Kinematics, constraints: Constraints) ->
 
 def _has_idle_displacement(kinematics: Kinematics, rows: list[Row]) -> bool:
     """Whether the rows, of one equation, take away again what they say of some virtual(x), or say nothing of all."""
-    shift = ca.SX.sym("shift", len(kinematics.dependents))
+    shift = kinematics.algebra.index.displacements.new(len(kinematics.dependents))
     varied = kinematics.displaced({name: (shift[k], 0.0) for k, name in enumerate(kinematics.dependents)})
     q = ca.vertcat(ca.SX(0, 1), *kinematics.symbols.positions.values())
     said = dict[int, tuple[ca.SX, ca.SX]]()  # by hashes of x: the displacement, and x
@@ -222,7 +222,7 @@ def _slopes(kinematics: Kinematics, constraints: Constraints) -> ca.SX:
 
 def _powerless(kinematics: Kinematics, constraints: Constraints, q: ca.SX, at: Vector) -> set[int]:
     """The rows that gave a coordinate, by their ids, whose force acts on none that was given up."""
-    shift, rate = (ca.SX.sym(name, len(kinematics.dependents)) for name in ("shift", "rate"))
+    shift, rate = (kinematics.algebra.index.displacements.new(len(kinematics.dependents)) for _ in range(2))
     free = kinematics.displaced({name: (shift[k], rate[k]) for k, name in enumerate(kinematics.dependents)})
     rows = ca.vertcat(ca.SX(0, 1), *[row.value(free, 0) for row in constraints.absorbed])
     slopes = ca.substitute([ca.jacobian(rows, shift)], [shift, rate], [ca.SX.zeros(shift.numel())] * 2)[0]

@@ -62,7 +62,7 @@ class _Nudged:
 def _slope(kinematics: Kinematics, row: Row, name: str) -> ca.SX:
     """Of a row, along one coordinate."""
     assert row.equation is not None
-    shift = ca.SX.sym("shift")
+    shift = kinematics.algebra.index.displacements.new(1)
     value = Evaluator(kinematics.graph.model, kinematics.algebra, _Nudged(kinematics, name, shift)).value
     left, right = (value(side) for side in (row.equation.left, row.equation.right))
     gap = left[row.part] - right[row.part] if isinstance(left, tuple) else left - right
@@ -72,7 +72,7 @@ def _slope(kinematics: Kinematics, row: Row, name: str) -> ca.SX:
 def _direction(kinematics: Kinematics, edge: Edge, name: str) -> ca.SX:
     """The force and torque on the edge's child that do the work of a unit force on the coordinate, when the parent rests."""
     refuse_in_space(kinematics.graph.model, "drives", edge.span)
-    shift = ca.SX.sym("shift")
+    shift = kinematics.algebra.index.displacements.new(1)
     evaluator = Evaluator(kinematics.graph.model, kinematics.algebra, _Nudged(kinematics, name, shift))
     pose = kinematics.follow(edge, kinematics.pose(edge.parent, 0), 0, evaluator)
     return kinematics.geometry.unit_load([ca.substitute(ca.gradient(ca.SX(part), shift), shift, 0) for part in pose.place])

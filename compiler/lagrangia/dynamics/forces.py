@@ -11,9 +11,9 @@ from dataclasses import field
 
 import casadi as ca
 
+from lagrangia.algebra.displacements import Displacements
 from lagrangia.algebra.duals import Scalar
-from lagrangia.algebra.scalars import Expression, as_expression, cells, column, scalars_in, symbols_in
-from lagrangia.algebra.with_casadi import CasadiAlgebra
+from lagrangia.algebra.scalars import cells, column, scalars_in
 from lagrangia.base.records import dataclass
 from lagrangia.constraints.rows import Row
 from lagrangia.dynamics.dissipation import gradient_by_rates
@@ -34,43 +34,11 @@ class Forces:
 
 
 @dataclass
-class _StepsAtRest(CasadiAlgebra):
-    """What has no slope is that of the real motion, the modes among it."""
-
-    displacements: set[int] = field(default_factory=set)  # hashes of their symbols, but for those of new columns
-    columns: list[ca.SX] = field(default_factory=list)
-
-    def compare(self, operator: str, a: Scalar, b: Scalar) -> Scalar:
-        return super().compare(operator, self._at_rest(a), self._at_rest(b))
-
-    def call(self, function: str, *arguments: Scalar) -> Scalar:
-        steps = function in ("floor", "ceil")
-        return super().call(function, *(map(self._at_rest, arguments) if steps else arguments))
-
-    def new_symbols(self, count: int) -> list[Scalar]:
-        """Of displacements."""
-        return [*cells(self.new_column(count))]
-
-    def new_column(self, count: int) -> Expression:
-        """The same, which are one."""
-        self.columns.append(ca.SX.sym("displacement", count))
-        return as_expression(self.columns[-1])
-
-    def _at_rest(self, x: Scalar) -> Scalar:
-        if not isinstance(x, ca.SX):
-            return x
-        self.displacements |= symbols_in(ca.vertcat(ca.SX(0, 1), *self.columns))
-        self.columns = []
-        moved = [s for s in ca.symvar(x) if s.__hash__() in self.displacements]
-        return as_expression(ca.substitute([x], moved, [ca.SX(0)] * len(moved))[0]) if moved else x
-
-
-@dataclass
 class _Apart:
     """Leaves of an evaluator in which each frame and each coordinate that is read has displacements and rates of its own."""
 
     kinematics: Kinematics
-    algebra: _StepsAtRest
+    new: Displacements
     movable: frozenset[str]
     frames: dict[str, tuple[list[Scalar], list[Scalar]]] = field(default_factory=dict)
     coordinates: dict[str, tuple[Scalar, Scalar]] = field(default_factory=dict)
@@ -84,7 +52,7 @@ class _Apart:
             self.is_whole &= not self._is_moved(name)
             return value
         if name not in self.coordinates:
-            shift, rate = self.algebra.new_symbols(2)
+            shift, rate = cells(self.new.new(2))
             self.coordinates[name] = shift, rate
         return value + displacement(self.coordinates[name], level)
 
@@ -105,7 +73,7 @@ class _Apart:
         if len(news) != len(names) or known.kind == "reaction" or self.kinematics.geometry.by_poses:
             return stacked([self.frame(name, attribute, level) for name in names])
         value = stacked([self.kinematics.frame(name, attribute, level) for name in names])
-        shifts, rates = ([self.algebra.new_column(len(names)) for _ in range(size)] for _ in range(2))
+        shifts, rates = ([self.new.new(len(names)) for _ in range(size)] for _ in range(2))
         parts = zip(*(zip(*map(cells, columns), strict=True) for columns in (shifts, rates)), strict=True)
         self.frames |= {name: ([*shift], [*rate]) for name, (shift, rate) in zip(names, parts, strict=True)}
         return self._moved(value, known, shifts, rates, level)
@@ -117,7 +85,7 @@ class _Apart:
             return value
         if name not in self.frames:
             size = self.kinematics.geometry.size
-            made = self.algebra.new_symbols(2 * size)
+            made = cells(self.new.new(2 * size))
             self.frames[name] = made[:size], made[size:]
         shift, rate = self.frames[name]
         if self.kinematics.geometry.by_poses:
@@ -149,9 +117,8 @@ def find_forces(kinematics: Kinematics, energies: Energies) -> Forces | None:
     known = kinematics.algebra
     if known.index.lengths:
         return None
-    algebra = _StepsAtRest(known.time, known.state, known.modes, known.index, known.tiny)
-    apart = _Apart(kinematics, algebra, _movable(kinematics))
-    evaluator = Evaluator(kinematics.graph.model, algebra, apart)
+    apart = _Apart(kinematics, known.index.displacements, _movable(kinematics))
+    evaluator = Evaluator(kinematics.graph.model, known, apart)
     value = evaluator.value
 
     def total(terms: Sequence[Term]) -> ca.SX:
@@ -181,7 +148,8 @@ def forces_of_loops(kinematics: Kinematics, rows: Sequence[Row]) -> list[Forces 
     """What each row asks for at a multiplier of 1: the forces on the frames that a closure joins. None for other rows."""
     names = dict.fromkeys(name for row in rows if row.loop for name in (row.loop.a, row.loop.b))
     size = kinematics.geometry.size
-    shifts, rates = ({name: ca.SX.sym(f"{kind}_{name}", size) for name in names} for kind in ("shift", "rate"))
+    new = kinematics.algebra.index.displacements.new
+    shifts, rates = ({name: new(size, f"{kind}_{name}") for name in names} for kind in ("shift", "rate"))
     apart = kinematics.displaced({}, {name: (shifts[name], rates[name]) for name in names})
     moving = column(*rates.values())
     still, zeros = [column(*shifts.values()), moving, kinematics.symbols.tau], ca.SX.zeros(moving.numel())

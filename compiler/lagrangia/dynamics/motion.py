@@ -48,7 +48,7 @@ _NEARLY = 1.1
 _MOST_FREE, _MOST_HELD = 60, 250
 # Below this ratio fewer operations are worth differences of what the tree would do and what constraints take back.
 _CLEARLY = 0.9
-_SMOOTH = frozenset({"sin", "cos", "sinh", "cosh", "tanh", "exp", "ratio"})  # with their derivatives
+SMOOTH = frozenset({"sin", "cos", "sinh", "cosh", "tanh", "exp", "ratio"})  # with their derivatives
 Held = tuple[ca.SX, ca.SX, ConstrainedMotion]  # what `constrain` finds
 
 
@@ -136,7 +136,7 @@ class Motion:
     @cached_property
     def operations(self) -> frozenset[int]:
         """CasADi's, of which h is made; not looked for where nothing was asked of the algebra that bends or has roots."""
-        return operations_in(self.h) if self.asked - _SMOOTH else frozenset()
+        return operations_in(self.h) if self.asked - SMOOTH else frozenset()
 
     @cached_property
     def nodes(self) -> dict[str, int]:

@@ -34,7 +34,8 @@ class Released:
         self.places, start = {}, 0
         for name, size in {**sizes, **given}.items():
             self.places[name], start = slice(start, start + size), start + size
-        shift, rate = ca.SX.sym("shift", start), ca.SX.sym("rate", start)
+        new = kinematics.algebra.index.displacements.new
+        shift, rate = new(start), new(start)
         free = kinematics.displaced({name: (shift[place], rate[place]) for name, place in self.places.items()})
         rows = ca.vertcat(*[row.value(free, 0) for row in constraints.absorbed])
         found = ca.densify(self._residual(free, shift, rate)), ca.jacobian(rows, shift)
@@ -99,7 +100,8 @@ def forces_of_ties(
     """What the rows of each tie exert on its frame: -lambda times the slope of the row when that frame alone is displaced; of a
     contact at which something rests, its force times the slope of the gap."""
     size = kinematics.geometry.size
-    shift, rate = ca.SX.sym("shift", size * len(ties)), ca.SX.sym("rate", size * len(ties))
+    new = kinematics.algebra.index.displacements.new
+    shift, rate = new(size * len(ties)), new(size * len(ties))
     places = {frame: slice(size * k, size * (k + 1)) for k, frame in enumerate(ties)}
     lone = kinematics.displaced({}, {frame: (shift[place], rate[place]) for frame, place in places.items()})
     forces = {}

@@ -37,7 +37,7 @@ from lagrangia.dynamics.held_switches import (
 )
 from lagrangia.dynamics.levels import EDGE, Levels
 from lagrangia.dynamics.levels import JUMPS as ALL_JUMPS
-from lagrangia.dynamics.motion import Motion
+from lagrangia.dynamics.motion import SMOOTH, Motion
 from lagrangia.dynamics.same_conditions import match
 
 _BENT = CORNERS | {ca.OP_ATAN2}
@@ -95,6 +95,14 @@ def bends(motion: Motion) -> bool:
     return not _BENT.isdisjoint(motion.operations)
 
 
+def _bent_rows(motion: Motion) -> list[ca.SX]:
+    """Rates of constraints that bend or jump somewhere, as at the corners of a cam."""
+    if motion.constrained is None or motion.asked <= SMOOTH:
+        return []
+    rows = motion.constrained.rows
+    return [x for x in (rows.rate, rows.bias) if not _BENT.isdisjoint(operations_in(x))]
+
+
 def counts_whole_numbers(motion: Motion) -> bool:
     """Whether its forces may jump where floor(x) changes: by which a step has passed two, nothing at its ends tells."""
     return not motion.operations.isdisjoint(WHOLE)
@@ -103,7 +111,7 @@ def counts_whole_numbers(motion: Motion) -> bool:
 def corners_remain(motion: Motion) -> bool:
     """Whether they do where no length is 0."""
     if not motion.lengths or not bends(motion):
-        return bends(motion)
+        return bends(motion) or bool(_bent_rows(motion))
     numbering = Numbering()
     signs = {sign_of(x, numbering): symbol("s") for x in motion.lengths}
     (h,) = rebuilt([motion.h], numbering, Holding(signs, frozenset(), {}, numbering).made)
@@ -121,7 +129,7 @@ def find_switches(motion: Motion, late: ca.SX | None = None) -> Switches:
     beforehand; behind them those of events, the gaps of those that are contacts (or rates that go one way), and the rates of
     these, which are kept at 0 where something rests."""
     numbering, events = Numbering(), motion.impacts.conditions
-    others = [late] if late is not None and late.numel() else []
+    others = _bent_rows(motion) + ([late] if late is not None and late.numel() else [])
     may_have = not motion.operations.union(*map(operations_in, others)).isdisjoint(_BENT | {ca.OP_SQRT})
     if not may_have and not events.numel():
         return Switches()
