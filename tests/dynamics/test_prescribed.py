@@ -79,3 +79,39 @@ def test_the_force_of_a_driven_slide_is_that_of_its_load(scene: Write) -> None:
     run = model.simulate(stop=1, interval=0.1, tolerance=1e-11)
     np.testing.assert_allclose(run["F[2]"], -9 * 0.9 * np.sin(3 * run.time), atol=1e-10)
     np.testing.assert_allclose(run["F[1]"], 0, atol=1e-13)
+
+
+GIVEN = {
+    "bound": "Motion motor(of = b.s, to = {to}); equation",
+    "by equations": "Motion motor; equation motor.of = b.s; motor.to = {to};",
+    "the other way round": "Motion motor; equation b.s = motor.of; {to} = motor.to;",
+    "one bound": "Motion motor(of = b.s); equation motor.to = {to};",
+    "the other bound": "Motion motor(to = {to}); equation motor.of = b.s;",
+    "the other side": "Motion motor(to = b.s); equation motor.of = {to};",
+}
+
+
+@pytest.mark.parametrize("case", GIVEN)
+def test_a_motion_tells_its_force_however_its_parts_are_given(case: str, scene: Write) -> None:
+    """Equations for its parts had the sign turned round, in loops over arrays too, or were refused."""
+    model = scene("model M World world(gravity = {0, 0}); Block b(m = 2, base = world), c(m = 3, base = world); "
+                  f"output Force F = motor.reaction, same = constraint_force(b.s); {GIVEN[case].format(to='1[m/s2]*time^2')} "
+                  "c.s = 0; end M;")
+    run = model.simulate(at=[0, 0.5])
+    assert [*run["F"], *run["same"]] == pytest.approx([4, 4, 4, 4], abs=1e-12)
+
+
+def test_a_motion_that_another_body_gives_tells_the_force_on_what_it_moves(scene: Write) -> None:
+    """7 N on c, whose half b goes: c'' = 7/(3 + 2/4) = 2 m/s2, and the force on b is 2 kg 1 m/s2."""
+    model = scene("model M World world(gravity = {0, 0}); Block b(m = 2, base = world), c(m = 3, base = world, along = {0, 1}); "
+                  "Motion tie[1]; "
+                  "AppliedForce P(at = c.center, force = {0, 7}); output Force F = tie[1].reaction; "
+                  "equation tie[1].to = 0.5*c.s; tie[1].of = b.s; end M;")
+    assert model.simulate(at=[0, 0.5])["F"] == pytest.approx([2, 2], abs=1e-12)
+
+
+def test_the_force_of_what_follows_time_alone_is_that_on_what_it_moves(scene: Write) -> None:
+    model = scene("model M World world(gravity = {0, 0}); Block b(m = 2, base = world); Length x; "
+                  "output Force F = constraint_force(x); "
+                  "equation x = 1[m/s2]*time^2; x = b.s; end M;")
+    assert model.simulate(at=[0, 0.5])["F"] == pytest.approx([4, 4], abs=1e-12)

@@ -142,7 +142,9 @@ class Bindings:
         for variable in self.variables.values():
             if 0 in variable.shape and self._is_open(variable.name):
                 self._bind(variable, array_of(variable.shape, (), {}, variable.span))
-        left = [part for equation in equations if not self._give(equation) for part in self._dealt(equation)]
+        later = [self._joins_two(equation) for equation in equations]  # what is stated of either comes first, as in `of = to`
+        given = {k for k in sorted(range(len(equations)), key=later.__getitem__) if self._give(equations[k])}
+        left = [part for k, equation in enumerate(equations) if k not in given for part in self._dealt(equation)]
         parts: dict[str, dict[tuple[int, ...], tuple[int, Flat]]] = {}
         for k, equation in enumerate(left):
             for side, other in ((equation.left, equation.right), (equation.right, equation.left)):
@@ -179,6 +181,12 @@ class Bindings:
             for named in (list(nodes(side)) for side in (equation.left, equation.right)
                           if isinstance(side, Array) or (isinstance(side, Ref) and side.index)))
         return list(deal(equation.left, equation.right)) if is_slice else [equation]
+
+    def _joins_two(self, equation: Equation) -> bool:
+        """Whether an equation says of two variables, neither of a connector, that they are one."""
+        sides = (equation.left, equation.right)
+        named = {x.name for x in sides if isinstance(x, Ref) and not x.index and x.name not in self.ends}
+        return len(named) == 2 and all(name in self.variables and self.variables[name].kind == "variable" for name in named)
 
     def _is_open(self, name: str) -> bool:
         variable = self.variables.get(name)

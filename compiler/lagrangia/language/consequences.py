@@ -8,8 +8,8 @@ from lagrangia.base.diagnostics import Report, Span, fail
 from lagrangia.language.events import are_alike
 from lagrangia.language.flat import Equation, FlatModel, FrameEquation
 from lagrangia.language.frame_attributes import REACTIONS
-from lagrangia.language.mentions import nodes, reached
-from lagrangia.language.tree import Call, Flat, FrameRef
+from lagrangia.language.mentions import leaves, nodes, reached
+from lagrangia.language.tree import Call, Flat, FrameRef, Ref
 
 CONSTRAINT_FORCE = "constraint_force"
 Stated = tuple[Iterable[Flat], str, Span]
@@ -60,10 +60,27 @@ def contact_forces_in(model: FlatModel) -> list[Call[Flat]]:
 
 
 def side_of(model: FlatModel, x: Flat) -> tuple[int, float] | None:
-    """The first equation one side of which is x, by its place among all: 1.0 for the left side, -1.0 for the right one."""
+    """The first equation one side of which is x, by its place among all: 1.0 for the left side, -1.0 for the right one; of an x
+    that nothing moves, as x = 2*time and x = block.s, the side that it moves."""
+    bindings = _bindings(model)
+
+    def other_name(side: Flat) -> Flat:
+        while isinstance(side, Ref) and not side.index and isinstance(value := bindings.get(side.name), Ref | FrameRef):
+            side = value
+        return side
+
     sides = ((k, sign, side) for k, equation in enumerate(model.constraints)
              for sign, side in ((1.0, equation.left), (-1.0, equation.right)))
-    return next(((k, sign) for k, sign, side in sides if are_alike(side, x)), None)
+    x = other_name(x)
+    found = next(((k, sign) for k, sign, side in sides if are_alike(other_name(side), x)), None)
+    return found if found is None or _moves(model, x) else (found[0], -found[1])
+
+
+def _moves(model: FlatModel, x: Flat) -> bool:
+    """Whether the motion decides it, and not time alone."""
+    variables = model.variables
+    return any(isinstance(leaf, FrameRef) or (isinstance(leaf, Ref) and variables[leaf.name].kind == "coordinate")
+               for leaf in leaves([x], _bindings(model)))
 
 
 def name_of_constraint(equation: int) -> str:
