@@ -265,8 +265,8 @@ int lag_switches_enter(LagRun *run)
         lag_conditions_find_unknown(run, run->motion.t, run->motion.y);
     lag_contacts_foresee(run);
     for (int i = 0; i < run->model->n_switches; ++i)
-        if (s->turned[i] && !s->slides[i] && !lag_is_event(run->model, i) && !is_thrown(run, i)) /* what is left of it is rounding */
-            s->unknown[i] = lag_max(WRONG_SIDE * fabs(s->g[i]), s->unknown[i]);
+        if (s->turned[i] && !s->slides[i] && !lag_is_event(run->model, i) && !is_thrown(run, i) && lag_depth(s, i, s->g) < 0)
+            s->unknown[i] = lag_max(WRONG_SIDE * fabs(s->g[i]), s->unknown[i]); /* what is left of it is rounding */
     for (int i = 0; i < run->model->n_switches; ++i)
         if (s->is_idle[i])
             s->unknown[i] = INFINITY;
