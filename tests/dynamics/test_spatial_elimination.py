@@ -195,9 +195,9 @@ def chain(n: int, axes: Sequence[Any], R: Any, origin: Any = None, kind: str = "
 AHEAD = (0.7, 0.0, 0.0)
 COUNTED = {
     "general hinges": (lambda n: chain(n, [None], None), 392),
-    "general hinges of known axes": (lambda n: chain(n, [None], None), 373),
-    "hinges about y and z in turns": (lambda n: chain(n, [Y, Z], SAME, AHEAD, slender=True), 208),
-    "hinges about x, y and z in turns": (lambda n: chain(n, [X, Y, Z], SAME, AHEAD, slender=True), 182),
+    "general hinges of known axes": (lambda n: chain(n, [None], None), 366),
+    "hinges about y and z in turns": (lambda n: chain(n, [Y, Z], SAME, AHEAD, slender=True), 206),
+    "hinges about x, y and z in turns": (lambda n: chain(n, [X, Y, Z], SAME, AHEAD, slender=True), 180),
     "hinges about z": (lambda n: chain(n, [Z], SAME, AHEAD, slender=True), 68),
     "balls": (lambda n: chain(n, [X], SAME, AHEAD, "rotation", slender=True), 550),
     "general balls": (lambda n: chain(n, [X], SAME, None, "rotation"), 550),
@@ -235,5 +235,5 @@ def test_what_a_joint_does_not_feel_stands_on_its_parent(kind: str) -> None:
     if kind == "shift":
         assert not np.any(body.second_moment) and body.mass > 0
     else:
-        assert body.mass == 0.0 and (kind == "rotation" or (body.moment[2], body.second_moment[1][1]) == (0.0, 0.0))
+        assert body.mass == 0.0 and (kind == "rotation" or (body.moment[2] == 0.0 and body.is_flat))
     check(joints, 1 + len(joints[1].coordinates))

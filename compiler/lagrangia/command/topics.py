@@ -49,8 +49,8 @@ initial equation           where it begins: hinge.phi = 1; or hinge.w = 2; or an
                            equilibrium(); at rest under the loads, nearest to the guesses, in each run anew (dry friction aside)
 parameter, constant        numbers that a run may change without compiling, and those it may not; Integer and Boolean parameters
                            are structural: they may decide what the scene consists of, and are compiled in
-annotation(Evaluate = true)  behind a parameter: where it is 0, 1 or -1 that number is compiled in, and what it is multiplied with
-                           falls away. It can be given all the same: another value has the scene compiled once more
+annotation(Evaluate = true)  behind a parameter: where it is 0, 1 or -1, or a direction in space, its numbers are compiled in, and
+                           what they make 0 falls away. It can be given all the same: another value has it compiled once more
 input, output              given from outside (-u), and reported
 model M extends B(k = 2)   inheritance with modifications; M m[n](each k = 1, c = {1, 2, 3}) arrays; if conditions on components
 equation for i in 1:n-1 loop connect(link[i].b, link[i+1].a); end for;

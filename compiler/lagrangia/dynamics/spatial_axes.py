@@ -134,7 +134,8 @@ class _Layout:
             spin, spin_rate = ([0.0, 0.0, times(sign, x[0])] for x in joint.motion)
             if joint.travel:
                 *along, slope = joint.travel
-                moves = (*moves, Shift(*([0.0, 0.0, x] for x in along)))
+                ahead, rate, second = ([0.0, 0.0, x] for x in along)
+                moves = (*moves, Shift(ahead, rate, second))
                 directions = [[0.0, 0.0, slope, *turning[3:]] for turning in directions]
         pairs = tuple(zip(joint.coordinates, directions, strict=False))  # of no coordinate where time moves it
         self.links.append(Link(joint.parent, moves, pairs, spin, spin_rate))
@@ -165,7 +166,8 @@ class _Layout:
         G = _product(seat.G, joint.R)
         place = added(added(seat.origin, product(seat.G, joint.origin)), product(G, joint.ahead))
         own = Seat(len(self.links), G, STILL, seat.angle)
-        shift = Shift(seat.turn.to_parent(place), *map(own.to_link, joint.motion))
+        rate, second = map(own.to_link, joint.motion)
+        shift = Shift(seat.turn.to_parent(place), rate, second)
         return (shift,), own, [[*own.to_link(slope), *STILL] for slope in joint.slopes]
 
     def _turn_freely(self, joint: SpatialJoint, seat: Seat) -> tuple[tuple[Move, ...], Seat]:
@@ -201,7 +203,7 @@ class _Layout:
         onward, tail = self._lead_on(k, W, origin)
         moves.append(_turn(2, joint.amount, onward))
         if not is_zero(tail):
-            moves.append(Shift([0.0, 0.0, tail]))
+            moves.append(Shift([0.0, 0.0, tail], is_behind=True))
             origin = [0.0, 0.0, minus(origin[2], tail)]
         return tuple(moves), Seat(k, _about(joint.axis, _along_child(_turn(2, 0.0, onward), W)), origin, slid=slid), 1.0
 

@@ -11,7 +11,7 @@ from dataclasses import field
 
 from lagrangia.algebra.duals import Scalar, added, is_zero
 from lagrangia.base.records import dataclass
-from lagrangia.frames.spatial_inertia import Inertia, Move, RigidInertia, Shift, Turn, Vector, cross
+from lagrangia.frames.spatial_inertia import Inertia, Move, RigidInertia, Shift, Turn, Vector, cross, is_nothing
 
 STILL: Sequence[Scalar] = (0.0,) * 3
 _TURNED = 6  # operations of a turn about an axis, of a vector
@@ -66,22 +66,33 @@ def drift_of(links: Sequence[Link], base: Sequence[Scalar] | None = None) -> Dri
         w = found.w[link.parent] if link.parent is not None else STILL
         granted = found.granted[link.parent] if link.parent is not None else [*(base or STILL), *STILL]
         is_reset, shifts = not is_granted and _feels_shift(link), []
+        spins: Vector | None = None
         for at, move in enumerate(link.moves):
             shifts.append([*STILL])
-            if isinstance(move, Shift):
-                whole = move.acceleration_to_child(w, granted, is_shared=at == 0)
-                if is_reset:
-                    shifts[-1], whole = whole, [*STILL]
-                granted = [*whole, *granted[3:]]
-            else:
+            if not isinstance(move, Shift):
                 w, granted = move.to_child(w), move.to_child(granted)
-        spin = added(granted[3:], added(cross(w, link.spin), link.spin_rate))
-        spins, kept = ([*STILL], spin) if is_granted else _split_spin(link, spin)
+                continue
+            if move.is_behind and is_nothing((spun := _spun(link, w, granted, is_granted))[0][:2]):
+                spins, w, granted = spun  # what is felt is felt where the link's origin is, at the end of this
+            whole = move.acceleration_to_child(w, granted, is_shared=at == 0)
+            if is_reset:
+                shifts[-1], whole = whole, [*STILL]
+            granted = [*whole, *granted[3:]]
+        if spins is None:
+            spins, w, granted = _spun(link, w, granted, is_granted)
         found.shifts.append(tuple(shifts))
         found.spins.append(spins)
-        found.granted.append([*granted[:3], *kept])
-        found.w.append(added(w, link.spin))
+        found.granted.append(granted)
+        found.w.append(w)
     return found
+
+
+def _spun(link: Link, w: Sequence[Scalar], granted: Vector, is_granted: bool) -> tuple[Vector, Vector, Vector]:
+    """What is felt of the rate of the angular velocity; the angular velocity with that of the joint, and what is granted with
+    it."""
+    spin = added(granted[3:], added(cross(w, link.spin), link.spin_rate))
+    spins, kept = ([*STILL], spin) if is_granted else _split_spin(link, spin)
+    return spins, added(w, link.spin), [*granted[:3], *kept]
 
 
 def _feels_shift(link: Link) -> bool:
@@ -94,9 +105,11 @@ def _feels_shift(link: Link) -> bool:
 def _split_spin(link: Link, whole: Vector) -> tuple[Vector, Vector]:
     """What is felt of the angular velocity's rate, and what is taken for granted. Where the joint gives way nothing is felt."""
     free = {k - 3 for k in _given_way(link) if k >= 3}
-    body, ahead = link.body, [move for move in link.moves if isinstance(move, Shift)]
-    carried = _turns(link) + 2 + sum(2 * _count(move.ahead) for move in ahead)
-    if body is not None:
+    body, ahead = link.body, [_count(move.ahead) for move in link.moves if isinstance(move, Shift)]
+    carried = _turns(link) + 2 + sum(2 * count**2 for count in ahead)
+    if body is not None and body.is_flat and not body.is_diagonal:
+        carried += 4 if max(ahead, default=0) < 2 else 12  # sums of products of w that shifts have, too
+    elif body is not None:
         carried += 2 * _count(body.moment) + 2 * sum(_count(row) for k, row in enumerate(body.second_moment) if k not in free)
     if len(free) == 3 or carried >= _FELT_SPIN:
         return whole, [*STILL]

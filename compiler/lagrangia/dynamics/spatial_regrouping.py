@@ -70,16 +70,11 @@ def _split(body: RigidInertia, at: Meeting) -> tuple[RigidInertia, RigidInertia]
 
 
 def _without_axis(body: RigidInertia) -> tuple[RigidInertia, Scalar]:
-    """A body behind a hinge along z without what is on it, and the second moment across that is taken away: with principal axes
-    along the link's so that it is flat, otherwise so that one is 0."""
+    """A body behind a hinge along z without what is on it, which is flat, and the second moment across that is taken away."""
     J = [[*row] for row in body.second_moment]
-    across = J[1][1]
-    if body.is_diagonal:
-        across = times(0.5, minus(plus(J[0][0], J[1][1]), J[2][2]))
-        J[0][0], J[1][1] = minus(J[0][0], across), minus(J[1][1], across)
-    else:
-        J[0][0], J[1][1] = minus(J[0][0], across), 0.0
-    return RigidInertia(0.0, [*body.moment[:2], 0.0], J, body.is_diagonal), across
+    across = times(0.5, minus(plus(J[0][0], J[1][1]), J[2][2]))
+    J[0][0], J[1][1] = minus(J[0][0], across), minus(J[1][1], across)
+    return RigidInertia(0.0, [*body.moment[:2], 0.0], J, is_flat=True), across
 
 
 def _cost(body: RigidInertia) -> int:

@@ -81,7 +81,7 @@ class RigidInertia:
     mass: Scalar
     moment: Sequence[Scalar]  # mass times centre of mass, (3,)
     second_moment: Matrix  # symmetric, all of it is kept
-    is_flat: bool = False  # whether its mass lies where z = 0 and its axes are principal: J = diag(Y, X, X + Y)
+    is_flat: bool = False  # whether its mass lies where z = 0, so that J[2][2] = J[0][0] + J[1][1]
 
     def placed(self, R: Matrix, origin: Sequence[Scalar]) -> "RigidInertia":
         """The same body in a frame in which this one's axes are the columns of R, and its origin is there (parallel axes)."""
@@ -102,7 +102,7 @@ class RigidInertia:
         """The same body in a frame that is followed by the turn."""
         I = turn.inertia_to_parent([[0.0] * SIZE] * 3 + [[0.0] * 3 + [*row] for row in self.second_moment])
         J = [[I[3 + min(i, j)][3 + max(i, j)] for j in range(3)] for i in range(3)]
-        return RigidInertia(self.mass, turn.to_parent(self.moment), J)
+        return RigidInertia(self.mass, turn.to_parent(self.moment), J, self.is_flat and turn.axis == 2)
 
     @property
     def is_nothing(self) -> bool:
@@ -137,6 +137,12 @@ class RigidInertia:
         """J a + w x J w; of a flat body by the sums that carried() has."""
         J = self.second_moment
         if not self.is_diagonal:
+            if is_nothing(turning):  # w x J w is that of J less a multiple of the identity
+                less = [[minus(x, J[1][1]) if i == j else x for j, x in enumerate(row)] for i, row in enumerate(J)]
+                less[1][1] = 0.0
+                return cross(w, [dot(row, w) for row in less])
+            if self.is_flat:
+                return self._flat_torque(w, turning)
             return added([dot(row, turning) for row in J], cross(w, [dot(row, w) for row in J]))
         found = []
         for k, i, j in _CYCLE:
@@ -146,6 +152,22 @@ class RigidInertia:
                 found.append(minus(0.0, times(J[1][1], minus(_of_two(w, 0, 2), turning[1]))))
             else:
                 found.append(plus(times(J[k][k], turning[k]), times(minus(J[j][j], J[i][i]), _of_two(w, i, j))))
+        return found
+
+    def _flat_torque(self, w: Sequence[Scalar], turning: Sequence[Scalar]) -> Vector:
+        """The same by those sums, W: points of mass m at d, accelerated by W d, have the moment (W S)_ji - (W S)_ij about k,
+        where S is the sum of m d d^T: J[1][1], J[0][0] and 0, and beside these -J."""
+        J, W = self.second_moment, [[0.0] * 3 for _ in range(3)]  # but for its diagonal, whose differences are those of squares
+        for k, i, j in _CYCLE:
+            W[j][i], W[i][j] = plus(_of_two(w, i, j), turning[k]), minus(_of_two(w, i, j), turning[k])
+        own = [times(W[2][1], J[0][0]), minus(0.0, times(W[2][0], J[1][1])),
+               minus(times(W[1][0], J[1][1]), times(W[0][1], J[0][0]))]
+        if is_zero(turning[2]):
+            own[2] = times(W[0][1], minus(J[1][1], J[0][0]))
+        found = []
+        for k, i, j in _CYCLE:
+            mixed = times(minus(times(w[i], w[i]), times(w[j], w[j])), J[i][j])
+            found.append(plus(plus(mixed, own[k]), minus(times(W[i][k], J[k][j]), times(W[j][k], J[k][i]))))
         return found
 
 
@@ -229,10 +251,23 @@ class Turn:
             return a, f, g, b
         if is_zero(c):
             return b, minus(0.0, g), minus(0.0, f), a
+        if isinstance(c, float) and isinstance(s, float):
+            return self._mixed_by_numbers(a, f, g, b)
         across = times(times(2.0, c), f) if f is g else times(c, plus(f, g))
         u = plus(times(s, 0.0 if a is b else minus(a, b)), across)
         more = times(s, u)
         near = times(c, u)
+        return minus(a, more), minus(near, g), minus(near, f), plus(b, more)
+
+    def _mixed_by_numbers(self, a: Scalar, f: Scalar, g: Scalar, b: Scalar) -> tuple[Scalar, Scalar, Scalar, Scalar]:
+        """The same where the angle is told in numbers: u is divided by the larger one of its two."""
+        c, s = self.c, self.s
+        less, across = 0.0 if a is b else minus(a, b), times(2.0, f) if f is g else plus(f, g)
+        if abs(s) >= abs(c):
+            u, size = plus(less, times(2.0 * c / s, f) if f is g else times(c / s, across)), s
+        else:
+            u, size = plus(times(0.5 * s / c, less), f) if f is g else plus(times(s / c, less), across), 2.0 * c if f is g else c
+        more, near = times(s * size, u), times(c * size, u)
         return minus(a, more), minus(near, g), minus(near, f), plus(b, more)
 
 
@@ -269,11 +304,12 @@ class Rotation:
 @dataclass(frozen=True)
 class Shift:
     """On the way to a child, whose origin is further by a vector. `rate`, `second`: of it, where it moves, but for what second
-    derivatives of coordinates add."""
+    derivatives of coordinates add. `is_behind`: whether it is along the axis of the hinge, which then is before it."""
 
     ahead: Sequence[Scalar]
     rate: Sequence[Scalar] = (0.0,) * 3
     second: Sequence[Scalar] = (0.0,) * 3
+    is_behind: bool = False
 
     def wrench_to_parent(self, wrench: Sequence[Scalar]) -> Vector:
         """With its moment about the parent's origin."""
@@ -303,7 +339,9 @@ class Shift:
         moved = [row[3:] for row in found[:3]]
         for i in range(3):
             for j in range(i, 3):
-                terms = [(sign, m, B[k][j]) for k, m, sign in _COLUMN[i]] + [(sign, m, moved[k][i]) for k, m, sign in _COLUMN[j]]
+                near, far = (i, j) if sum(is_zero(row[i]) for row in B) <= sum(is_zero(row[j]) for row in B) else (j, i)
+                terms = [(sign, m, B[k][far]) for k, m, sign in _COLUMN[near]]
+                terms += [(sign, m, moved[k][near]) for k, m, sign in _COLUMN[far]]
                 found[3 + i][3 + j] = plus(I[3 + i][3 + j], self._sum(terms))
         return found
 

@@ -1,7 +1,8 @@
 """Which numbers of parameters are compiled in: those with which products fall away, and masses of 0.
 
 What moves no mass follows from other equations than what does (massless.py), so that a mass is compiled in where its value as
-declared is 0, whatever it is bound to. `annotation(Evaluate = true)` asks for 0, 1 and -1.
+declared is 0, whatever it is bound to. `annotation(Evaluate = true)` asks for 0, 1 and -1, and of a direction in space for any
+number: axes of hinges, when these are known, are laid so that less is left to be worked out (dynamics/spatial_axes.py).
 """
 
 from collections.abc import Mapping
@@ -26,7 +27,7 @@ def compiled_numbers(model: FlatModel, is_general: bool = False, massless: tuple
             continue
         numbers: list[float | None] = [None] * prod(variable.shape)
         if variable.is_evaluated and (variable.locked or not is_general):
-            numbers = [x if x in _PLAIN else None for x in declared.literal(variable)]
+            numbers = [x if x in _PLAIN or _is_direction(variable) else None for x in declared.literal(variable)]
         if variable.unit in MASSES and massless is not None:
             numbers = [0.0 if name in massless else x or None for (name, _), x in zip(variable.elements(), numbers, strict=True)]
         elif variable.unit in MASSES and (variable.locked or not is_general):
@@ -34,6 +35,11 @@ def compiled_numbers(model: FlatModel, is_general: bool = False, massless: tuple
         if any(x is not None for x in numbers):
             found[variable.name] = tuple(numbers)
     return found
+
+
+def _is_direction(variable: Variable) -> bool:
+    """Whether it is a vector of space without a unit."""
+    return variable.shape == (3,) and variable.unit in ("", "1")
 
 
 def values_as_declared(model: FlatModel, variable: Variable) -> list[float | None]:
