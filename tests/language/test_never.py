@@ -28,8 +28,10 @@ MAY = (
     "atan2(b.s, b.v*1[s]) > 3", "integer(time/1[s]) >= 2 and integer(time/1[s]) <= 2", "z >= 2 and z <= 2 + sign(b.s)")
 
 TOUCHING = ("sin(2*pi*time/1[s]) >= 1", "not cos(b.s/1[m]) > -1", "sin(b.s/1[m]) < 1", "(time - 1)^2 <= 0", "z <= 1",
-            "b.v > 0 and abs(b.s) <= 0", "distance(world, b.center) <= 0", "k*b.s^2 <= 0 or time > 2")
-KEPT = ("sign(b.s) >= 1", "max(b.s, 0) <= 0", "time >= 4", "mod(time, 1) <= 0", "(if b.s > 0 then 1 else sin(b.s/1[m])) >= 1",
+            "b.v > 0 and abs(b.s) <= 0", "distance(world, b.center) <= 0", "k*b.s^2 <= 0 or time > 2",
+            "time*(2 - time) >= 1", "b.s^2 + 9 > 6*b.s", "2*time - time^2/2 < 2")
+KEPT = ("time*(2 - time) >= 0.99", "time*(2 - time) > 1", "b.s^2 - 4*b.s < 4",
+        "sign(b.s) >= 1", "max(b.s, 0) <= 0", "time >= 4", "mod(time, 1) <= 0", "(if b.s > 0 then 1 else sin(b.s/1[m])) >= 1",
         "sin(b.s/1[m]) >= 1 - 1e-6", "distance(world, b.center) <= 1[mm]", "abs(b.v) <= 0", "(b.s - 1[m])^2 > 0", "abs(u) > 0",
         'abs(table(time, {0, 1, 2}, {0, 0, 1}, smoothness = "steps")) > 0', "distance(world, b.center) > 1[m]*few - 1[m]*few")
 

@@ -12,6 +12,7 @@ from lagrangia.language.events import COMPARED, parts_of, without_not
 from lagrangia.language.flat import Experiment, FlatModel
 from lagrangia.language.folding import fold
 from lagrangia.language.mentions import reached, rebuilt
+from lagrangia.language.parabolas import touches_zero
 from lagrangia.language.tree import Binary, Boolean, Call, Flat, FrameRef, IfExpression, Number, Ref, Time, Unary
 
 Bounds = tuple[float, float]
@@ -133,8 +134,11 @@ class _Bounding:
                     left, right = right, left
                 (low, high), (least, most) = self.of(left), self.of(right)
                 end, other = (low, most) if "=" in operator else (high, least)
-                is_end = end == other and math.isfinite(end) and self._moves(condition)
-                if is_end and not self._stays(condition) and ("=" in operator or not self._begins_there(condition)):
+                side = touches_zero(Binary("-", left, right, condition.span))
+                is_end = (end == other and math.isfinite(end)) or side == (1 if "=" in operator else -1)
+                if not (is_end and self._moves(condition)) or self._stays(condition):
+                    return
+                if "=" in operator or not self._begins_there(condition):
                     yield condition
 
     def _bindings(self) -> dict[str, Flat | None]:
