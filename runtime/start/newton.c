@@ -22,8 +22,8 @@
 #include "model/function.h"
 #include "numbers/qr.h"
 
-static const double SATISFIED = 1e-10, DEPENDENT = 1e-10, SHORTEST_STEP = 1e-4, LONGEST_STEP = 0.5, FAITHFUL = 0.9,
-                    STEEPEST = 1e9;
+static const double SATISFIED = 1e-10, DEPENDENT = 1e-10, ROUNDING = 1e-14, SHORTEST_STEP = 1e-4, LONGEST_STEP = 0.5,
+                    FAITHFUL = 0.9, STEEPEST = 1e9;
 enum { FULL = 8 }; /* matrices with an entry of so many that is not 0, or more, gain nothing by account of zeros */
 static const double CRITICAL = 1e-6, PUSH = 1e-2, GOLDEN_RATIO = 0.6180339887498949;
 
@@ -256,7 +256,8 @@ static double sum_of_squares(const LagNewton *s)
 }
 
 /* Fills `transposed` with the gradients of the linearised equations in the metrics, of unit size at most, `right`, and what a
- * unit is worth in the sum of squares. Returns their number: equations that do not change with what may move, or beyond all measure, are left out. */
+ * unit is worth in the sum of squares. Returns their number: equations that do not change with what may move, but
+ * for rounding, or beyond all measure, are left out. */
 static int measure_equations(LagNewton *s)
 {
     int count = 0;
@@ -265,7 +266,7 @@ static int measure_equations(LagNewton *s)
         const int i = s->rows[r];
         int entries = 0;
         const double length = measure_gradient(s, s->jacobian, i, s->trial, &entries), unit = fmax(length, s->weight[i]);
-        if (!(length > 0 && isfinite(unit)))
+        if (!(length > ROUNDING * unit && isfinite(unit)))
             continue;
         for (int e = 0; e < entries; ++e)
             lag_newton_put(s, s->places[e], count, s->trial[s->places[e]] / unit);

@@ -154,6 +154,19 @@ def test_what_is_guessed_holds_where_the_others_can_follow(scene: Write) -> None
     assert start["k.phi"] == pytest.approx(np.arcsin(0.7 - np.sin(0.5)) - 0.5, abs=1e-12)
 
 
+def test_rates_that_follow_by_rounding_alone_do_not(scene: Write) -> None:
+    """A rocker whose link lies along the crank: the crank cannot follow, and was sent off at 4e15 rad/s by sin(pi) in doubles."""
+    model = scene("""model M
+      Revolute h(a = world, phi(start = 180[deg])), k(a = shift(world, {-1.5, -0.4}), phi(start = 90[deg]), w(start = 1));
+      Bar crank(m = 1, L = 0.5, a = h.b), rocker(m = 1, L = 0.4, a = k.b); Link link(L = 1, a = crank.b, b = rocker.b); end M;""")
+    made = model.compilation
+    x, worst = assembly.begin(made.kinematics, made.initial, made.functions.table).assemble()
+    run = model.simulate(at=[0, 1e-3])
+    assert worst == -1
+    for rates in (x[2:], [run["h.w"][0], run["k.w"][0]]):
+        np.testing.assert_allclose(rates, 0, atol=1e-9)
+
+
 @pytest.mark.parametrize("ratio", [1e-6, -1e3, 1e6])
 def test_positions_and_rates_may_be_far_apart(ratio: float, scene: Write) -> None:
     """Where equations are linear, no step towards their solution is too long: with and without a compiler."""

@@ -13,7 +13,7 @@ from lagrangia.constraints.metric import Metric, Momenta, Way
 from lagrangia.constraints.parameters import default_parameters, input_symbols, with_declared_inputs
 from lagrangia.frames.kinematics import Kinematics
 
-_SATISFIED, _DEPENDENT, _SHORTEST_STEP, _LONGEST_STEP, _FAITHFUL, _STEEPEST = 1e-10, 1e-10, 1e-4, 0.5, 0.9, 1e9
+_SATISFIED, _DEPENDENT, _ROUNDING, _SHORTEST_STEP, _LONGEST_STEP, _FAITHFUL, _STEEPEST = 1e-10, 1e-10, 1e-14, 1e-4, 0.5, 0.9, 1e9
 _CRITICAL, _PUSH, GOLDEN_RATIO = 1e-6, 1e-2, 0.6180339887498949
 
 
@@ -158,8 +158,9 @@ class Newton:
 
     def _correct(self, wish: Vector) -> float:
         rows = self._measured(np.where(np.isfinite(self.jacobian), self.jacobian, 0.0))
-        length = np.maximum(np.linalg.norm(rows, axis=1), self.weight)
-        is_measured = (length > 0) & np.isfinite(length) & np.isfinite(self.jacobian).all(axis=1)
+        own = np.linalg.norm(rows, axis=1)
+        length = np.maximum(own, self.weight)
+        is_measured = (own > _ROUNDING * length) & np.isfinite(length) & np.isfinite(self.jacobian).all(axis=1)
         unit = np.where(is_measured, length, np.inf)  # others are left out
         share = np.where(is_measured, length / self.length, 0.0)
         right = np.where(is_measured, -self.g / unit, 0.0)
