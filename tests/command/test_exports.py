@@ -312,6 +312,18 @@ def test_modelica_has_the_inherited_experiment(tmp_path: Path) -> None:
     assert "experiment(StartTime = 0.0, StopTime = 3.0, Tolerance = 1e-05, Interval = 0.5)" in text
 
 
+@pytest.mark.parametrize("options", [[], ["--components"]])
+def test_forces_of_equations_are_no_outputs_of_the_modelica_model(options: list[str], tmp_path: Path) -> None:
+    """They were written as nan, or ended in 'bug: KeyError' where components were asked for."""
+    file = tmp_path / "scene.lag"
+    file.write_text("model Drives Prismatic s(a = world, along = {1, 0}); PointMass p(m = 2, center = s.b); "
+                    "Motion m(of = s.s, to = 0.5*time^2); output Force F = 2*m.reaction; end Drives;", encoding="utf-8")
+    assert main(["export", str(file), "--to", "modelica", *options, "-o", str(tmp_path / "scene.mo")]) in (0, 2)
+    text = (tmp_path / "scene.mo").read_text(encoding="utf-8") if (tmp_path / "scene.mo").exists() else ""
+    assert options or "// outputs are not written: F" in text
+    assert "nan" not in text
+
+
 def test_outputs_of_the_modelica_model(tmp_path: Path) -> None:
     """They were left out without a word: now by their formulas, of rates and accelerations too; a matrix is named above."""
     file = tmp_path / "scene.lag"

@@ -158,7 +158,8 @@ def _outputs(book: Book, names: Mapping[Expr, str], code: Callable[[Expr], str])
             values = [exact_throughout(x) for x in scalars_of(scene.kinematics.evaluator.variable(v.name, 0, v.span))]
         except LagError:
             values = []
-        known = values and len(v.shape) <= 1 and all({*_without_given_rates(scene, x).free_symbols} <= {*names} for x in values)
+        known = values and len(v.shape) <= 1 and all(
+            {*_without_given_rates(scene, x).free_symbols} <= {*names} and not x.has(sp.nan) for x in values)  # reactions: nan
         if not known:
             lost.append(v.name)
             continue

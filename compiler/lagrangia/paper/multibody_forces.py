@@ -92,6 +92,8 @@ class Reading:
 
     def symbol(self, name: str, level: int) -> Value | None:
         """Raises LagError L0901 for what has no counterpart."""
+        if name not in self.model.variables:  # the force of an equation
+            refuse(f"'{name}'", None)
         variable = self.model.variables[name]
         if variable.kind == "parameter":
             return self.table.symbol(name, level)
