@@ -104,21 +104,34 @@ LAG_UNROLLED void lag_wide_choose(double *numbers, int i, int lane, LagWide is_g
     lag_wide_write(place, LAG_WIDE_SELECT(is_good > LAG_WIDE_OF(0), good, lag_wide_read(place)));
 }
 
+/* Numbers that lie elsewhere take the place of `count` where steps are good; `are_all`: they all are, and nothing waits for a
+ * judgement, as processors guess it. */
+LAG_UNROLLED void lag_wide_take_over(double *to, const double *from, int count, int lane, LagWide good, int are_all)
+{
+    for (int i = 0; i < count && are_all; ++i)
+        lag_wide_write(to + (size_t)i * LAG_ABREAST + lane, lag_wide_of(from, i, lane));
+    for (int i = 0; i < count && !are_all; ++i)
+        lag_wide_choose(to, i, lane, good, lag_wide_of(from, i, lane));
+}
+
 /* Steps of length h are taken where they are good. */
 LAG_UNROLLED void lag_wide_accept(LagWideSteps *s, int lane, LagWide good, LagWide h)
 {
-    for (int i = 0; i < s->size; ++i) {
-        lag_wide_choose(s->old, i, lane, good, lag_wide_of(s->y, i, lane));
-        lag_wide_choose(s->y, i, lane, good, lag_wide_of(s->made, i, lane));
-        lag_wide_choose(s->carry, i, lane, good, lag_wide_of(s->made_carry, i, lane));
-    }
-    lag_wide_choose(s->t_old, 0, lane, good, lag_wide_read(s->t + lane));
-    lag_wide_choose(s->t, 0, lane, good, lag_wide_read(s->next + lane));
-    lag_wide_choose(s->length, 0, lane, good, h);
+    const LagWide zero = LAG_WIDE_OF(0), one = LAG_WIDE_OF(1);
+    const int are_all = !lag_wide_is_some(good - one);
+    lag_wide_take_over(s->old, s->y, s->size, lane, good, are_all);
+    lag_wide_take_over(s->y, s->made, s->size, lane, good, are_all);
+    lag_wide_take_over(s->carry, s->made_carry, s->size, lane, good, are_all);
+    lag_wide_take_over(s->t_old, s->t, 1, lane, good, are_all);
+    lag_wide_take_over(s->t, s->next, 1, lane, good, are_all);
+    if (are_all)
+        lag_wide_write(s->length + lane, h);
+    else
+        lag_wide_choose(s->length, 0, lane, good, h);
     lag_wide_scale_note(&s->scale, lane, s->y);
     lag_wide_write(s->taken + lane, good);
     lag_wide_write(s->steps + lane, lag_wide_read(s->steps + lane) + good);
-    const LagWide zero = LAG_WIDE_OF(0), vain = lag_wide_read(s->in_vain + lane) + LAG_WIDE_OF(1);
+    const LagWide vain = lag_wide_read(s->in_vain + lane) + one;
     lag_wide_write(s->in_vain + lane, LAG_WIDE_SELECT(good > zero, zero, vain));
 }
 

@@ -179,11 +179,12 @@ static void begin_series(LagWideTaylor *s, int lane)
     const LagModel *model = s->lanes.model;
     const int n = model->n, n_jets = model->n_jets;
     const LagWide zero = LAG_WIDE_OF(0), good = lag_wide_read(s->lanes.taken + lane);
-    const double *line = s->series.line + lane;
+    const int are_all = !lag_wide_is_some(good - LAG_WIDE_OF(1));
     double *const jets = s->series.jets + lane;
     for (int slot = 0; slot < n_jets; ++slot) {
         double *c = jets + (size_t)slot * LAG_WIDE_JET;
-        lag_wide_write(c, LAG_WIDE_SELECT(good > zero, lag_wide_read(line + (size_t)slot * LAG_ABREAST), lag_wide_read(c)));
+        const LagWide made = lag_wide_of(s->series.line, slot, lane);
+        lag_wide_write(c, are_all ? made : LAG_WIDE_SELECT(good > zero, made, lag_wide_read(c)));
     }
     for (int i = 0; i < n; ++i) {
         double *q = lag_wide_jet(s, 1 + i) + LAG_ABREAST + lane, *v = lag_wide_jet(s, 1 + n + i) + LAG_ABREAST + lane;

@@ -105,6 +105,8 @@ static void run_first(const LagModel *model, const Place *p, const double *sine,
         case LAG_JET_SINE: *w = sine[i[5]]; break;
         case LAG_JET_COSINE: *w = cosine[i[5]]; break;
         case LAG_JET_ANGLE: *w = atan2(X(2), X(3)); break;
+        case LAG_JET_PRODUCT_AND: *w = X(2) * X(3) + X(4); break;
+        case LAG_JET_PRODUCT_FROM: *w = X(4) - X(2) * X(3); break;
         default: *w = NAN; break;
         }
     }
@@ -145,6 +147,8 @@ static void run_later(const LagModel *model, const Place *p, int k)
         case LAG_JET_MINUS_INTEGRAL:
         case LAG_JET_COSINE: *w = sums->inner(JET(3), JET(4)) * -share; break;
         case LAG_JET_ANGLE: *w = (sums->inner(JET(4), JET(6)) - sums->inner(JET(5), JET(7))) * share; break;
+        case LAG_JET_PRODUCT_AND: *w = sums->product(JET(2), JET(3)) + X(4); break;
+        case LAG_JET_PRODUCT_FROM: *w = X(4) - sums->product(JET(2), JET(3)); break;
         default: *w = NAN; break;
         }
     }

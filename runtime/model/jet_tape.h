@@ -18,6 +18,7 @@ typedef enum {
     LAG_JET_INTEGRAL, LAG_JET_MINUS_INTEGRAL, /* u, du/dt, slope, function: w' = slope u' or its negative */
     LAG_JET_SINE, LAG_JET_COSINE,             /* u, du/dt, slope, angle: likewise */
     LAG_JET_ANGLE,                            /* a, b, da/dt, db/dt, b/(a^2 + b^2), a/(a^2 + b^2): atan2(a, b) */
+    LAG_JET_PRODUCT_AND, LAG_JET_PRODUCT_FROM, /* a, b, c: a b + c, and c - a b */
     LAG_JET_COUNT
 } LagJetOp;
 

@@ -17,7 +17,7 @@ static const int *code_end(const LagModel *model) { return model->jet_code + LAG
 static int sums_of(const int *i, int *pairs)
 {
     switch (i[0]) {
-    case LAG_JET_PRODUCT: pairs[0] = i[2], pairs[1] = i[3]; return 1;
+    case LAG_JET_PRODUCT: case LAG_JET_PRODUCT_AND: case LAG_JET_PRODUCT_FROM: pairs[0] = i[2], pairs[1] = i[3]; return 1;
     case LAG_JET_SQUARE: pairs[0] = pairs[1] = i[2]; return 1;
     case LAG_JET_QUOTIENT:
     case LAG_JET_NUMBER_OVER: pairs[0] = i[3], pairs[1] = i[1]; return 1;
@@ -105,6 +105,8 @@ static void run_first(LagWideSeries *s)
         case LAG_JET_MINUS_INTEGRAL: values_of(i[5], x, w); break;
         case LAG_JET_SINE: values_of(LAG_OP_SIN, x, w); break;
         case LAG_JET_COSINE: values_of(LAG_OP_COS, x, w); break;
+        case LAG_JET_PRODUCT_AND: EACH(X(2) * X(3) + X(4));
+        case LAG_JET_PRODUCT_FROM: EACH(X(4) - X(2) * X(3));
         case LAG_JET_ANGLE: EACH_ALONE(atan2(x[k], line[i[3] * LAG_ABREAST + k]));
         default: EACH(LAG_WIDE_OF((double)NAN));
         }
@@ -174,6 +176,8 @@ static void sum_all(LagWideSeries *s, int k)
 #define FIRST(field) lag_wide_read(JET(field))
 #define BETWEEN(number) lag_wide_read(between + (number) * LAG_ABREAST + lane)
 #define PRODUCT(a, b) LAG_WIDE_PRODUCT(BETWEEN(0), FIRST(a), X(a), FIRST(b), X(b))
+#define PRODUCT_AND(a, b, c) LAG_WIDE_PRODUCT(BETWEEN(0) + X(c), FIRST(a), X(a), FIRST(b), X(b))
+#define PRODUCT_FROM(a, b, c) LAG_WIDE_PRODUCT(X(c) - BETWEEN(0), -FIRST(a), -X(a), FIRST(b), X(b))
 #define INNER(number, a, b) LAG_WIDE_INNER(BETWEEN(number), X(a), FIRST(b))
 /* The result goes into the line, and among the jets where lower orders are asked for again. */
 #define EACH(result)                                                 \
@@ -209,14 +213,15 @@ static void run_order(LagWideSeries *s, int k)
         case LAG_JET_OVER_NUMBER: EACH(X(2) / N(3));
         case LAG_JET_IF: EACH(LAG_WIDE_SELECT(N(2) != zero, X(3), zero));
         case LAG_JET_PRODUCT: EACH(PRODUCT(2, 3));
-        case LAG_JET_SQUARE: EACH(lag_wide_twice(LAG_WIDE_FUSED(FIRST(2), X(2), BETWEEN(0)), JET(2), k));
+        case LAG_JET_SQUARE: EACH(lag_wide_square(BETWEEN(0), JET(2), X(2), k));
         case LAG_JET_QUOTIENT: EACH((X(2) - INNER(0, 3, 1)) * (one / FIRST(3)));
         case LAG_JET_NUMBER_OVER: EACH(INNER(0, 3, 1) * (-one / FIRST(3)));
         case LAG_JET_SQRT: EACH((X(2) - lag_wide_twice(BETWEEN(0), JET(1), k)) * (half / FIRST(1)));
-        case LAG_JET_POWER:
-            EACH(lag_wide_power(JET(2), JET(1), N(3), k));
+        case LAG_JET_POWER: EACH(lag_wide_power(JET(2), JET(1), N(3), k));
         case LAG_JET_INTEGRAL: case LAG_JET_SINE: EACH(INNER(0, 3, 4) * share);
         case LAG_JET_MINUS_INTEGRAL: case LAG_JET_COSINE: EACH(INNER(0, 3, 4) * -share);
+        case LAG_JET_PRODUCT_AND: EACH(PRODUCT_AND(2, 3, 4));
+        case LAG_JET_PRODUCT_FROM: EACH(PRODUCT_FROM(2, 3, 4));
         case LAG_JET_ANGLE: EACH((INNER(0, 4, 6) - INNER(1, 5, 7)) * share);
         default: EACH(LAG_WIDE_OF((double)NAN));
         }

@@ -70,6 +70,18 @@ static inline LagWide lag_wide_fused(LagWide a, LagWide b, LagWide c)
 #define LAG_WIDE_FUSED(a, b, c) ((a) * (b) + (c))
 #endif
 
+/* The larger and the smaller one; b where one of them is no number. */
+#if defined(LAG_HAS_VECTORS) && defined(__AVX512F__) && !defined(__clang__)
+#define LAG_WIDE_MAX(a, b) __builtin_ia32_maxpd512_mask(a, b, b, 0xff, 4)
+#define LAG_WIDE_MIN(a, b) __builtin_ia32_minpd512_mask(a, b, b, 0xff, 4)
+#elif defined(LAG_HAS_VECTORS) && defined(__AVX__) && !defined(__clang__)
+#define LAG_WIDE_MAX(a, b) __builtin_ia32_maxpd256(a, b)
+#define LAG_WIDE_MIN(a, b) __builtin_ia32_minpd256(a, b)
+#else
+#define LAG_WIDE_MAX(a, b) LAG_WIDE_SELECT((a) > (b), a, b)
+#define LAG_WIDE_MIN(a, b) LAG_WIDE_SELECT((a) < (b), a, b)
+#endif
+
 /* As numbers, which lie where none of a caller's pointers do, and need not lie at a line of the cache. */
 #ifdef LAG_HAS_VECTORS
 typedef double LagWidePlace __attribute__((vector_size(8 * LAG_WIDE), aligned(8)));

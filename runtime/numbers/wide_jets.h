@@ -42,6 +42,13 @@ LAG_UNROLLED LagWide lag_wide_twice(LagWide half, const double *a, int k)
     return k % 2 == 0 ? LAG_WIDE_FUSED(middle, middle, twice) : twice;
 }
 
+/* w = a^2, whose latest coefficient is multiplied last */
+LAG_UNROLLED LagWide lag_wide_square(LagWide half, const double *a, LagWide a_k, int k)
+{
+    const LagWide a_0 = LAG_WIDE_TERM(a, 0);
+    return LAG_WIDE_FUSED(a_0 + a_0, a_k, lag_wide_twice(half, a, k));
+}
+
 /* w = u^exponent */
 LAG_UNROLLED LagWide lag_wide_power(const double *u, const double *w, LagWide exponent, int k)
 {
@@ -74,12 +81,11 @@ LAG_UNROLLED void lag_wide_jet_turn(double *q, const double *w, int k)
 LAG_UNROLLED void lag_wide_circular(const LagWide *angle, LagWide *sine, LagWide *cosine)
 {
     lag_sines_of_wide(angle, sine, cosine);
-    double x[LAG_WIDE], s[LAG_WIDE], c[LAG_WIDE], largest = 0;
-    memcpy(x, angle, sizeof x);
-    for (int i = 0; i < LAG_WIDE; ++i)
-        largest += fabs(x[i]);
-    if (largest <= LAG_LARGEST_ANGLE)
+    const LagWide size = LAG_WIDE_ABS(*angle), most = LAG_WIDE_OF(LAG_LARGEST_ANGLE);
+    if (!lag_wide_is_some(LAG_WIDE_SELECT(size <= most, LAG_WIDE_OF(0), LAG_WIDE_OF(1))))
         return;
+    double x[LAG_WIDE], s[LAG_WIDE], c[LAG_WIDE];
+    memcpy(x, angle, sizeof x);
     memcpy(s, sine, sizeof s);
     memcpy(c, cosine, sizeof c);
     for (int i = 0; i < LAG_WIDE; ++i)

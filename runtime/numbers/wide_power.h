@@ -12,7 +12,8 @@ LAG_UNROLLED LagWide lag_wide_log2(LagWide x)
     const LagWideWords bits = LAG_WIDE_WORDS(x), two52 = (LagWideWords)LAG_WIDE_WORDS(LAG_WIDE_OF(4503599627370496.0));
     const LagWide exponent = LAG_WIDE_OF_WORDS((bits >> 52) | two52) - LAG_WIDE_OF(4503599627370496.0 + 1023);
     const LagWide m = LAG_WIDE_OF_WORDS((bits & 0xfffffffffffff) | 0x3ff0000000000000) - LAG_WIDE_OF(1);
-    return exponent + m * (LAG_WIDE_OF(1.42286536) + m * (LAG_WIDE_OF(-0.58208551) + m * LAG_WIDE_OF(0.15922016)));
+    const LagWide cubic = LAG_WIDE_FUSED(m, LAG_WIDE_OF(0.15922016), LAG_WIDE_OF(-0.58208551));
+    return LAG_WIDE_FUSED(m, LAG_WIDE_FUSED(m, cubic, LAG_WIDE_OF(1.42286536)), exponent);
 }
 
 /* The logarithm of x^exponent for x >= 0: -infinity where x is no ordinary number for its smallness, infinity where for its size. */
@@ -29,8 +30,8 @@ LAG_UNROLLED LagWide lag_wide_exp2(LagWide y)
     const LagWide shift = LAG_WIDE_OF(6755399441055744.0), zero = LAG_WIDE_OF(0), one = LAG_WIDE_OF(1);
     const LagWide nearest = (y + shift) - shift, whole = nearest - LAG_WIDE_SELECT(nearest > y, one, zero), part = y - whole;
     const LagWide scale = LAG_WIDE_OF_WORDS((LAG_WIDE_WORDS(whole + shift) + 1023) << 52);
-    const LagWide found = scale * (one + part * (LAG_WIDE_OF(0.69589012) + part * (LAG_WIDE_OF(0.22486495)
-                                                                                   + part * LAG_WIDE_OF(0.07924493))));
+    const LagWide cubic = LAG_WIDE_FUSED(part, LAG_WIDE_OF(0.07924493), LAG_WIDE_OF(0.22486495));
+    const LagWide found = scale * LAG_WIDE_FUSED(part, LAG_WIDE_FUSED(part, cubic, LAG_WIDE_OF(0.69589012)), one);
     const LagWide few = LAG_WIDE_SELECT(y >= LAG_WIDE_OF(-DBL_MAX), found, zero);
     return LAG_WIDE_SELECT(y > LAG_WIDE_OF(DBL_MAX), LAG_WIDE_OF((double)INFINITY), few);
 }

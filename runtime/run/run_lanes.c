@@ -18,9 +18,9 @@
 /* Steps that a run makes before it goes into a lane, at most: they set in motion what rests. Steps that are no good in a row,
  * after which shorter ones do not help. */
 enum { MOST_FIRST = 3, PATIENCE = 4 };
-/* Steps from one glance at energies to the next; to the first look at stability and from one look to the next, and the same while it
- * seems to rule; looks in a row after which it does. */
-enum { GLANCE = 16, FIRST_LOOK = 64, LOOK = 256, CLOSE_LOOK = 16, LOOKS = 4 };
+/* Steps from one glance at energies to the next; from one look at stability, which costs as much as 20 steps in a lane, to the next,
+ * and the same while it seems to rule; looks in a row after which it does. */
+enum { GLANCE = 16, LOOK = 256, CLOSE_LOOK = 16, LOOKS = 4 };
 enum { LOOK_FOR_PROGRESS = 1 << 17 };
 static const double MOST_STEPS = 1e10; /* as in step.c */
 static const double MOST_TOLERANCE = 2e-4; /* of Verner's pair, as in choice.c */
@@ -40,8 +40,10 @@ struct LagRunLanes {
     int opened;    /* lanes whose follower and run are there */
     LagFollower follower[LAG_ABREAST];
     int64_t job[LAG_ABREAST]; /* the run in each lane; -1: none */
+    int busy;                 /* how many there are */
     double due[LAG_ABREAST];  /* when something is to be looked at */
-    int64_t glance[LAG_ABREAST], look[LAG_ABREAST]; /* after so many steps, too */
+    double glance[LAG_ABREAST]; /* after so many steps, too */
+    int64_t look[LAG_ABREAST];
     int64_t next, runs;  /* of the present call: the run to be started next, and how many there are */
     uint8_t *done;       /* of each run */
     int64_t counts[LAG_LANES_COUNTS];
@@ -214,6 +216,7 @@ static int make_alone(LagRunLanes *s, int64_t i)
 
 static void leave(LagRunLanes *s, int lane)
 {
+    s->busy -= s->job[lane] >= 0;
     s->job[lane] = -1;
     s->steps->moves[lane] = 0;
 }
@@ -269,8 +272,8 @@ static int settle_in(LagRunLanes *s, int lane)
     const int is_over = run->segment_over || lag_run_time(run) >= s->steps->stop[lane];
     lag_wide_roots_enter(&s->roots, lane, run);
     const LagStatus status = is_over ? enter_segment(s, lane) : LAG_OK;
-    s->glance[lane] = run->statistics.steps + GLANCE;
-    s->look[lane] = FIRST_LOOK;
+    s->glance[lane] = (double)(run->statistics.steps + GLANCE);
+    s->look[lane] = LOOK;
     set_due(s, lane);
     return status == LAG_OK ? 1 : end_run(s, lane, status);
 }
@@ -287,6 +290,7 @@ static int begin_run(LagRunLanes *s, int lane, int64_t i)
         return 1;
     }
     s->job[lane] = i;
+    ++s->busy;
     status = status == LAG_OK ? lag_follow_begin(f) : status;
     for (int k = 0; status == LAG_OK; ++k) {
         if (lag_run_time(run) >= s->batch->sweep.t_stop)
@@ -320,8 +324,7 @@ static int is_unfit(LagRunLanes *s, int lane)
         return 0;
     const double t = run->motion.t, done = t - s->batch->sweep.t_start;
     const int looks = s->may_turn ? lag_stiffness_look(run, s->steps->length[lane]) : 0;
-    const int64_t further = looks > 0 ? CLOSE_LOOK : steps < LOOK ? steps : LOOK;
-    s->look[lane] = steps + further;
+    s->look[lane] = steps + (looks > 0 ? CLOSE_LOOK : LOOK);
     return looks >= LOOKS
         || (steps > LOOK_FOR_PROGRESS && (s->batch->sweep.t_stop - t) / done * (double)steps > MOST_STEPS);
 }
@@ -359,7 +362,7 @@ static int attend(LagRunLanes *s, int lane)
 {
     LagFollower *f = &s->follower[lane];
     const double t = s->steps->t[lane];
-    const int glances = s->steps->steps[lane] >= (double)s->glance[lane], is_over = t >= s->batch->sweep.t_stop;
+    const int glances = s->steps->steps[lane] >= s->glance[lane], is_over = t >= s->batch->sweep.t_stop;
     const int has_event = !is_over && t >= s->steps->stop[lane];
     const int is_dense = s->is_guarded || t > f->next || (has_event && s->batch->model->n_modes > 0);
     const LagShown shown = is_dense ? LAG_SHOWN_DENSE : glances || is_over ? LAG_SHOWN_STEP : LAG_SHOWN_STATE;
@@ -392,19 +395,27 @@ static int attend(LagRunLanes *s, int lane)
 /* Returns 0 when it was stopped. */
 static int fill(LagRunLanes *s)
 {
-    for (int lane = 0; lane < LAG_ABREAST; ++lane)
+    for (int lane = s->busy == LAG_ABREAST ? LAG_ABREAST : 0; lane < LAG_ABREAST; ++lane)
         while (s->job[lane] < 0 && s->next < s->runs)
             if (*s->batch->stop || !begin_run(s, lane, s->next++))
                 return 0;
     return 1;
 }
 
-static int is_busy(const LagRunLanes *s)
+/* Whether no motion has to be looked at after this step: all are good, and nothing is due. */
+static int is_quiet(const LagRunLanes *s)
 {
-    for (int lane = 0; lane < LAG_ABREAST; ++lane)
-        if (s->job[lane] >= 0)
-            return 1;
-    return 0;
+    const LagWideSteps *steps = s->steps;
+    const LagWide zero = LAG_WIDE_OF(0);
+    LagWide calls = zero;
+    for (int lane = 0; lane < LAG_ABREAST; lane += LAG_WIDE) {
+        const LagWide moves = lag_wide_read(steps->moves + lane), t = lag_wide_read(steps->t + lane);
+        calls += LAG_WIDE_SELECT(lag_wide_read(steps->taken + lane) > zero, zero, moves);
+        calls += LAG_WIDE_SELECT(t < lag_wide_read(s->due + lane), zero, moves);
+        calls += LAG_WIDE_SELECT(lag_wide_read(steps->steps + lane) < lag_wide_read(s->glance + lane), zero, moves);
+        calls += LAG_WIDE_SELECT(lag_wide_read(s->roots.suspect + lane) > zero, moves, zero);
+    }
+    return !lag_wide_is_some(calls);
 }
 
 /* A step in all lanes. Returns 0 when it was stopped. */
@@ -415,15 +426,15 @@ static int step(LagRunLanes *s)
     if (s->batch->model->n_roots > 0)
         lag_wide_roots_look(&s->roots, steps);
     s->counts[LAG_LANES_ROOM] += LAG_ABREAST;
-    for (int lane = 0; lane < LAG_ABREAST; ++lane) {
+    s->counts[LAG_LANES_STEPS] += s->busy;
+    for (int lane = is_quiet(s) ? LAG_ABREAST : 0; lane < LAG_ABREAST; ++lane) {
         if (s->job[lane] < 0)
             continue;
-        ++s->counts[LAG_LANES_STEPS];
         int goes_on = 1;
         if (steps->taken[lane] > 0 && s->roots.suspect[lane] > 0) {
             goes_on = end_run(s, lane, LAG_PAUSED);
         } else if (steps->taken[lane] > 0) {
-            if (steps->t[lane] >= s->due[lane] || steps->steps[lane] >= (double)s->glance[lane])
+            if (steps->t[lane] >= s->due[lane] || steps->steps[lane] >= s->glance[lane])
                 goes_on = attend(s, lane);
         } else if (steps->in_vain[lane] > PATIENCE) {
             goes_on = end_run(s, lane, LAG_PAUSED);
@@ -443,7 +454,7 @@ int64_t lag_lanes_advance(LagRunLanes *s, int64_t runs)
     s->done = calloc((size_t)runs + 1, sizeof *s->done);
     if (!s->done)
         return 0;
-    while (fill(s) && is_busy(s) && !*s->batch->stop && step(s)) {
+    while (fill(s) && s->busy > 0 && !*s->batch->stop && step(s)) {
     }
     for (int lane = 0; lane < LAG_ABREAST; ++lane)
         leave(s, lane);

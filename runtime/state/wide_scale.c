@@ -59,6 +59,7 @@ static int group_of(const LagWideScale *s, int i) { return i < s->n ? s->kind[i]
 
 void lag_wide_scale_note(LagWideScale *s, int lane, const double *y)
 {
+    const LagWide rounding = LAG_WIDE_OF(DBL_EPSILON / s->tolerance);
     for (int i = 0; i < 2 * s->n; ++i) {
         double *group = s->group + (size_t)group_of(s, i) * LAG_ABREAST + lane;
         const LagWide seen = lag_wide_magnitude(s, i, lag_wide_of(y, i, lane), lag_wide_of(s->largest, i, lane));
@@ -68,7 +69,7 @@ void lag_wide_scale_note(LagWideScale *s, int lane, const double *y)
     for (int i = 0; i < 2 * s->n; ++i) {
         const LagWide own = LAG_WIDE_OF(LAG_SCALE_OWN) * lag_wide_of(s->largest, i, lane);
         const LagWide shared = LAG_WIDE_OF(LAG_SCALE_GROUP) * lag_wide_of(s->group, group_of(s, i), lane);
-        const LagWide known = LAG_WIDE_OF(DBL_EPSILON / s->tolerance) * lag_wide_of(s->size, i, lane);
+        const LagWide known = rounding * lag_wide_of(s->size, i, lane);
         lag_wide_write(s->floor + (size_t)i * LAG_ABREAST + lane, lag_wide_max(lag_wide_max(own, shared), known));
     }
 }

@@ -25,9 +25,9 @@ void lag_wide_scale_store(const LagWideScale *scale, int lane, LagScale *to);
 /* Of the lanes from `lane` on, as many as LagWide holds: takes notice of the states y that were reached. */
 void lag_wide_scale_note(LagWideScale *scale, int lane, const double *y);
 
-LAG_UNROLLED LagWide lag_wide_max(LagWide a, LagWide b) { return LAG_WIDE_SELECT(a > b, a, b); }
+LAG_UNROLLED LagWide lag_wide_max(LagWide a, LagWide b) { return LAG_WIDE_MAX(a, b); }
 
-LAG_UNROLLED LagWide lag_wide_min(LagWide a, LagWide b) { return LAG_WIDE_SELECT(a < b, a, b); }
+LAG_UNROLLED LagWide lag_wide_min(LagWide a, LagWide b) { return LAG_WIDE_MIN(a, b); }
 
 LAG_UNROLLED LagWide lag_wide_of(const double *numbers, int i, int lane)
 {

@@ -8,11 +8,20 @@ runtime/model/jet_tape.h runs the instructions, series_code.py writes them as C;
 """
 
 from array import array
-from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 
 from lagrangia.base.records import dataclass
-from lagrangia.native.series_writer import INPUTS, POSITIONS, Instruction, Jet, NoSeriesError, Writer
+from lagrangia.native.series_products import in_factors, in_squares, late_last, with_numbers_inside
+from lagrangia.native.series_writer import (
+    INPUTS,
+    MOST_OPERANDS,
+    OPERANDS,
+    POSITIONS,
+    Instruction,
+    Jet,
+    NoSeriesError,
+    Writer,
+)
 from lagrangia.native.tapes import BINARY, JetOp, Op, Tape
 from lagrangia.native.turned_series import TurnedWriter
 
@@ -21,17 +30,6 @@ ORDERS = 18  # LAG_JET_ORDER of runtime/numbers/jets.h
 _FEW, _UNROLLED = 20, 12  # products up to which each order has a function of its own in C; the orders that have one otherwise
 # Statements in one order, and what a product adds over all orders; more than so many take longer to compile than they save.
 _PRODUCT, _MOST_STATEMENTS = 150, 4000
-MOST_OPERANDS = 6
-
-
-# What the operands of each are: the present coefficient of a jet, all of it ("J"), a number, an operation of tapes, a count.
-OPERANDS: Mapping[JetOp, str] = {
-    JetOp.NUMBER: "n", JetOp.DERIVATIVE: "j", JetOp.NEG: "j", JetOp.TWICE: "j", JetOp.ADD: "jj", JetOp.SUB: "jj",
-    JetOp.ADD_NUMBER: "jn", JetOp.SUB_NUMBER: "jn", JetOp.NUMBER_SUB: "nj", JetOp.SCALE: "nj", JetOp.OVER_NUMBER: "jn",
-    JetOp.IF: "nj", JetOp.PRODUCT: "JJ", JetOp.SQUARE: "J", JetOp.QUOTIENT: "jJ", JetOp.NUMBER_OVER: "nJ", JetOp.SQRT: "j",
-    JetOp.POWER: "Jn", JetOp.INTEGRAL: "jJJo", JetOp.MINUS_INTEGRAL: "jJJo", JetOp.SINE: "jJJc", JetOp.COSINE: "jJJc",
-    JetOp.ANGLE: "jjJJJJ",
-}
 _RECURSIVE = frozenset((JetOp.QUOTIENT, JetOp.NUMBER_OVER, JetOp.SQRT, JetOp.POWER))  # these ask for all of their own jet
 _PRODUCTS = frozenset(op for op in JetOp if op >= JetOp.PRODUCT)
 
@@ -41,7 +39,8 @@ class Series:
     """The first `known` jets are t, q, v and u. `kept` is the place in memory of each jet whose lower orders are asked for again;
     `pitch` is the distance between the coefficients of a jet. `accelerations` and `powers` are slots, and `attitudes` are the
     places of attitudes among the coordinates, whose quaternions are the last known jets. `n_products` are sums of products,
-    which grow with the order. Accelerations of a long state without products are not kept: the jets of v tell them.
+    which grow with the order, as they were before factors were shared: choices weigh costs by them. Accelerations of a long
+    state without products are not kept: the jets of v tell them.
     `numbers` are instructions of a tape: operation and operands, which are places of others; a constant has its value.
     `may_hide`: exponentials of what moves stand in the equations, which can be so faint that no coefficient tells of them, and
     large within a step: exp(-(s/w)^2), or tanh(s/w), which is constant but near 0."""
@@ -118,11 +117,12 @@ def find_series(tape: Tape, attitudes: Sequence[int] = ()) -> Series:
         value = writer.values[a]
         places[(out, b)] = (value if isinstance(value, Jet) else writer.jet(JetOp.NUMBER, value)).slot
     n, found = tape.in_sizes[POSITIONS], [places[key] for key in sorted(places)]
-    written = _in_squares(writer.instructions, found)
+    plain = _asked_for(in_squares(writer.instructions, found), found)
+    shared = _asked_for(in_factors(writer, plain, found), found)
+    early = frozenset(range(known)).difference(range(1 + n, 1 + 2 * n))
+    written = late_last(with_numbers_inside(writer, shared, found), found, early)
     instructions = tuple(map(_alone, written) if writer.n_angles == 1 else written)
-    if turned:
-        instructions = _asked_for(instructions, found)
-    products = sum(i.op in _PRODUCTS for i in instructions)
+    products = sum(i.op in _PRODUCTS for i in plain)
     if not turned and orders_apart(products, len(instructions)) == 0:
         raise NoSeriesError(f"its {products} products of series would take longer to compile than they save")
     is_long = products == 0 and n >= LONG
@@ -160,34 +160,6 @@ def _asked_for(instructions: Sequence[Instruction], wanted: Iterable[int]) -> tu
             i = by_slot[slot]
             left += [x for kind, x in zip(OPERANDS[i.op], i.operands, strict=True) if kind in "jJ"]
     return tuple(i for i in instructions if i.out in asked)
-
-
-def _in_squares(instructions: Sequence[Instruction], found: Sequence[int]) -> list[Instruction]:
-    """(a b) b, where nothing else asks for a b, as a b^2; and a (c a), where c is a number, as c a^2: half of the terms of a
-    square are the other half once more. `found` are asked for, too."""
-    operands = (both for i in instructions for both in zip(OPERANDS[i.op], i.operands, strict=True))
-    asked = Counter([*found, *(x for kind, x in operands if kind in "jJ")])
-    place = {i.out: k for k, i in enumerate(instructions)}
-    written: list[Instruction | tuple[Instruction, Instruction]] = list(instructions)
-    free = max(place, default=0) + 1
-    for k, i in enumerate(instructions):
-        if i.op is not JetOp.PRODUCT:
-            continue
-        for inner, other in (i.operands, i.operands[::-1]):
-            made = written[place[inner]] if inner in place else None
-            if not isinstance(made, Instruction):
-                continue
-            if made.op is JetOp.PRODUCT and asked[inner] == 1 and other in made.operands:
-                a, b = made.operands
-                written[place[inner]] = Instruction(JetOp.SQUARE, inner, (other,))
-                written[k] = Instruction(JetOp.PRODUCT, i.out, (a if b == other else b, inner))
-                break
-            if made.op is JetOp.SCALE and made.operands[1] == other:
-                square = Instruction(JetOp.SQUARE, free, (other,))
-                written[k] = square, Instruction(JetOp.SCALE, i.out, (made.operands[0], free))
-                free += 1
-                break
-    return [x for found in written for x in (found if isinstance(found, tuple) else (found,))]
 
 
 def _alone(i: Instruction) -> Instruction:

@@ -7,8 +7,8 @@ import re
 from collections.abc import Callable, Mapping, Sequence
 
 from lagrangia.native.rolled import Constants, find_loops, needed, write_loop
-from lagrangia.native.series import OPERANDS, ORDERS, Series, orders_apart
-from lagrangia.native.series_writer import Instruction
+from lagrangia.native.series import ORDERS, Series, orders_apart
+from lagrangia.native.series_writer import OPERANDS, Instruction
 from lagrangia.native.tapes import JetOp, Op
 
 _JET = re.compile(r"J\((\d+)\)(?:\[([0k])\])?")
@@ -37,6 +37,8 @@ _TEMPLATES: Mapping[JetOp, tuple[str, str]] = {
     JetOp.MINUS_INTEGRAL: ("{d}({a}[0])", _MINUS),
     JetOp.SINE: ("sine[{d}]", _INTEGRAL),
     JetOp.COSINE: ("cosine[{d}]", _MINUS),
+    JetOp.PRODUCT_AND: ("{a}[0] * {b}[0] + {c}[0]", "lag_jet_product({a}, {b}, k) + {c}[k]"),
+    JetOp.PRODUCT_FROM: ("{c}[0] - {a}[0] * {b}[0]", "{c}[k] - lag_jet_product({a}, {b}, k)"),
     JetOp.ANGLE: ("atan2({a}[0], {b}[0])", "(lag_jet_inner({c}, {e}, k) - lag_jet_inner({d}, {f}, k)) * (1.0 / k)"),
 }
 

@@ -1,13 +1,24 @@
 """Instructions of a tape, one after another -> recurrences of Taylor coefficients, as series.py tells of them."""
 
+from collections.abc import Mapping, Sequence
 from dataclasses import field
+from math import prod
 
 from lagrangia.base.records import dataclass
 from lagrangia.native.tapes import BINARY, EXPONENTIALS, JetOp, Op, Tape
 
 TIME, POSITIONS, RATES, INPUTS, MODES = 0, 1, 2, 3, 4  # arguments of rhs; all but the last are jets
 _MOST_POWER = 8  # integer powers up to this one are products
+MOST_OPERANDS = 6
 _SUMS = (Op.ADD, Op.SUB, Op.NEG, Op.TWICE)
+# What the operands of each are: the present coefficient of a jet, all of it ("J"), a number, an operation of tapes, a count.
+OPERANDS: Mapping[JetOp, str] = {
+    JetOp.NUMBER: "n", JetOp.DERIVATIVE: "j", JetOp.NEG: "j", JetOp.TWICE: "j", JetOp.ADD: "jj", JetOp.SUB: "jj",
+    JetOp.ADD_NUMBER: "jn", JetOp.SUB_NUMBER: "jn", JetOp.NUMBER_SUB: "nj", JetOp.SCALE: "nj", JetOp.OVER_NUMBER: "jn",
+    JetOp.IF: "nj", JetOp.PRODUCT: "JJ", JetOp.SQUARE: "J", JetOp.QUOTIENT: "jJ", JetOp.NUMBER_OVER: "nJ", JetOp.SQRT: "j",
+    JetOp.POWER: "Jn", JetOp.INTEGRAL: "jJJo", JetOp.MINUS_INTEGRAL: "jJJo", JetOp.SINE: "jJJc", JetOp.COSINE: "jJJc",
+    JetOp.ANGLE: "jjJJJJ", JetOp.PRODUCT_AND: "JJj", JetOp.PRODUCT_FROM: "JJj",
+}
 
 
 class NoSeriesError(Exception):
@@ -77,6 +88,17 @@ class Writer:
     def literal(self, value: float) -> Number:
         """A number that is known now."""
         return self.number(Op.CONST, value)
+
+    def multiplied(self, places: Sequence[int]) -> int:
+        """The product of numbers, by their places; those that are known are multiplied now."""
+        known = [self.numbers[place][1] for place in places if self.numbers[place][0] == Op.CONST]
+        found = [place for place in places if self.numbers[place][0] != Op.CONST]
+        if known and (not found or prod(known) != 1):
+            found.append(self.literal(prod(known)).place)
+        total = Number(found[0])
+        for place in found[1:]:
+            total = self.number(Op.MUL, total.place, place)
+        return total.place
 
     def derivative(self, u: Jet) -> Jet:
         """k u_k, which the recurrences of elementary functions ask for."""

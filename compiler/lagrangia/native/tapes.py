@@ -88,6 +88,8 @@ class JetOp(IntEnum):
     SINE = 20
     COSINE = 21
     ANGLE = 22
+    PRODUCT_AND = 23
+    PRODUCT_FROM = 24
 
 
 # Too faint, perhaps, to tell of themselves where they are large a little later.

@@ -7,8 +7,8 @@ go together, as their sums ask for the same coefficients, which take longer to r
 
 from collections.abc import Callable, Mapping, Sequence
 
-from lagrangia.native.series import OPERANDS, Series
-from lagrangia.native.series_writer import Instruction
+from lagrangia.native.series import Series
+from lagrangia.native.series_writer import OPERANDS, Instruction
 from lagrangia.native.tapes import JetOp, Op
 
 _AT_ONCE = 15  # registers of sums in one loop: so many are there on all processors with vectors
@@ -19,6 +19,7 @@ _FIRST: Mapping[JetOp, str] = {
     JetOp.SUB: "{xa} - {xb}", JetOp.ADD_NUMBER: "{xa} + {b}", JetOp.SUB_NUMBER: "{xa} - {b}", JetOp.NUMBER_SUB: "{a} - {xb}",
     JetOp.SCALE: "{a} * {xb}", JetOp.OVER_NUMBER: "{xa} / {b}", JetOp.IF: "LAG_WIDE_SELECT({a} != zero, {xb}, zero)",
     JetOp.PRODUCT: "{xa} * {xb}", JetOp.SQUARE: "{xa} * {xa}", JetOp.QUOTIENT: "{xa} / {xb}", JetOp.NUMBER_OVER: "{a} / {xb}",
+    JetOp.PRODUCT_AND: "{xa} * {xb} + {xc}", JetOp.PRODUCT_FROM: "{xc} - {xa} * {xb}",
 }
 _INNER = "LAG_WIDE_INNER(s{s}, {xb}, {fc}) * "
 _LATER: Mapping[JetOp, str] = {
@@ -26,11 +27,13 @@ _LATER: Mapping[JetOp, str] = {
     JetOp.ADD: "{xa} + {xb}", JetOp.SUB: "{xa} - {xb}", JetOp.ADD_NUMBER: "{xa}", JetOp.SUB_NUMBER: "{xa}",
     JetOp.NUMBER_SUB: "-{xb}", JetOp.SCALE: "{a} * {xb}", JetOp.OVER_NUMBER: "{xa} / {b}",
     JetOp.IF: "LAG_WIDE_SELECT({a} != zero, {xb}, zero)", JetOp.PRODUCT: "LAG_WIDE_PRODUCT(s{s}, {fa}, {xa}, {fb}, {xb})",
-    JetOp.SQUARE: "lag_wide_twice(LAG_WIDE_FUSED({fa}, {xa}, s{s}), {ja}, k)",
+    JetOp.SQUARE: "lag_wide_square(s{s}, {ja}, {xa}, k)",
     JetOp.QUOTIENT: "({xa} - LAG_WIDE_INNER(s{s}, {xb}, {fw})) * i{i}",
     JetOp.NUMBER_OVER: "LAG_WIDE_INNER(s{s}, {xb}, {fw}) * -i{i}", JetOp.SQRT: "({xa} - lag_wide_twice(s{s}, {jw}, k)) * i{i}",
     JetOp.POWER: "lag_wide_power({ja}, {jw}, {b}, k)", JetOp.INTEGRAL: _INNER + "share", JetOp.MINUS_INTEGRAL: _INNER + "-share",
     JetOp.SINE: _INNER + "share", JetOp.COSINE: _INNER + "-share",
+    JetOp.PRODUCT_AND: "LAG_WIDE_PRODUCT(s{s} + {xc}, {fa}, {xa}, {fb}, {xb})",
+    JetOp.PRODUCT_FROM: "LAG_WIDE_PRODUCT({xc} - s{s}, -{fa}, -{xa}, {fb}, {xb})",
     JetOp.ANGLE: "(LAG_WIDE_INNER(s{s}, {xc}, {fe}) - LAG_WIDE_INNER(s{t}, {xd}, {ff})) * share",
 }
 # What is multiplied in every order, and is the same in all.
@@ -39,6 +42,7 @@ _INVERSE: Mapping[JetOp, str] = {JetOp.QUOTIENT: "one / {fb}", JetOp.NUMBER_OVER
 _SUMS: Mapping[JetOp, tuple[str, ...]] = {
     JetOp.PRODUCT: ("ab",), JetOp.SQUARE: ("aa",), JetOp.QUOTIENT: ("bw",), JetOp.NUMBER_OVER: ("bw",), JetOp.SQRT: ("ww",),
     JetOp.INTEGRAL: ("bc",), JetOp.MINUS_INTEGRAL: ("bc",), JetOp.SINE: ("bc",), JetOp.COSINE: ("bc",), JetOp.ANGLE: ("ce", "df"),
+    JetOp.PRODUCT_AND: ("ab",), JetOp.PRODUCT_FROM: ("ab",),
 }
 
 
