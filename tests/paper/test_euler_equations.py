@@ -93,8 +93,9 @@ def test_printed_equations_have_the_numbers_of_the_motion(text: str, tmp_path: P
     path = scene_file(tmp_path, text) if "\n" in text else EXAMPLES / f"{text}.lag"
     book, lines = printed(path)
     known = Compiled(path, book)
-    for name in map(line, book.presentation.symbols.lengths.values()):  # ell = sqrt(...)
-        known.values[name] = known.number(next(x for x in lines if x.startswith(f"{name} = ")).partition(" = ")[2])
+    for name in map(line, book.presentation.symbols.lengths.values()):  # ell = sqrt(...), or ell^2 = ...
+        left, _, right = next(x for x in lines if x.startswith((f"{name} = ", f"{name}² = "))).partition(" = ")
+        known.values[name] = known.number(right) ** (0.5 if left.endswith("²") else 1)
     equations = [x for x in lines if "∂" not in x and not x.startswith(("Φ", "ℓ", "E ", "p_", *known.parts))]
     equations = [re.sub(r"(?<== )\W*(drive) .*", r"\1", x) for x in equations]  # before it stops
     assert len(equations) == book.equations.n

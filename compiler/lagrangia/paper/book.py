@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import field, replace
+from fractions import Fraction
 from functools import cached_property
 
 import sympy as sp
@@ -14,9 +15,11 @@ from lagrangia.language.frame_attributes import component_named
 from lagrangia.paper.document import Block, Display, Heading, Inline, Table, display, paragraph, say
 from lagrangia.paper.equations import Constant, Equations
 from lagrangia.paper.layout import (
+    ZERO,
     Grid,
     Name,
     Node,
+    Numeral,
     Phrase,
     Power,
     Product,
@@ -175,8 +178,14 @@ def where(book: Book) -> list[Block]:
 
 
 def lengths(book: Book) -> list[Node]:
-    """l = sqrt(x^2 + y^2 - ...), for every root that got a name."""
-    return [equal(name, Root(book.sum(base))) for base, name in book.presentation.symbols.lengths.items()]
+    """l = sqrt(x^2 + y^2 - ...), for every root that got a name; l^2 = x^2 + y^2 - ..., l >= 0 where it would be wider than a
+    page, as roots are not broken into lines."""
+    found: list[Node] = []
+    for base, name in book.presentation.symbols.lengths.items():
+        root = equal(name, Root(inside := book.sum(base)))
+        is_wide = text(root).width > WIDEST_MATRIX or typeset_width(root) > WIDEST_TYPESET
+        found += [equal(Power(name, Numeral(Fraction(2))), inside), Relation(name, ZERO, "≥")] if is_wide else [root]
+    return found
 
 
 def events_block(book: Book) -> list[Block]:
