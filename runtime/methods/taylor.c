@@ -10,6 +10,7 @@
 #include "numbers/extremes.h"
 #include "numbers/lanes.h"
 #include "methods/taylor_attitudes.h"
+#include "methods/taylor_defect.h"
 #include "methods/taylor_long.h"
 #include "model/function.h"
 #include "model/jet_tape.h"
@@ -27,6 +28,7 @@ static const double REST = LAG_TAYLOR_REST, WRONG = LAG_TAYLOR_WRONG, SHRINK = L
 /* An error falls with the power of the order as steps shrink, rounding does not: what remains of it as large as this share, and is
  * less than NOISE of the state, is let pass. */
 static const double REMAINS = LAG_TAYLOR_REMAINS, NOISE = LAG_TAYLOR_NOISE;
+static const double SHORTEST = 16; /* of the smallest step: where something jumps there, a part of it is rounding of time */
 
 /* What a step costs, in tenths of a nanosecond, here and by Dormand-Prince 8(5,3), and by how much its steps of order 8 are
  * longer than eps^(1/8) radii of convergence: measured on pendulums, springs, chains of springs and Kepler orbits. What goes
@@ -40,14 +42,9 @@ static const double OTHER_STEP = 3300, OTHER_SUM = 500, OTHER_STAGES = 12, OTHER
 const double lag_inverse[LAG_JET_ORDER] = {1, 1. / 2, 1. / 3, 1. / 4, 1. / 5, 1. / 6, 1. / 7, 1. / 8, 1. / 9, 1. / 10, 1. / 11,
                                             1. / 12, 1. / 13, 1. / 14, 1. / 15, 1. / 16, 1. / 17, 1. / 18};
 
-static double *jet(const LagModel *model, double *jets, int slot)
-{
-    return jets + (model->jet_pitch == 1 ? (size_t)slot * LAG_JET_STRIDE : (size_t)slot);
-}
-
 static double *power_jet(const LagModel *model, double *jets, int i)
 {
-    return jet(model, jets, model->jet_places[model->is_long_state ? i : model->n + i]);
+    return lag_taylor_jet(model, jets, model->jet_places[model->is_long_state ? i : model->n + i]);
 }
 
 static void layout(void *self, const LagMotion *motion, LagArena *arena)
@@ -128,7 +125,7 @@ static void restart(void *self, LagMotion *motion)
 /* The coefficients of value + slope h. */
 static void place_line(const LagModel *model, double *jets, int slot, double value, double slope)
 {
-    double *c = jet(model, jets, slot);
+    double *c = lag_taylor_jet(model, jets, slot);
     for (int k = 2; k < LAG_JET_STRIDE; ++k)
         c[k * model->jet_pitch] = 0;
     c[0] = value;
@@ -149,7 +146,7 @@ static void place_known(LagRun *run, double *jets)
         place_line(model, jets, first + i, 0, run->u[i]);
     lag_inputs_at(&run->inputs, m->t, run->u);
     for (int i = 0; i < n_inputs; ++i)
-        *jet(model, jets, first + i) = run->u[i];
+        *lag_taylor_jet(model, jets, first + i) = run->u[i];
 }
 
 /* The coefficients of everything from order `first` to before `end`, and those of the state of order `end`. Returns 1 when the
@@ -167,7 +164,7 @@ static int expand(LagRun *run, const LagTaylor *s, double *jets, int first, int 
         lag_jet_tape_run(model, first, end, s->numbers, jets, s->scratch);
     }
     for (int i = 0; i < (is_long ? 0 : n) + model->n_power; ++i)
-        probe += 0 * jet(model, jets, model->jet_places[i])[(end - 1) * pitch];
+        probe += 0 * lag_taylor_jet(model, jets, model->jet_places[i])[(end - 1) * pitch];
     for (int i = 0; i < (is_long ? n : 0); ++i)
         probe += 0 * jets[end * pitch + 1 + n + i];
     return probe == 0;
@@ -180,7 +177,7 @@ static int build(LagRun *run, LagTaylor *s, int order)
     if (s->begun == 0) {
         place_known(run, s->jets);
         for (int i = 0; i < 2 * m->n; ++i)
-            *jet(run->model, s->jets, 1 + i) = m->y[i];
+            *lag_taylor_jet(run->model, s->jets, 1 + i) = m->y[i];
         lag_taylor_place_turned(run, m->y, s->jets);
         ++run->motion.evaluations;
     }
@@ -252,7 +249,7 @@ static void weigh_state(LagRun *run, const LagTaylor *s, const double *end, doub
         if (lag_taylor_is_turned(run->model, i))
             continue;
         const double unit = lag_scale_unit(&run->scale, i, run->motion.y, end), weight = unit > 0 ? 1 / unit : 0;
-        const double *c = jet(run->model, s->jets, 1 + i), size = fabs(c[p * pitch]) * weight;
+        const double *c = lag_taylor_jet(run->model, s->jets, 1 + i), size = fabs(c[p * pitch]) * weight;
         if (size > *last) {
             *last = size;
             run->statistics.worst = i;
@@ -290,42 +287,6 @@ static double length_of(LagRun *run, const LagTaylor *s)
     return h;
 }
 
-/* What counts for nothing of acceleration i at the end of the step: rounding of the largest one of its kind. */
-static double rounding_of(const LagRun *run, const LagTaylor *s, int i)
-{
-    const LagModel *model = run->model;
-    double size = 0;
-    for (int k = 0; k < model->n; ++k)
-        if (model->coordinate_kind[k] == model->coordinate_kind[i])
-            size = lag_max(fabs(*jet(model, s->old_jets, model->jet_places[k])), size);
-    return LAG_TAYLOR_ROUNDING * size;
-}
-
-/* How far the accelerations at the end of the step are from the slope of the series there, in units of rates, which are
- * worth `share` of an error each. */
-static double gap(LagRun *run, const LagTaylor *s, double h, double share)
-{
-    const LagMotion *m = &run->motion;
-    const int n = m->n;
-    double largest = 0;
-    for (int i = 0; i < n; ++i) {
-        const int place = run->model->jet_places[i];
-        const double unit = lag_scale_unit(&run->scale, n + i, m->y, m->other);
-        const double slope = lag_jet_value(jet(run->model, s->jets, place), run->model->jet_pitch, s->order - 1, h);
-        const double miss = fabs(*jet(run->model, s->old_jets, place) - slope);
-        if (unit > 0 && miss / unit > largest && (miss / unit * share <= WRONG || miss > rounding_of(run, s, i)))
-            largest = miss / unit;
-    }
-    return largest;
-}
-
-/* By how much the step of length h is wrong at its end: an error of the rates in units. */
-static double defect(LagRun *run, const LagTaylor *s, double h)
-{
-    const double share = h / (s->order + 1);
-    return (run->model->is_long_state ? lag_long_gap(run) : gap(run, s, h, share)) * share;
-}
-
 /* The first coefficients of the next step, in the place of those of the step before this one. */
 static int look_ahead(LagRun *run, LagTaylor *s, double t_new)
 {
@@ -335,7 +296,7 @@ static int look_ahead(LagRun *run, LagTaylor *s, double t_new)
     place_known(run, s->old_jets);
     m->t = t;
     for (int i = 0; i < 2 * m->n; ++i)
-        *jet(run->model, s->old_jets, 1 + i) = m->other[i];
+        *lag_taylor_jet(run->model, s->old_jets, 1 + i) = m->other[i];
     lag_taylor_place_turned(run, m->other, s->old_jets);
     ++m->evaluations;
     return expand(run, s, s->old_jets, 0, 1);
@@ -344,15 +305,16 @@ static int look_ahead(LagRun *run, LagTaylor *s, double t_new)
 /* Whether the step of this length to m->other is good; *wrong: by how much the last one tried was not. */
 static int is_good(LagRun *run, LagTaylor *s, double t_new, double length, double *wrong)
 {
-    int worst;
+    int worst, is_jump;
     const double before = *wrong;
     if (lag_project_step(run, t_new, 1, &worst) > 0)
         return 0;
     *wrong = INFINITY;
     if (lag_taylor_turns_too_far(run, run->motion.other, length) || !look_ahead(run, s, t_new))
         return 0;
-    *wrong = defect(run, s, length);
-    const int is_noise = *wrong > REMAINS * before && *wrong * run->scale.tolerance < NOISE;
+    *wrong = lag_taylor_defect(run, length, &is_jump);
+    const int may_be_noise = !is_jump || length < SHORTEST * lag_step_smallest(run->motion.t);
+    const int is_noise = may_be_noise && *wrong > REMAINS * before && *wrong * run->scale.tolerance < NOISE;
     run->statistics.tolerance_missed += is_noise && *wrong > 1;
     return *wrong <= WRONG || is_noise;
 }
@@ -386,7 +348,7 @@ static int top_of(const LagTaylor *s, const LagModel *model, double *jets)
     const int least = model->is_long_state ? s->order : lag_taylor_top_of_turned(model, jets, s->order);
     for (int k = s->order; k > 1 && k > least; --k)
         for (int i = 0; i < 2 * n + model->n_power; ++i)
-            if ((i < 2 * n ? jet(model, jets, 1 + i)[k * pitch] : power_jet(model, jets, i - 2 * n)[(k - 1) * pitch]) != 0)
+            if ((i < 2 * n ? lag_taylor_jet(model, jets, 1 + i)[k * pitch] : power_jet(model, jets, i - 2 * n)[(k - 1) * pitch]) != 0)
                 return k;
     return least > 1 ? least : 1;
 }
@@ -450,7 +412,7 @@ static void keep(const void *self, const LagMotion *m, double *place)
     const LagTaylor *s = self;
     const LagModel *model = ((const LagRun *)m->context)->model;
     for (int i = 0; i < 2 * m->n; ++i) {
-        const double *c = jet(model, s->old_jets, 1 + i);
+        const double *c = lag_taylor_jet(model, s->old_jets, 1 + i);
         for (int k = 0; k <= s->order; ++k)
             place[i * LAG_JET_STRIDE + k] = c[k * model->jet_pitch];
     }

@@ -1,6 +1,7 @@
 #include "steps/roots.h"
 
 #include <math.h>
+#include <string.h>
 
 #include "state/evaluate.h"
 #include "model/function.h"
@@ -15,11 +16,13 @@
 /* Of the larger one at the ends of a step, what lies under a root comes near to 0 within it: there the distance is a tenth. */
 static const double NEAR = 0.01, HALF = 0.5, SUSPECT = LAG_ROOTS_SUSPECT;
 enum { LOOKS = 5 };
+/* Steps until something under a root is 0, and what they are of the longest of all, where they lead there. */
+static const double FEW = 32, SHORT = 1e-3;
 
 void lag_roots_layout(LagRoots *s, const LagModel *model, int size, LagArena *arena)
 {
     const size_t count = (size_t)model->n_roots;
-    double **const vectors[] = {&s->g, &s->rate, &s->g_old, &s->rate_old, &s->g_in, &s->rate_in};
+    double **const vectors[] = {&s->g, &s->rate, &s->g_old, &s->rate_old, &s->g_in, &s->rate_in, &s->g_ahead};
     for (size_t i = 0; i < sizeof vectors / sizeof *vectors; ++i)
         *vectors[i] = lag_take(arena, count);
     s->state = lag_take(arena, count > 0 ? (size_t)size : 0);
@@ -76,6 +79,34 @@ static int is_suspect(const LagRun *run, int i)
     if (!(ra < 0 && rb > 0))
         return 0;
     return fmin(a + ra / 2 * (ra / (ra - rb)), b - rb / 2 * (rb / (rb - ra))) < SUSPECT * fmax(a, b);
+}
+
+/* g a few steps of length h ahead, if rates stay as they are. */
+static void look_beyond(LagRun *run, double h)
+{
+    LagRoots *s = &run->roots;
+    const LagMotion *m = &run->motion;
+    memcpy(s->state, m->y, 2 * (size_t)m->n * sizeof *s->state);
+    for (int i = 0; i < m->n; ++i)
+        s->state[i] += h * m->y[m->n + i];
+    look_at(run, m->t + h, s->state, s->g_ahead, s->rate_in);
+}
+
+int lag_roots_are_close(LagRun *run, double h)
+{
+    LagRoots *s = &run->roots;
+    const int count = run->model->n_roots;
+    if (count == 0 || !(h < SHORT * run->statistics.largest_step))
+        return 0;
+    look_at(run, run->motion.t, run->motion.y, s->g_in, s->rate_in);
+    for (int i = 0; i < count; ++i)
+        if (s->g_in[i] < FEW * h * fabs(s->rate_in[i]))
+            return 1;
+    look_beyond(run, FEW * h);
+    for (int i = 0; i < count; ++i) /* where it is least it has no rate */
+        if (s->g_in[i] < s->g_ahead[i] / 2)
+            return 1;
+    return 0;
 }
 
 void lag_roots_look(LagRun *run)

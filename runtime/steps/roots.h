@@ -14,7 +14,7 @@
 #define LAG_ROOTS_SUSPECT 0.1
 
 typedef struct {
-    double *g, *rate, *g_old, *rate_old, *g_in, *rate_in; /* n_roots: at both ends of a step, and inside it */
+    double *g, *rate, *g_old, *rate_old, *g_in, *rate_in, *g_ahead; /* n_roots: at both ends of a step, inside it, and beyond */
     double *state;  /* size */
     int64_t known;  /* the steps of the run after which g and rate were those of its state; and the events until then */
     int64_t events;
@@ -37,6 +37,9 @@ LagStatus lag_roots_leave(LagRun *run);
 /* A step was taken. Where it came too near to such a place for its method it is taken back, and others go on that come nearer in
  * steps as short as their errors ask for; the first of them is taken. */
 LagStatus lag_roots_watch(LagRun *run);
+
+/* Whether the latest step, one of length h that is much shorter than others, ended within few of its lengths of such a place. */
+int lag_roots_are_close(LagRun *run, double h);
 
 /* Looks at what is under the roots at present: g and rate. */
 void lag_roots_look(LagRun *run);

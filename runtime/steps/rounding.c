@@ -18,6 +18,7 @@
 
 #include "numbers/extremes.h"
 #include "state/state.h"
+#include "steps/roots.h"
 #include "steps/step.h"
 
 /* Uncertainties in a step that count as one unit of error: errors of noise must stay well below it, or steps would go on
@@ -117,6 +118,8 @@ static int find_noise(LagRun *run, double *noise)
 
 void lag_rounding_look(LagRun *run)
 {
+    if (lag_roots_are_close(run, run->step)) /* what turns round there is no noise */
+        return;
     if (find_noise(run, run->scale.noise))
         look_for_idle(run, run->scale.noise);
 }

@@ -9,6 +9,7 @@
 #include "steps/branch.h"
 #include "steps/delays.h"
 #include "steps/looks.h"
+#include "steps/roots.h"
 #include "steps/segment.h"
 #include "steps/turns.h"
 
@@ -36,6 +37,8 @@ void lag_step_record(LagRun *run, double h)
     if (run->model->n_switches == 0) /* else the end may lie beyond an event */
         note_state(run);
     lag_step_set_units(run, h);
+    if (lag_roots_are_close(run, h)) /* there forces turn round within the step, and smaller parts of it matter */
+        lag_scale_know_rates(&run->scale, 0);
 }
 
 /* Now and then: whether the rest would take more steps, each like the latest ones, than anybody waits for. */

@@ -1,5 +1,6 @@
 """Forces that bend or jump where a length passes through zero: no step crosses the place unseen, whatever the solver."""
 
+import math
 from collections.abc import Callable
 from pathlib import Path
 
@@ -230,3 +231,24 @@ def test_where_no_series_leads_through_others_do(scene: Write, power: float, tol
     quarter = beta(1 / power, 0.5) / power / np.sqrt(2)
     run = model.simulate(at=[quarter, 2 * quarter, 8 * quarter], tolerance=tolerance)
     np.testing.assert_allclose(run["b.s"], [0, -1, 1], rtol=0, atol=10 * tolerance + 1e-12)
+
+
+@pytest.mark.parametrize("way", [0.0, 0.7])
+def test_two_masses_that_drift_pass_through_each_other(way: float, scene: Write) -> None:
+    """Rates were known to no more than rounding of places over a step: the shorter steps became, the less the jump counted (300
+    tolerances of 1e-10, and an open account), and series took it for rounding."""
+    c, s = math.cos(way), math.sin(way)
+    pair = scene(f"""model Pair
+      World world(gravity = {{0, 0}});
+      PointMass a(m = 1, center(x(start = {-2 / 3 * c}), y(start = {-2 / 3 * s})));
+      PointMass b(m = 2, center(x(start = {c / 3}), y(start = {s / 3})));
+      Spring f(a = a.center, b = b.center, k = 10, s_rel0 = 0.4);
+    initial equation
+      der(a.center.x) = 0.8; der(a.center.y) = 1.04; der(b.center.x) = 0.8; der(b.center.y) = 1.04;
+    end Pair;""")
+    for solver in ("erk", "erk9", "adams", "pirk", "taylor", "implicit"):
+        for tolerance in (1e-9, 1e-11):
+            run = pair.simulate(solver=solver, tolerance=tolerance, at=[0.5, 1, 2])
+            apart = c * (run["b.center.x"] - run["a.center.x"]) + s * (run["b.center.y"] - run["a.center.y"])
+            assert apart == pytest.approx([0.1854407514, -0.8478781913, 0.4686495809], abs=2 * tolerance + 1e-10)
+            assert not run.statistics.energy_is_open
