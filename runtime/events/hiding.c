@@ -66,8 +66,11 @@ int lag_hiding_places(LagRun *run, double *places)
         for (int i = first; i < n; ++i)
             for (int turns = 0; turns < 2 && found < LAG_HIDDEN; ++turns) {
                 const double *all = turns ? s->pace : s->g;
-                if (all[old + i] * all[new + i] < 0)
-                    found = put(places, found, close_in(run, i, (k - 1.0) / LOOKS, (double)k / LOOKS, turns, all[old + i]));
+                if (!(all[old + i] * all[new + i] < 0))
+                    continue;
+                const double place = close_in(run, i, (k - 1.0) / LOOKS, (double)k / LOOKS, turns, all[old + i]);
+                for (int side = 0; side < (turns ? 3 : 1) && found < LAG_HIDDEN; ++side) /* paces look ahead: it turns in between */
+                    found = put(places, found, lag_min(place + side * AHEAD / 2, 1));
             }
     }
     return found;

@@ -19,6 +19,8 @@
 /* Events that bring each other about so many times, or come again without time passing, do not end. */
 enum { MOST_ROUNDS = 100000, MOST_AT_ONCE = 100000 };
 
+static const double WHILE = 1; /* s */
+
 /* Of impulses, or of what holds. */
 static int largest_problem(const LagModel *model)
 {
@@ -108,14 +110,23 @@ void lag_impacts_hold_as_before(LagRun *run)
 /* What a condition has been last, also by events of the same moment. */
 static int holds(const LagSwitches *s, int i) { return s->turned[i] == LAG_TO_1 || (s->turned[i] != LAG_TO_0 && s->held[i] > 0); }
 
+/* How far the place of contact k may jump and carry along what rests there. Where all is at 0 nothing has a size, and the least jump,
+ * by rounding of what the gap is made of, would be larger: what is pressed there would move so far in a while. */
+static double carries(const LagRun *run, int k)
+{
+    const int i = lag_gap(run->model, k), rests = lag_contact(run->model, k);
+    const int is_pressed = run->switches.slides[rests] && *lag_share(run, rests) > 0;
+    const double pressed = is_pressed ? run->scale.asked * run->sliding.most_jump[rests] * WHILE * WHILE : 0;
+    return lag_max(lag_max(run->switches.unknown[i], run->sliding.error[i]), pressed);
+}
+
 /* Whether the place of contact k is another one now, by its gap; what rested there is let go. */
 static int has_moved(LagRun *run, int k, double gap)
 {
-    LagSwitches *s = &run->switches;
-    const int i = lag_gap(run->model, k), is_place = run->impacts.has_contact[k] == LAG_CONTACT;
-    const int is_moved = is_place && fabs(gap - run->impacts.gap_before[k]) > lag_max(s->unknown[i], run->sliding.error[i]);
+    const int is_place = run->impacts.has_contact[k] == LAG_CONTACT;
+    const int is_moved = is_place && fabs(gap - run->impacts.gap_before[k]) > carries(run, k);
     if (is_moved)
-        s->slides[lag_contact(run->model, k)] = 0;
+        run->switches.slides[lag_contact(run->model, k)] = 0;
     return is_moved;
 }
 
@@ -129,8 +140,9 @@ int lag_impacts_note_jump(LagRun *run, double t, const double *y)
         const int i = lag_when(run->model, k), gap = lag_gap(run->model, k), is_after = truth(run, k) > 0;
         const double depth = run->switches.g_inside[gap];
         const int is_moved = has_moved(run, k, depth), is_new = is_moved && depth > run->sliding.error[gap];
+        const int is_carried = !is_moved && run->switches.slides[lag_contact(run->model, k)];
         some |= is_moved;
-        if ((is_new || run->impacts.before[k] <= 0) && is_after && !holds(&run->switches, i)) {
+        if (!is_carried && (is_new || run->impacts.before[k] <= 0) && is_after && !holds(&run->switches, i)) {
             run->switches.turned[i] = LAG_JUMPS;
             some = 1;
         } else if (run->switches.turned[i] == LAG_TO_1 && !run->impacts.has_contact[k] && !is_after)

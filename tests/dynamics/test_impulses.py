@@ -185,3 +185,36 @@ def test_an_impulse_is_known_to_islands(scene: Scene) -> None:
     found, limit = (model.simulate(solver=solver, at=AFTER, tolerance=1e-10) for model, solver in runs)
     assert found["b.s"] == pytest.approx(limit["b.s"], abs=1e-7)
     assert found["b.s"][-1] > 0.01
+
+
+BENDS = {  # the way of a support, and where what it carries freely is at 0.5, 1.25, 1.5 and 2.5 s
+    "0.3*abs(time/1[s] - 1) - 0.3": [-0.15, -0.375, -0.45, -0.75],
+    "max(0, min(0.1, 0.3*(time/1[s] - 1)))": [0, 0, 0, 0],
+    "0.1*abs(sin(2*time/1[s]))": [0.1, 0.25, 0.3, 0.5],
+}
+
+
+@pytest.mark.parametrize("way", BENDS)
+def test_a_support_whose_rate_bends_takes_nothing_along_that_slides_on_it(way: str, scene: Scene) -> None:
+    model = scene(f"model M Prismatic x(a = world), r(a = x.b); PointMass p(m = 1, center = r.b); output Length X = p.center.x; "
+                  f"equation x.s = {way}; end M;")
+    for solver in ("auto", "erk", "implicit"):
+        run = model.simulate(at=[0.5, 1.25, 1.5, 2.5], solver=solver, tolerance=1e-9)
+        np.testing.assert_allclose(run["X"], BENDS[way], rtol=0, atol=1e-8, err_msg=solver)
+
+
+def test_a_support_whose_rate_bends_pulls_on_its_rod(scene: Scene) -> None:
+    model = scene("model M Prismatic x(a = world, along = {0, 1}); PointMass q(m = 1); Link l(a = x.b, b = q.center, L = 1); "
+                  "equation x.s = 0.3*abs(time/1[s] - 1); initial equation q.center.x = 0; q.center.y = -0.7; end M;")
+    for solver in ("auto", "erk", "implicit"):
+        run = model.simulate(at=[0.5, 1.5, 2.5], solver=solver, tolerance=1e-9)
+        np.testing.assert_allclose(run["q.center.y"], [-0.85, -0.85, -0.55], rtol=0, atol=1e-9, err_msg=solver)
+
+
+def test_a_rate_that_jumps_at_an_unknown_time_is_refused(scene: Scene) -> None:
+    """Its square does not jump."""
+    text = ("model M Prismatic x(a = world), r(a = x.b); PointMass p(m = 1, center = r.b); "
+            "equation x.s = max(0, 0.1*(time/1[s])^2 - 0.1){}; end M;")
+    with pytest.raises(lag.LagError, match="L0914"):
+        scene(text.format("")).simulate(stop=1)
+    assert scene(text.format("^2/1[m]")).simulate(at=[2.0], tolerance=1e-9)["x.s"][0] == pytest.approx(0.09)

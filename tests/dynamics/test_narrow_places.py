@@ -197,7 +197,8 @@ def test_what_keeps_lengths_of_nothing_from_dividing_is_no_width() -> None:
 @pytest.mark.parametrize(("condition", "lasts", "count"), [
     ("1/(1 + 1e6*(time - 1.2345)^2) > 0.5", 0.002, 1), ("exp(-1e8*(time - 1.2345)^2) > 0.5", 2e-4*math.sqrt(math.log(2)), 1),
     ("sin(3*time)^100 > 0.99", 4/3*math.acos(0.99**0.01), 2),
-    ("tanh(1e4*(time - 1.2345))^2 < 0.5", 2e-4*math.atanh(math.sqrt(0.5)), 1)])
+    ("tanh(1e4*(time - 1.2345))^2 < 0.5", 2e-4*math.atanh(math.sqrt(0.5)), 1), ("1/(time - 1.2345) > 1e4", 1e-4, 1),
+    ("abs(time^2 - 1.5) < 1e-6", 1e-6/math.sqrt(1.5), 1), ("1/cos(3*time)^2 > 1e8", 4e-4/3, 2)])
 @pytest.mark.parametrize("solver", ["auto", "erk"])
 def test_conditions_of_time_are_met_however_short_they_hold(condition: str, lasts: float, count: int, solver: str) -> None:
     """Nothing else bends here, so that a step goes over all of it."""

@@ -339,6 +339,10 @@ KINKS = [  # the start, the wall w in time, and the places at 0.6, 1.1, 1.5 and 
     (1.25, "max(0, 0.1*(time/1[s] - 1))", [0.0, 0.01, 0.05, 0.1]),  # fell from 0.5 s on
     (1.25, "min(0, 0.1*(1 - time/1[s]))", [0.0, -0.01, -0.05, -0.1]),
     (0.0, "0.1*abs(time/1[s] - 1) - 0.1", [-0.06, -0.09, -0.05, 0.0]),  # went on through it at 1 s
+    (0.0, "max(0, min(0.1, 0.1*(time/1[s] - 1)))", [0.0, 0.01, 0.05, 0.1]),  # stayed at 0 until 2 s
+    (0.05, "0.1*abs(abs(time/1[s] - 1) - 0.5)", [0.01, 0.04, 0.0, 0.05]),  # went on through it at 1.5 s
+    (0.0, "max(0.1*(time/1[s] - 1), max(0.2*(time/1[s] - 1.5), 0))", [0.0, 0.01, 0.05, 0.1]),  # stayed at 0 until 1.5 s
+    (0.0, "0.1*max(0, min(0.5, sin(time/1[s] - 1)))", [0.0, 0.1*np.sin(0.1), 0.1*np.sin(0.5), 0.05]),  # implicit: stayed at 0
 ]
 
 
@@ -354,3 +358,26 @@ def test_a_wall_whose_pace_changes(scene: Write, start: float, wall: str, right:
     for solver in ("auto", "erk", "implicit"):
         run = model.simulate(at=[0.6, 1.1, 1.5, 2.0], solver=solver, tolerance=1e-9)
         np.testing.assert_allclose(run["y.s"], right, rtol=0, atol=1e-8, err_msg=solver)
+
+
+LEAST = [  # what is declared, the wall, and when it changes: by less than what is pressed there moves in no time
+    ("discrete Length l(start = 0.3);", "l - 0.3", "when time > 1 then l = 0.1 + 0.2; end when;"),
+    ("discrete Length l(start = 0);", "l", "when sample(0.5, 0.5) then l = pre(l) + 1e-11; end when;"),
+    ("parameter Length a = 0.1, b = 0.2, c = 0.3;", "(if time < 1 then c else a + b) - c", ""),
+]
+
+
+@pytest.mark.parametrize(("declared", "wall", "event"), LEAST)
+def test_a_wall_that_rounding_moves(scene: Write, declared: str, wall: str, event: str) -> None:
+    """What rests at 0 has no size: the place of the wall jumped by 5.6e-17 m, and nothing held any more."""
+    model = scene(f"""model Least
+      World world(gravity = {{0, -10}});
+      Prismatic y(a = world, along = {{0, 1}});
+      PointMass p(m = 1, center = y.b);
+      {declared}
+      Stop floor(gap = y.s - ({wall}));
+    {"equation " + event if event else ""}
+    end Least;""")
+    for solver in ("auto", "erk", "implicit"):
+        run = model.simulate(at=[0.7, 1.5, 3.0], solver=solver, tolerance=1e-9)
+        np.testing.assert_allclose(run["y.s"], 0, rtol=0, atol=1e-10, err_msg=solver)

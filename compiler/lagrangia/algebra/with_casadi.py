@@ -9,10 +9,11 @@ from typing import Any
 
 import casadi as ca
 
-from lagrangia.algebra.displacements import Displacements
-from lagrangia.algebra.duals import TINY, NotATimeError, Scalar, is_zero, minus, nested_lines, slopes_of
+from lagrangia.algebra.crossings import Crossing, find_crossing
+from lagrangia.algebra.duals import TINY, NotATimeError, Scalar, is_zero, nested_lines, slopes_of
 from lagrangia.algebra.lookup_functions import TableUse, in_force, written
-from lagrangia.algebra.numbering import Numbering, rebuilt
+from lagrangia.algebra.modes import RELATIONS, Mode, ModeIndex
+from lagrangia.algebra.numbering import rebuilt
 from lagrangia.algebra.scalars import Expression, apply, apply_to_one, as_expression, symbols_in
 from lagrangia.algebra.scalars import symbol as make_symbol
 from lagrangia.base.records import dataclass
@@ -21,98 +22,6 @@ from lagrangia.base.table_data import Beyond, TableData, lines_between
 _NUMBERS = (float, int)
 _FIRST_TABLE = 2  # kind of the events of table 0
 _MOST_KNOTS = 2_000  # of a table that is written out, as one along a coordinate
-
-
-@dataclass
-class Mode:
-    """A quantity that is constant between two time events: a relation, a floor, or what a table in time says of a line.
-
-    `value` gives it as a function of t (the middle of the segment) and p; the events are where one of the arguments crosses
-    zero (kind 0), an integer (kind 1) or a knot of table k (kind 2 + k). Of a table, `use`, it is a number of its piece; of an
-    input it is one, too, and has no events of its own.
-    """
-
-    symbol: ca.SX
-    formula: ca.SX | None
-    arguments: Sequence[ca.SX]
-    kind: int
-    use: TableUse | None = None
-    column: int = 0
-    of_input: tuple[int, int, int] | None = None  # the places of one and of its first two rates among the inputs, or -1
-
-    of_sampler: tuple[int, int] | None = None  # whose instants change it, and its rank there; its formula is then its first value
-    of_attitude: str = ""  # whose reference it is a part of: it moves with the steps, from its formula on
-
-    @cached_property
-    def hash(self) -> int:
-        """Of its symbol."""
-        return int(self.symbol.__hash__())
-
-    @property
-    def is_filled_in(self) -> bool:
-        """By the run time, from tables, inputs or at instants."""
-        return self.use is not None or self.of_input is not None or self.of_sampler is not None
-
-    @property
-    def is_kept(self) -> bool:
-        """Whether it is state of the run: no time and parameters say what it is."""
-        return self.of_sampler is not None or self.of_attitude != ""
-
-    @property
-    def jumps(self) -> bool:
-        """Whether what is made of it may jump, or its rate, at an event: splines do not, but where they end and are held."""
-        table = None if self.use is None else self.use.table
-        return not self.of_attitude and (table is None or table.degree < 3 or table.beyond is Beyond.HOLD)
-
-    @property
-    def value(self) -> ca.SX:
-        """At a time that is no event."""
-        if self.use is not None:
-            return as_expression(self.use.pieces[self.column])
-        assert self.formula is not None
-        return self.formula
-
-    @property
-    def written(self) -> ca.SX:
-        """The same without calls, which tapes cannot have."""
-        return self.value if self.use is None else as_expression(self.use.written_pieces[self.column])
-
-
-@dataclass
-class ModeIndex:
-    """Finds the mode that says the same, however its expression was built: what is the same has one number."""
-
-    numbering: Numbering = field(default_factory=Numbering)  # of all parts of arguments
-    symbols: dict[Hashable, ca.SX] = field(default_factory=dict)  # by operator and argument
-    hashes: set[int] = field(default_factory=set)  # of these symbols, but for references of attitudes
-    references: set[int] = field(default_factory=set)  # of those
-    modes: list[Mode] = field(default_factory=list)  # all of them, of all islands
-    lengths: dict[int, ca.SX] = field(default_factory=dict)  # x of |x| that are lengths, by their numbers
-    tables: list[TableData] = field(default_factory=list)  # in time, each once
-    literals: dict[Hashable, TableData] = field(default_factory=dict)
-    asked: set[str] = field(default_factory=set)  # of the algebra: functions, "choice" for conditions and tables
-    displacements: Displacements = field(default_factory=Displacements)
-
-
-@dataclass(frozen=True)
-class _Crossing:
-    """Where a + b t, or a + b t + s floor(c + d t), crosses levels."""
-
-    number: int  # of all that says the same
-    value: ca.SX  # in time and parameters alone
-    straight: ca.SX  # a + b t
-    step: ca.SX | None = None  # s
-    jumps: Sequence[ca.SX] = ()  # c + d t
-
-    @property
-    def kind(self) -> int:
-        return 0 if self.step is None else 1
-
-    def arguments(self, levels: Sequence[Scalar]) -> list[ca.SX]:
-        """Of events. With a step, straight + s n is the level for some integer n: at each crossing, and at other times."""
-        if self.step is None:
-            return [minus(self.straight, level) for level in levels]
-        return [*self.jumps, *((level - self.straight) / self.step for level in levels)]
 
 
 @dataclass
@@ -170,8 +79,9 @@ class CasadiAlgebra:
             arguments = (self._at_rest(arguments[0]),)
             inner = arguments[0] if function == "floor" else -arguments[0]
             crossing = self._crossing(inner)
-            if crossing is not None and crossing.step is None:
-                mode = self._mode(("floor", crossing.number), ca.floor(inner), [inner], 1)
+            if crossing is not None and not crossing.steps:
+                lines, _ = crossing.events([0.0])
+                mode = self._mode(("floor", crossing.number), ca.floor(crossing.value), lines, [1] * len(lines))
                 return mode if function == "floor" else -mode
         if function == "mod":
             a, b = arguments
@@ -210,10 +120,12 @@ class CasadiAlgebra:
             a = _without_sign(a)
         difference = a - b
         crossing = self._crossing(difference) if operator not in ("==", "<>") else None
-        if crossing is not None:
-            key, value = (operator, crossing.number), _COMPARE[operator](crossing.value, 0)
-            return self._mode(key, value, crossing.arguments([0.0]), crossing.kind)
-        return as_expression(_COMPARE[operator](a, b))
+        return as_expression(_COMPARE[operator](a, b)) if crossing is None else self._relation(operator, crossing)
+
+    def _relation(self, operator: str, crossing: Crossing) -> ca.SX:
+        """The mode that says on which side of 0 it is."""
+        arguments, kinds = crossing.events([0.0])
+        return self._mode((operator, crossing.number), _COMPARE[operator](crossing.value, 0), arguments, kinds)
 
     def choose(self, condition: Scalar, then: Scalar, otherwise: Scalar) -> Scalar:
         """The sum of both, each of which is 0 where the condition says so."""
@@ -223,18 +135,26 @@ class CasadiAlgebra:
         opposite = apply_to_one(ca.OP_NOT, condition)
         return apply(ca.OP_IF_ELSE_ZERO, condition, then) + apply(ca.OP_IF_ELSE_ZERO, opposite, otherwise)
 
+    @property
+    def may_bend(self) -> bool:
+        """Whether something may be one of several functions of time, besides what modes say already."""
+        return not _BENDING.isdisjoint(self.index.asked)
+
     def arms_in_force(self, expressions: Sequence[ca.SX]) -> list[ca.SX]:
-        """The same with modes for what max, min, abs and sign take where time decides: what is made of them, as their rates, is
-        that of one arm until the event."""
+        """The same with modes for what max, min, abs, sign and comparisons take where time decides: what is made of them, as
+        their rates, is that of one arm until the event."""
 
         def made(op: int, _: list[int], operands: list[Expression]) -> Expression | None:
             a, b = operands if len(operands) > 1 else (operands[0], 0.0)
-            if op not in _ARMS or self._crossing(a - b) is None:
+            crossing = self._crossing(self._at_rest(a - b), may_wave=True) if op in _ARMS else None
+            if crossing is None:
                 return None
-            is_first = self.compare("<" if op == ca.OP_FMIN else ">", a, b)
+            if op in RELATIONS:
+                return as_expression(self._relation(RELATIONS[op], crossing))
+            is_first = self._relation("<" if op == ca.OP_FMIN else ">", crossing)
             if op in (ca.OP_FMIN, ca.OP_FMAX):
                 return as_expression(self.choose(is_first, a, b))
-            sign = is_first - self.compare("<", a, b)
+            sign = is_first - self._relation("<", crossing)
             return as_expression(sign if op == ca.OP_SIGN else sign * a)
 
         is_bent = any(not _ARMS.isdisjoint(operations_in(x)) for x in expressions)
@@ -259,14 +179,14 @@ class CasadiAlgebra:
         columns = [[xs[0], *xs], [ys[0], *ys], [0.0, *slopes_of(xs, ys), 0.0]]
         rest = self._at_rest(x)
         crossing = self._crossing(rest) if self._are_fixed([*xs, *ys]) else None
-        if crossing is not None and crossing.step is None and all(isinstance(entry, _NUMBERS) for entry in (*xs, *ys)):
+        if crossing is not None and crossing.is_straight and all(isinstance(entry, _NUMBERS) for entry in (*xs, *ys)):
             place, value, slope = self.pieces(x, self._literal(xs, ys))
             return value + (x - place) * slope, lambda: slope
         where = _cases([apply(ca.OP_LT, crossing.value, at) if crossing else self.compare("<", rest, at) for at in xs], xs)
         found = [in_force(where, column) for column in columns]
         if crossing:
-            key, arguments = (crossing.number, *(self._key(entry) for entry in (*xs, *ys))), crossing.arguments(xs)
-            found = [self._mode(("lines", k, key), value, arguments, crossing.kind) for k, value in enumerate(found)]
+            key, (arguments, kinds) = (crossing.number, *(self._key(entry) for entry in (*xs, *ys))), crossing.events(xs)
+            found = [self._mode(("lines", k, key), value, arguments, kinds) for k, value in enumerate(found)]
         place, value, slope = found
         return value + (x - place) * slope, lambda: slope
 
@@ -277,7 +197,7 @@ class CasadiAlgebra:
             return list(table.piece(float(x)))
         rest = self._at_rest(x)
         crossing = self._crossing(rest)
-        if crossing is not None and crossing.step is None:
+        if crossing is not None and crossing.is_straight:
             return self._pieces_in_time(crossing.number, x, table)
         if table.n > _MOST_KNOTS or table.beyond is Beyond.ERROR:
             raise NotATimeError(table)
@@ -292,24 +212,24 @@ class CasadiAlgebra:
         if known == len(self.index.tables):
             self.index.tables.append(table)
         use, arguments = TableUse(table, known, x), [x]
-        return [self._mode(("table", known, column, number), None, arguments, _FIRST_TABLE + known, use, column)
+        return [self._mode(("table", known, column, number), None, arguments, [_FIRST_TABLE + known], use, column)
                 for column in range(2 + table.degree)]
 
     def pieces_of_input(self, places: tuple[int, int, int], y: ca.SX, rate: Scalar, second: Scalar) -> list[ca.SX]:
         """Place and coefficients of what an input is in time, modes that the run time fills in: LAG_PIECE of inputs.h. Elsewhere
         it goes on from the present time with its rates."""
         values, arguments = (self.time, y, rate, second / 2, 0.0), list[ca.SX]()
-        return [self._mode(("input", column, places[0]), as_expression(value), arguments, 0, column=column, of_input=places)
+        return [self._mode(("input", column, places[0]), as_expression(value), arguments, (), column=column, of_input=places)
                 for column, value in enumerate(values)]
 
     def held(self, name: str, sampler: tuple[int, int], first: ca.SX, arguments: Sequence[ca.SX]) -> ca.SX:
         """A value that only changes where one of the arguments is a whole number, by what the run time asks for there; the number
         of its sampler and its rank."""
-        return self._mode(("held", name), first, arguments, 1, of_sampler=sampler)
+        return self._mode(("held", name), first, arguments, [1] * len(arguments), of_sampler=sampler)
 
     def reference(self, attitude: str, part: int, first: ca.SX) -> ca.SX:
         """A part of the reference of an attitude."""
-        made = self._mode(("attitude", attitude, part), first, [], 0)
+        made = self._mode(("attitude", attitude, part), first, [], ())
         self.modes[-1].of_attitude = attitude
         self.index.hashes.discard(made.__hash__())
         self.index.references.add(made.__hash__())
@@ -342,26 +262,16 @@ class CasadiAlgebra:
         """The same for what says the same, of numbers and of expressions of parameters."""
         return ("expression", self._number(value)) if isinstance(value, ca.SX) else float(value)
 
-    def _crossing(self, value: Scalar) -> "_Crossing | None":
+    def _crossing(self, value: Scalar, may_wave: bool = False) -> Crossing | None:
         """Of what depends on time, and on nothing else that changes, in such a way that its crossings can be computed. None for
-        all else: what depends on other modes crosses at other times in each segment and stays a plain condition."""
+        all else: what depends on other modes than relations and one floor stays a plain condition."""
         if not isinstance(value, ca.SX):
             return None
         hashes = symbols_in(value)
         if not hashes.isdisjoint(self._moving) or not hashes.isdisjoint(self.index.references):
             return None
-        if hashes.isdisjoint(self.index.hashes):
-            is_timed = self.time.__hash__() in hashes and self._is_straight(value)
-            return _Crossing(self._number(value), value, value) if is_timed else None
-        floor, *others = [mode for mode in self.index.modes if mode.hash in hashes]
-        if floor.is_filled_in:
-            return None
-        straight, step = ca.substitute(value, floor.symbol, ca.SX(0)), ca.jacobian(value, floor.symbol)
-        if others or floor.value.op() != ca.OP_FLOOR or ca.depends_on(step, ca.vertcat(self.time, floor.symbol)):
-            return None
-        if not self._is_straight(straight):
-            return None
-        return _Crossing(self._number(value), ca.substitute(value, floor.symbol, floor.value), straight, step, floor.arguments)
+        modes = [] if hashes.isdisjoint(self.index.hashes) else [mode for mode in self.index.modes if mode.hash in hashes]
+        return find_crossing(value, self.time, modes, self.index.numbering, self._is_straight, may_wave)
 
     def _is_straight(self, value: ca.SX) -> bool:
         """a + b t; a slope does not tell of jumps."""
@@ -375,13 +285,13 @@ class CasadiAlgebra:
     def _moving(self) -> frozenset[int]:
         return frozenset(x.__hash__() for x in self.state.elements())
 
-    def _mode(self, key: Hashable, value: ca.SX | None, arguments: Sequence[ca.SX], kind: int, use: TableUse | None = None,
-              column: int = 0, of_input: tuple[int, int, int] | None = None,
+    def _mode(self, key: Hashable, value: ca.SX | None, arguments: Sequence[ca.SX], kinds: Sequence[int],
+              use: TableUse | None = None, column: int = 0, of_input: tuple[int, int, int] | None = None,
               of_sampler: tuple[int, int] | None = None) -> ca.SX:
         if key not in self.index.symbols:
             made = self.index.symbols[key] = make_symbol(f"d_{len(self.modes)}")
             self.index.hashes.add(made.__hash__())
-            mode = Mode(made, value, arguments, kind, use, column, of_input, of_sampler)
+            mode = Mode(made, value, arguments, kinds, use, column, of_input, of_sampler)
             self.modes.append(mode)
             self.index.modes.append(mode)
         return self.index.symbols[key]
@@ -470,7 +380,8 @@ def uses(function: ca.Function, operations: frozenset[int]) -> bool:
     return not operations.isdisjoint(function.instruction_id(k) for k in range(function.n_instructions()))
 
 
-_ARMS = frozenset({ca.OP_FABS, ca.OP_FMIN, ca.OP_FMAX, ca.OP_SIGN})
+_BENDING = frozenset({"abs", "fmin", "fmax", "sign", "choice"})  # of what an algebra is asked for
+_ARMS = frozenset({ca.OP_FABS, ca.OP_FMIN, ca.OP_FMAX, ca.OP_SIGN}) | RELATIONS.keys()
 _JUMPS = frozenset({ca.OP_LT, ca.OP_LE, ca.OP_EQ, ca.OP_NE, ca.OP_SIGN, ca.OP_FLOOR, ca.OP_CEIL})
 _SX_FUNCTIONS: Mapping[str, Callable[..., Any]] = {
     **{name: partial(apply_to_one, getattr(ca, f"OP_{name.upper()}")) for name in (

@@ -11,8 +11,8 @@ from itertools import islice, pairwise
 import casadi as ca
 
 from lagrangia.algebra.duals import Scalar
+from lagrangia.algebra.modes import Mode
 from lagrangia.algebra.scalars import symbols_in
-from lagrangia.algebra.with_casadi import Mode
 from lagrangia.base.records import dataclass
 from lagrangia.compile.casadi_instructions import APART
 from lagrangia.compile.hoisting import Hoisted, hoist

@@ -2,7 +2,7 @@
 
 import casadi as ca
 
-from lagrangia.algebra.with_casadi import Mode
+from lagrangia.algebra.modes import Mode
 from lagrangia.dynamics.motion import Motion
 from lagrangia.frames.kinematics import Kinematics
 from lagrangia.language.attitudes import parts_of
@@ -49,7 +49,7 @@ def find_lookups(modes: list[Mode]) -> tuple[int, ...]:
 def events_of(modes: list[Mode]) -> list[tuple[ca.SX, int]]:
     """The arguments of the modes with their kinds; what modes of one table share stands there once."""
     shared = {id(mode.arguments): mode for mode in modes}
-    return [(argument, mode.kind) for mode in shared.values() for argument in mode.arguments]
+    return [event for mode in shared.values() for event in mode.events]
 
 
 def mode_functions(motion: Motion, modes: list[Mode]) -> dict[str, ca.Function]:

@@ -8,8 +8,8 @@ from typing import Any
 
 import casadi as ca
 
+from lagrangia.algebra.modes import Mode
 from lagrangia.algebra.scalars import symbols_in
-from lagrangia.algebra.with_casadi import Mode
 from lagrangia.base.diagnostics import fail
 from lagrangia.compile.functions import Functions, build_island_functions, elements_of
 from lagrangia.compile.hoisted_tapes import tapes_of

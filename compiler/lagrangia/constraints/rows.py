@@ -59,12 +59,16 @@ class Row:
 
     def rate(self, kinematics: Kinematics) -> Scalar:
         """d/dt of a holonomic row along the motion; a nonholonomic row itself."""
-        return rate_of(self.value(kinematics, 1)) if self.is_holonomic else self.value(kinematics, 0)
+        return self._by_arms(rate_of(self.value(kinematics, 1)) if self.is_holonomic else self.value(kinematics, 0), kinematics)
 
     def second_rate(self, kinematics: Kinematics) -> Scalar:
         """The next derivative, with the accelerations that the kinematics hold."""
         rate = rate_of(self.value(kinematics, 2 if self.is_holonomic else 1))
-        return rate_of(rate) if self.is_holonomic else rate
+        return self._by_arms(rate_of(rate) if self.is_holonomic else rate, kinematics)
+
+    def _by_arms(self, rate: Scalar, kinematics: Kinematics) -> Scalar:
+        """The same, with modes where max, min and abs of time bend."""
+        return kinematics.algebra.arms_in_force([ca.SX(rate)])[0] if self.is_timed and kinematics.algebra.may_bend else rate
 
 
 @dataclass(frozen=True)
@@ -376,6 +380,8 @@ class _Reduction:
             places = self._places(symbols_in(solution))
             q = self._coordinates(places)
             constant = ca.substitute(solution, q, ca.SX.zeros(len(places)))
+            if kinematics.algebra.may_bend and ca.depends_on(constant, t):
+                (constant,) = kinematics.algebra.arms_in_force([constant])
             first = ca.jacobian(constant, t)
             slopes = ca.jacobian(solution, q)
             terms = {self.names[place]: slopes[0, k] for k, place in enumerate(places) if slopes.sparsity().has_nz(0, k)}

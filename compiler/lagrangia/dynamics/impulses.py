@@ -10,12 +10,16 @@ damping: they add nothing here.
 """
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from lagrangia.algebra.modes import RELATIONS
+from lagrangia.algebra.numbering import rebuilt
+from lagrangia.algebra.scalars import Expression, as_expression
+from lagrangia.base.diagnostics import fail
 from lagrangia.base.records import dataclass
 from lagrangia.constraints.parameters import usual_parameters
 from lagrangia.constraints.rows import Constraints
@@ -25,6 +29,7 @@ from lagrangia.dynamics.motion import Motion, mass_matrix, solve_mass
 from lagrangia.frames.kinematics import Kinematics
 
 _FIRST_KNOTS = 50  # of a table of steps
+_BESIDE = 1e-9  # s
 _NOTHING = 1e-6  # of the size of its terms: an impulse that is rounding
 
 
@@ -38,14 +43,73 @@ class Kick:
 
 def rates_jump(kinematics: Kinematics, constraints: Constraints) -> bool:
     """Whether there are kicks, of scenes that are not compiled as a whole."""
-    modes = _jumping(kinematics)
-    if modes.numel() == 0:
+    if not kinematics.algebra.modes and not _may_bend_in_time(kinematics):
         return False
-    energies, before = evaluate_energies(kinematics), ca.SX.sym("before", len(kinematics.algebra.modes))
+    energies = evaluate_energies(kinematics)
     q, v = (ca.vertcat(*values.values()) for values in (kinematics.symbols.positions, kinematics.symbols.rates))
     momentum = ca.gradient(energies.total(energies.kinetic), v)
-    return bool(ca.depends_on(ca.vertcat(momentum, *(row.rate(kinematics) for row in constraints.rows)), modes)
+    momentum, rows = _by_arms(kinematics, momentum, ca.vertcat(ca.SX(0, 1), *(row.rate(kinematics) for row in constraints.rows)))
+    modes, before = _jumping(kinematics), ca.SX.sym("before", len(kinematics.algebra.modes))
+    if modes.numel() == 0:
+        return False
+    return bool(ca.depends_on(ca.vertcat(momentum, rows), modes)
                 or _impulse_of_dampers(kinematics, q, v, kinematics.algebra.mode_symbols, before) is not None)
+
+
+def _may_bend_in_time(kinematics: Kinematics) -> bool:
+    return kinematics.algebra.may_bend and "time" in kinematics.symbols.asked
+
+
+def _by_arms(kinematics: Kinematics, momentum: ca.SX, rows: ca.SX) -> list[ca.SX]:
+    """The same, with modes where supports move by max, min and abs of time: their rates jump at these bends."""
+    is_timed = _may_bend_in_time(kinematics) and ca.depends_on(ca.vertcat(momentum, rows), kinematics.symbols.time)
+    return kinematics.algebra.arms_in_force([momentum, rows]) if is_timed else [momentum, rows]
+
+
+def _refuse_untold(kinematics: Kinematics, momentum: ca.SX, rows: ca.SX) -> None:
+    """Raises LagError L0914 where rates of supports jump at times that nothing tells beforehand: no step would meet them."""
+    algebra, time, found = kinematics.algebra, kinematics.symbols.time, list[ca.SX]()
+
+    def note(op: int, _: list[int], operands: list[Expression]) -> None:
+        if op == ca.OP_SIGN or op in RELATIONS:
+            g = as_expression(operands[0] - (operands[1] if len(operands) > 1 else 0))
+            found.extend([g] if ca.depends_on(g, time) and not ca.depends_on(g, algebra.state) else [])
+
+    moved = ca.vertcat(momentum, rows)
+    if not _may_bend_in_time(kinematics) or not ca.depends_on(moved, time):
+        return
+    rebuilt([moved], algebra.index.numbering, note)
+    if any(_jumps_with(kinematics, g, moved) for g in found):
+        fail("L0914", "not supported yet: a support or a prescribed coordinate whose rate jumps at a time that is not known "
+             "beforehand", kinematics.graph.model.span, "straight lines and sines of time tell when they are 0, as in "
+             "max(0, time/1[s] - 1) or abs(sin(2*time/1[s])); others as branches of time: if time < 1 then ... else ...")
+
+
+def _jumps_with(kinematics: Kinematics, g: ca.SX, moved: ca.SX) -> bool:
+    """Whether something jumps where g passes 0 in the first 20 s, with parameters and positions like any others."""
+    p, numbers = usual_parameters(kinematics)
+    g, moved = kinematics.algebra.with_modes([g, moved])
+    known = ca.vertcat(kinematics.symbols.time, p)
+    others = ca.vertcat(ca.SX(0, 1), *[x for x in ca.symvar(ca.vertcat(g, moved)) if not ca.depends_on(known, x)])
+    rest = np.random.default_rng(2).uniform(0.3, 1.7, others.numel())
+    told, carried = (ca.Function("look", [kinematics.symbols.time, p, others], [x]) for x in (g, moved))
+    for place in _roots(lambda t: float(told(t, numbers, rest)), np.linspace(0, 20, 4001)):
+        before, after = (np.array(carried(t, numbers, rest)) for t in (place - _BESIDE, place + _BESIDE))
+        if np.abs(after - before).max() > _NOTHING * np.abs([before, after]).max():
+            return True
+    return False
+
+
+def _roots(of: Callable[[float], float], times: NDArray[np.float64]) -> Iterator[float]:
+    """Where a function passes 0 between two of these times, once, to within a part of _BESIDE."""
+    values = [of(t) for t in times]
+    for k in range(1, len(times)):
+        low, high = float(times[k - 1]), float(times[k])
+        while (values[k - 1] < 0) != (values[k] < 0) and high - low > _BESIDE / 4:
+            middle = (low + high) / 2
+            low, high = (middle, high) if (of(middle) < 0) == (values[k - 1] < 0) else (low, middle)
+        if (values[k - 1] < 0) != (values[k] < 0):
+            yield high
 
 
 def _jumping(kinematics: Kinematics) -> ca.SX:
@@ -55,16 +119,20 @@ def _jumping(kinematics: Kinematics) -> ca.SX:
 
 def find_kick(kinematics: Kinematics, motion: Motion) -> Kick:
     """How rates jump where supports and prescribed coordinates jump in theirs."""
-    modes, held = kinematics.algebra.mode_symbols, motion.constrained
-    rows = held.rows.rate if held else ca.SX(0, 1)
+    held = motion.constrained
+    if all(mode.of_attitude for mode in kinematics.algebra.modes) and not _may_bend_in_time(kinematics):
+        return Kick(ca.SX(0, 1), ca.SX.sym("before", len(kinematics.algebra.modes)))
+    momentum, rows = _by_arms(kinematics, motion.momentum, held.rows.rate if held else ca.SX(0, 1))
+    _refuse_untold(kinematics, momentum, rows)
+    modes = kinematics.algebra.mode_symbols
     before = ca.vertcat(*[ca.SX.sym(f"before_{k}") for k in range(modes.numel())])
     if all(mode.of_attitude for mode in kinematics.algebra.modes):
         return Kick(ca.SX(0, 1), before)
     impulse = _impulse_of_dampers(kinematics, motion.q, motion.v, modes, before)
     jumping, earlier = _jumping(kinematics), [before[k] for k, mode in enumerate(kinematics.algebra.modes) if mode.jumps]
-    if impulse is None and not ca.depends_on(ca.vertcat(motion.momentum, rows), jumping):
+    if impulse is None and not ca.depends_on(ca.vertcat(momentum, rows), jumping):
         return Kick(ca.SX(0, 1), before)
-    gained = motion.momentum - ca.substitute(motion.momentum, jumping, ca.vertcat(ca.SX(0, 1), *earlier))
+    gained = momentum - ca.substitute(momentum, jumping, ca.vertcat(ca.SX(0, 1), *earlier))
     gained -= 0 if impulse is None else impulse
     if held is None:
         return Kick(ca.densify(solve_mass(kinematics, motion, -gained)), before)
@@ -117,7 +185,7 @@ def _event_times(kinematics: Kinematics, p: ca.SX, numbers: NDArray[np.float64])
     """Of each condition that crosses zero, three of each that crosses integers, and the first knots of tables of steps: others do
     not jump."""
     modes = [mode for mode in kinematics.algebra.modes if mode.use is None]
-    arguments = [(argument, mode.kind) for mode in modes for argument in mode.arguments]
+    arguments = [event for mode in modes for event in mode.events]
     values = ca.Function("arguments", [kinematics.symbols.time, p], [ca.vertcat(*[argument for argument, _ in arguments])])
     start, later = (np.array(values(moment, numbers)).ravel() for moment in (0.0, 1.0))
     for (_, kind), a, slope in zip(arguments, start, later - start, strict=True):

@@ -24,6 +24,8 @@ _ROOTS = frozenset({ca.OP_SQRT, ca.OP_LOG, ca.OP_POW, ca.OP_CONSTPOW})
 _WAVES = frozenset({ca.OP_COS, ca.OP_SIN})
 _EVEN = _WAVES | {ca.OP_SQ}
 _ASKED = frozenset({"exp", "tanh", "cosh", "sinh", "atan", "erf", "asinh", "sqrt", "log", "pow", "ratio"})
+_DIVIDING = frozenset({ca.OP_DIV, ca.OP_INV, ca.OP_TAN, ca.OP_POW, ca.OP_CONSTPOW})
+_BENDING = frozenset({ca.OP_FABS, ca.OP_SQ, ca.OP_FMIN, ca.OP_FMAX})
 _HIGH = 6  # power from which on a factor that turns makes something narrow
 _FEW = 8  # factors of a product that are looked at
 _FAINT = 37.0  # logarithm of what is rounding beside 1
@@ -109,11 +111,28 @@ def find_narrow_places(motion: Motion, switches: Switches) -> ca.SX:
 
 def find_hiding_places(motion: Motion, switches: Switches) -> ca.SX:
     """The same of conditions that time alone decides: these may come and go within a step, whatever its stages are."""
-    if motion.asked.isdisjoint(_ASKED) or not ca.depends_on(switches.values, motion.t):
+    if not ca.depends_on(switches.values, motion.t):
         return ca.SX(0, 1)
     moved = symbols_in(ca.vertcat(motion.q, motion.v, motion.a))
     timed = [as_expression(g) for g in ca.vertsplit(switches.values) if moved.isdisjoint(symbols_in(g))]
-    return _find(timed, motion.t, frozenset(), moved)
+    inner = _find(timed, motion.t, frozenset(), moved) if not motion.asked.isdisjoint(_ASKED) else ca.SX(0, 1)
+    return ca.vertcat(inner, *[g for g in timed if _is_sharp(g, motion.t)])
+
+
+def _is_sharp(g: Expression, time: ca.SX) -> bool:
+    """Whether it may turn back within little: where what is no straight line is squared, or has a corner, or is divided by."""
+    found = list[Expression]()
+
+    def note(op: int, _: list[int], operands: list[Expression]) -> None:
+        if op in _DIVIDING:
+            found.extend([operands[-1]] if ca.depends_on(operands[-1], time) else [])
+        elif op in _BENDING:
+            slope = ca.jacobian(operands[0] - operands[1] if len(operands) > 1 else operands[0], time)
+            found.extend([operands[0]] if ca.depends_on(slope, time) else [])
+
+    if ca.depends_on(g, time):
+        rebuilt([g], Numbering(), note)
+    return bool(found)
 
 
 def _find(expressions: list[ca.SX], coordinates: ca.SX, rates: frozenset[int], rest: frozenset[int]) -> ca.SX:

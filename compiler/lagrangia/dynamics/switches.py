@@ -139,6 +139,7 @@ def find_switches(motion: Motion, late: ca.SX | None = None) -> Switches:
     movers = ca.vertcat(motion.t, motion.q, motion.v, motion.u, reactions)
     found, rests, cones = conditions_in([known.h, *laws, *others], movers, motion.v, numbering,
                                         (known.stepped, _between_events(known)))
+    found = found | {pair: g for pair, g in _kinks_of(motion, numbering).items() if pair not in found}
     aliases = _other_shapes(known, found, movers, numbering)
     if not found and not events.numel():
         return Switches()
@@ -161,6 +162,24 @@ def find_switches(motion: Motion, late: ca.SX | None = None) -> Switches:
 def _between_events(motion: Motion) -> ca.SX:
     """What does not change between events, beside discrete variables: parameters, and what is held."""
     return ca.vertcat(motion.p, motion.pieces)
+
+
+def _kinks_of(motion: Motion, numbering: Numbering) -> dict[Pair, Expression]:
+    """What limits and conditions in the gaps of contacts compare, where time or inputs alone decide: the pace of a wall jumps
+    there, and nothing of what rests on it tells when."""
+    movers, others, found = ca.vertcat(motion.t, motion.u), ca.vertcat(motion.q, motion.v), dict[Pair, Expression]()
+
+    def note(op: int, numbers: list[int], operands: list[Expression]) -> None:
+        pair = pair_of(numbering, op, numbers) if op in (*RELATIONS, *SIGNS) else None
+        if pair is None or pair in found:
+            return
+        a, b = operands if op in RELATIONS else (operands[0], as_expression(0.0))
+        g = as_expression(a - b if numbers[0] == pair[0] else b - a)
+        if ca.depends_on(g, movers) and not ca.depends_on(g, others):
+            found[pair] = g
+
+    rebuilt([motion.impacts.arms], numbering, note)
+    return found
 
 
 def _other_shapes(known: Motion, found: dict[Pair, Expression], movers: ca.SX, numbering: Numbering

@@ -9,7 +9,7 @@ from functools import cached_property
 
 import casadi as ca
 
-from lagrangia.algebra.with_casadi import Mode
+from lagrangia.algebra.modes import Mode
 from lagrangia.base.diagnostics import Span
 from lagrangia.base.records import dataclass
 from lagrangia.constraints.initial import InitialConditions

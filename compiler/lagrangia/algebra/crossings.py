@@ -1,0 +1,110 @@
+"""Where what follows from time and parameters alone crosses levels. It may be one of several lines, as a limit, a distance or a
+branch says: each of them may be the one that crosses."""
+
+from collections.abc import Callable, Sequence
+
+import casadi as ca
+
+from lagrangia.algebra.duals import Scalar, minus
+from lagrangia.algebra.modes import Mode
+from lagrangia.algebra.numbering import Numbering, rebuilt
+from lagrangia.algebra.scalars import Expression, as_expression, symbol, symbols_in
+from lagrangia.base.records import dataclass
+
+_MOST_LINES = 64  # independent choices multiply
+Test = Callable[[ca.SX], bool]
+Line = tuple[ca.SX, ca.SX | None]  # a + b t, and s of what it may have besides: s floor(c + d t)
+Events = tuple[list[ca.SX], list[int]]  # arguments and their kinds: see Mode
+
+
+@dataclass(frozen=True)
+class Crossing:
+    """Where a + b t, or a + b t + s floor(c + d t), crosses levels; or where one of several such lines does; or a wave 0."""
+
+    number: int  # of all that says the same
+    value: ca.SX  # in time and parameters alone
+    lines: Sequence[Line]
+    jumps: Sequence[ca.SX] = ()  # c + d t
+    phases: Sequence[ca.SX] = ()  # whole numbers where waves are 0
+    is_straight: bool = False  # it is a + b t itself
+
+    @property
+    def steps(self) -> bool:
+        """Whether whole numbers are among its events."""
+        return bool(self.jumps or self.phases)
+
+    def events(self, levels: Sequence[Scalar]) -> Events:
+        """With a step, straight + s n is the level for some integer n: at each crossing, and at other times."""
+        found = [(x, 1) for x in (*self.jumps, *self.phases)]
+        found += [(minus(straight, level), 0) if step is None else (as_expression((level - straight) / step), 1)
+                  for straight, step in self.lines for level in levels]
+        return [x for x, _ in found], [kind for _, kind in found]
+
+
+def find_crossing(value: ca.SX, time: ca.SX, modes: Sequence[Mode], numbering: Numbering, is_straight: Test, may_wave: bool
+                  ) -> Crossing | None:
+    """Of a value in which these modes stand; `may_wave`: its lines may be sines, of which only crossings of 0 are known. None
+    where crossings cannot be computed, or there are none."""
+    number, floors = numbering.number(value), [mode for mode in modes if not mode.is_relation]
+    if not modes and ca.depends_on(value, time) and is_straight(value):
+        return Crossing(number, value, [(value, None)], is_straight=True)
+    if len(floors) > 1 or any(mode.is_filled_in or mode.value.op() != ca.OP_FLOOR for mode in floors):
+        return None
+    floor = floors[0].symbol if floors else None
+    lines, phases = list[Line](), list[ca.SX]()
+    for x in _lines_of(value, [mode.symbol for mode in modes if mode.is_relation], numbering) or [value]:
+        line = _line(x, time, floor)
+        waves = _phases_of(x, time, numbering) if may_wave and floor is None and not is_straight(line[0]) else []
+        if not is_straight(line[0]) and not (waves and all(map(is_straight, waves))):
+            return None
+        if line[1] is not None and ca.depends_on(line[1], ca.vertcat(time, floor)):
+            return None
+        phases += waves
+        lines += [line] if not waves and (ca.depends_on(x, time) or line[1] is not None) else []
+    if not lines and not phases:
+        return None
+    known = ca.substitute([value], [mode.symbol for mode in modes], [mode.value for mode in modes])[0] if modes else value
+    return Crossing(number, known, lines, floors[0].arguments if floors else (), phases)
+
+
+def _line(x: ca.SX, time: ca.SX, floor: ca.SX | None) -> Line:
+    """What it is besides a multiple of a floor."""
+    step = None if floor is None else ca.jacobian(x, floor)
+    return (x if floor is None else ca.substitute(x, floor, ca.SX(0))), (None if step is None or step.is_zero() else step)
+
+
+def _lines_of(value: ca.SX, choices: Sequence[ca.SX], numbering: Numbering) -> list[ca.SX]:
+    """What a value is for all that its choices, symbols that are 0 or 1, may say; each once. Nothing: too many."""
+    found: dict[int, ca.SX] = {}
+
+    def choose(line: ca.SX, open_choices: Sequence[ca.SX]) -> bool:
+        known = symbols_in(line)
+        left = [x for x in open_choices if x.__hash__() in known]
+        if not left:
+            found.setdefault(numbering.number(line), line)
+            return len(found) <= _MOST_LINES
+        *others, last = left  # the outermost: with it others go
+        return all(choose(ca.substitute(line, last, ca.SX(truth)), others) for truth in (0, 1))
+
+    return list(found.values()) if choose(value, choices) else []
+
+
+def _phases_of(value: ca.SX, time: ca.SX, numbering: Numbering) -> list[ca.SX]:
+    """Of c + A sin(x) or c + A cos(x), where time stands in x alone: what is a whole number where it is 0; nothing of all else.
+    Of |c| > |A| they tell where it comes nearest."""
+    wave, waves = symbol("wave"), dict[int, tuple[int, Expression]]()
+
+    def made(op: int, numbers: list[int], operands: list[Expression]) -> Expression | None:
+        if op not in (ca.OP_SIN, ca.OP_COS) or not ca.depends_on(operands[0], time):
+            return None
+        waves[numbering.of(op, numbers)] = op, operands[0]
+        return as_expression(wave)
+
+    (of_wave,) = rebuilt([value], numbering, made)
+    size = ca.jacobian(of_wave, wave)
+    if len(waves) != 1 or ca.depends_on(of_wave, time) or size.is_zero() or ca.depends_on(size, wave):
+        return []
+    ((op, x),) = waves.values()
+    share = ca.fmax(ca.fmin(-ca.substitute(of_wave, wave, ca.SX(0)) / size, 1), -1)
+    first, second = (ca.asin(share), ca.pi - ca.asin(share)) if op == ca.OP_SIN else (ca.acos(share), -ca.acos(share))
+    return [as_expression((x - place) / (2 * ca.pi)) for place in (first, second)]
