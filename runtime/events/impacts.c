@@ -12,14 +12,13 @@
 #include "numbers/extremes.h"
 #include "events/impulses.h"
 #include "events/contact_friction.h"
+#include "events/walls.h"
 #include "events/sampling.h"
 #include "model/schedule.h"
 #include "state/state.h"
 
 /* Events that bring each other about so many times, or come again without time passing, do not end. */
 enum { MOST_ROUNDS = 100000, MOST_AT_ONCE = 100000 };
-
-static const double WHILE = 1; /* s */
 
 /* Of impulses, or of what holds. */
 static int largest_problem(const LagModel *model)
@@ -110,26 +109,6 @@ void lag_impacts_hold_as_before(LagRun *run)
 /* What a condition has been last, also by events of the same moment. */
 static int holds(const LagSwitches *s, int i) { return s->turned[i] == LAG_TO_1 || (s->turned[i] != LAG_TO_0 && s->held[i] > 0); }
 
-/* How far the place of contact k may jump and carry along what rests there. Where all is at 0 nothing has a size, and the least jump,
- * by rounding of what the gap is made of, would be larger: what is pressed there would move so far in a while. */
-static double carries(const LagRun *run, int k)
-{
-    const int i = lag_gap(run->model, k), rests = lag_contact(run->model, k);
-    const int is_pressed = run->switches.slides[rests] && *lag_share(run, rests) > 0;
-    const double pressed = is_pressed ? run->scale.asked * run->sliding.most_jump[rests] * WHILE * WHILE : 0;
-    return lag_max(lag_max(run->switches.unknown[i], run->sliding.error[i]), pressed);
-}
-
-/* Whether the place of contact k is another one now, by its gap; what rested there is let go. */
-static int has_moved(LagRun *run, int k, double gap)
-{
-    const int is_place = run->impacts.has_contact[k] == LAG_CONTACT;
-    const int is_moved = is_place && fabs(gap - run->impacts.gap_before[k]) > carries(run, k);
-    if (is_moved)
-        run->switches.slides[lag_contact(run->model, k)] = 0;
-    return is_moved;
-}
-
 int lag_impacts_note_jump(LagRun *run, double t, const double *y)
 {
     int some = 0;
@@ -139,7 +118,7 @@ int lag_impacts_note_jump(LagRun *run, double t, const double *y)
     for (int k = 0; k < run->model->n_whens; ++k) {
         const int i = lag_when(run->model, k), gap = lag_gap(run->model, k), is_after = truth(run, k) > 0;
         const double depth = run->switches.g_inside[gap];
-        const int is_moved = has_moved(run, k, depth), is_new = is_moved && depth > run->sliding.error[gap];
+        const int is_moved = lag_walls_have_moved(run, k, depth), is_new = is_moved && depth > run->sliding.error[gap];
         const int is_carried = !is_moved && run->switches.slides[lag_contact(run->model, k)];
         some |= is_moved;
         if (!is_carried && (is_new || run->impacts.before[k] <= 0) && is_after && !holds(&run->switches, i)) {
@@ -271,6 +250,7 @@ static void begin(LagRun *run)
     const LagModel *model = run->model;
     lag_conditions_of_events(run, switches->g, switches->rate);
     for (int k = 0; k < model->n_whens; ++k) {
+        lag_walls_let_go(run, k);
         const int i = lag_when(model, k), turned = switches->turned[i];
         s->comes[k] = turned == LAG_JUMPS || (turned == LAG_CHANGES && switches->held[i] == 0);
         s->is_on[k] = !s->comes[k] && holds(switches, i);
@@ -298,7 +278,7 @@ static void note_change(LagRun *run, int k)
     const LagImpacts *before = &run->impacts;
     const int i = lag_when(run->model, k), gap = lag_gap(run->model, k), is_true = s->g[i] > 0;
     const double near = run->sliding.error[gap];
-    const int is_moved = has_moved(run, k, s->g[gap]), was_passed = before->before[k] > 0 && before->gap_before[k] > near;
+    const int is_moved = lag_walls_have_moved(run, k, s->g[gap]), was_passed = before->before[k] > 0 && before->gap_before[k] > near;
     if (is_true && s->g[gap] > near && !was_passed && (is_moved || before->before[k] <= 0)) {
         s->turned[i] = LAG_TO_1;
         run->impacts.comes[k] = 1;

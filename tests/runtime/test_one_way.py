@@ -381,3 +381,23 @@ def test_a_wall_that_rounding_moves(scene: Write, declared: str, wall: str, even
     for solver in ("auto", "erk", "implicit"):
         run = model.simulate(at=[0.7, 1.5, 3.0], solver=solver, tolerance=1e-9)
         np.testing.assert_allclose(run["y.s"], 0, rtol=0, atol=1e-10, err_msg=solver)
+
+
+LEDGES = [  # a wall that ends at 1 m, and where what slides on it at 1 m/s from 0.5 m is at 0.2, 0.5, 0.8 and 1.2 s
+    ("if x.s < 1 then 0 else -1", [0.0, 0.0, -0.45, -1.0]),  # was on its lower part at once, or hung on in the air
+    ("-floor(x.s/1[m])*1[m]", [0.0, 0.0, -0.45, -1.0]),
+    ("if x.s < 1 then 0 else 0.5", [0.0, 0.0, -0.45, -2.45]),  # behind what it ran into: was lifted
+]
+
+
+@pytest.mark.parametrize(("wall", "right"), LEDGES)
+def test_a_wall_that_jumps_along_the_way(scene: Write, wall: str, right: list[float]) -> None:
+    model = scene(f"""model Ledge
+      World world(gravity = {{0, -10}});
+      Prismatic x(a = world, s(start = 0.5), v(start = 1)), y(a = x.b, along = {{0, 1}});
+      PointMass p(m = 1, center = y.b);
+      Stop ground(gap = y.s - ({wall}));
+    end Ledge;""")
+    for solver in ("auto", "erk", "implicit"):
+        run = model.simulate(at=[0.2, 0.5, 0.8, 1.2], solver=solver, tolerance=1e-6)
+        np.testing.assert_allclose(run["y.s"], right, rtol=0, atol=1e-7, err_msg=solver)

@@ -165,17 +165,18 @@ def _between_events(motion: Motion) -> ca.SX:
 
 
 def _kinks_of(motion: Motion, numbering: Numbering) -> dict[Pair, Expression]:
-    """What limits and conditions in the gaps of contacts compare, where time or inputs alone decide: the pace of a wall jumps
-    there, and nothing of what rests on it tells when."""
+    """What limits and conditions in the gaps of contacts compare: where time or inputs alone decide the pace of a wall jumps,
+    where conditions do the wall itself, and nothing of what rests on it tells when."""
     movers, others, found = ca.vertcat(motion.t, motion.u), ca.vertcat(motion.q, motion.v), dict[Pair, Expression]()
 
     def note(op: int, numbers: list[int], operands: list[Expression]) -> None:
-        pair = pair_of(numbering, op, numbers) if op in (*RELATIONS, *SIGNS) else None
+        pair = pair_of(numbering, op, numbers) if op in (*RELATIONS, *SIGNS, *WHOLE) else None
         if pair is None or pair in found:
             return
         a, b = operands if op in RELATIONS else (operands[0], as_expression(0.0))
-        g = as_expression(a - b if numbers[0] == pair[0] else b - a)
-        if ca.depends_on(g, movers) and not ca.depends_on(g, others):
+        g = as_expression(ca.sin(ca.pi * a) if op in WHOLE else a - b if numbers[0] == pair[0] else b - a)
+        moves = ca.depends_on(g, others)
+        if moves if op in (*JUMPS, *WHOLE) else ca.depends_on(g, movers) and not moves:
             found[pair] = g
 
     rebuilt([motion.impacts.arms], numbering, note)
