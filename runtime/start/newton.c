@@ -22,7 +22,7 @@
 #include "model/function.h"
 #include "numbers/qr.h"
 
-static const double SATISFIED = 1e-10, DEPENDENT = 1e-10, ROUNDING = 1e-14, SHORTEST_STEP = 1e-4, LONGEST_STEP = 0.5,
+static const double SATISFIED = 1e-10, DEPENDENT = 1e-10, ROUNDING = 1e-10, SHORTEST_STEP = 1e-4, LONGEST_STEP = 0.5,
                     FAITHFUL = 0.9, STEEPEST = 1e9;
 enum { FULL = 8 }; /* matrices with an entry of so many that is not 0, or more, gain nothing by account of zeros */
 static const double CRITICAL = 1e-6, PUSH = 1e-2, GOLDEN_RATIO = 0.6180339887498949;

@@ -154,10 +154,11 @@ def test_what_is_guessed_holds_where_the_others_can_follow(scene: Write) -> None
     assert start["k.phi"] == pytest.approx(np.arcsin(0.7 - np.sin(0.5)) - 0.5, abs=1e-12)
 
 
-def test_rates_that_follow_by_rounding_alone_do_not(scene: Write) -> None:
+@pytest.mark.parametrize("angle", ["180[deg]", "3.1415926535898", "36180[deg]"])
+def test_rates_that_follow_by_rounding_alone_do_not(angle: str, scene: Write) -> None:
     """A rocker whose link lies along the crank: the crank cannot follow, and was sent off at 4e15 rad/s by sin(pi) in doubles."""
-    model = scene("""model M
-      Revolute h(a = world, phi(start = 180[deg])), k(a = shift(world, {-1.5, -0.4}), phi(start = 90[deg]), w(start = 1));
+    model = scene(f"""model M
+      Revolute h(a = world, phi(start = {angle})), k(a = shift(world, {{-1.5, -0.4}}), phi(start = 90[deg]), w(start = 1));
       Bar crank(m = 1, L = 0.5, a = h.b), rocker(m = 1, L = 0.4, a = k.b); Link link(L = 1, a = crank.b, b = rocker.b); end M;""")
     made = model.compilation
     x, worst = assembly.begin(made.kinematics, made.initial, made.functions.table).assemble()

@@ -13,7 +13,7 @@ from lagrangia.constraints.metric import Metric, Momenta, Way
 from lagrangia.constraints.parameters import default_parameters, input_symbols, with_declared_inputs
 from lagrangia.frames.kinematics import Kinematics
 
-_SATISFIED, _DEPENDENT, _ROUNDING, _SHORTEST_STEP, _LONGEST_STEP, _FAITHFUL, _STEEPEST = 1e-10, 1e-10, 1e-14, 1e-4, 0.5, 0.9, 1e9
+_SATISFIED, _DEPENDENT, _ROUNDING, _SHORTEST_STEP, _LONGEST_STEP, _FAITHFUL, _STEEPEST = 1e-10, 1e-10, 1e-10, 1e-4, 0.5, 0.9, 1e9
 _CRITICAL, _PUSH, GOLDEN_RATIO = 1e-6, 1e-2, 0.6180339887498949
 
 
