@@ -129,6 +129,8 @@ def test_what_rounding_left_of_moments_is_nothing() -> None:
     (('<link name="tool">', '<link name="upper">'), "there are two links of the name 'upper'"),
     (('<joint name="weld"', '<joint name="elbow"'), "there are two joints of the name 'elbow'"),
     (('<parent link="world"/>', '<parent link="finger"/>'), "carries itself"),
+    (('effort="10" velocity="0.1"/>', 'effort="10" velocity="0.1"/><mimic joint="elbo"/>'),
+     "what joint slide mimics is no joint of the robot"),
 ])
 def test_wrong_robots(change: tuple[str, str], told: str) -> None:
     with pytest.raises(LagError, match=re.escape(told)) as error:
@@ -139,3 +141,8 @@ def test_wrong_robots(change: tuple[str, str], told: str) -> None:
 def test_xacro_is_told() -> None:
     with pytest.raises(LagError, match="this is xacro"):
         imported_robot("r.urdf", ROBOT.replace("<link name=\"world\"/>", '<link name="world"/><xacro:arm/>').encode())
+
+
+def test_a_file_of_xacro_is_told_by_its_name(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["import", str(tmp_path / "robot.urdf.xacro")]) == 2
+    assert "run it first: xacro robot.urdf.xacro > robot.urdf" in capsys.readouterr().err

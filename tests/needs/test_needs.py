@@ -141,6 +141,14 @@ Bar bar[n](each m = 1, each L = 1, a = h.b);""", "")
     assert not found["Coriolis terms"].is_needed and not found["refactorising M"].is_needed
 
 
+def test_what_turns_freely_keeps_its_mass_matrix(scene: Scene) -> None:
+    """In its own axes; any four numbers in the place of the reference would not: they are no attitude."""
+    found = scene("Spherical s(a = world); Body b(m = 1, I = {1, 2, 2.5}, center = shift(s.b, {0, 0, 0.1}));",
+                  "World world(gravity = {0, 0, -9.81});")
+    assert not found["refactorising M"].is_needed and found["refactorising M"].why == "M is constant"
+    assert found["Coriolis terms"].why == "the axes of 's.S' turn along: w x dT/dw"
+
+
 @pytest.mark.parametrize("path", sorted(EXAMPLES.glob("*.lag")), ids=lambda path: path.stem)
 def test_the_exponential_is_promised_where_it_can_be_had(path: Path) -> None:
     c = compile_file(path)

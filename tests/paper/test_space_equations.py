@@ -54,6 +54,7 @@ def test_the_derivation_speaks_of_angular_velocities(gimbals: tuple[Path, Derive
     told = capsys.readouterr().out
     assert "ω_rotor,3 = φ' cos θ + ψ'" in told and "T_rotor = ½ A ω_rotor,1² + ½ A ω_rotor,2² + ½ C ω_rotor,3²" in told
     assert "p_ψ = ∂T/∂ψ' = C φ' cos θ + C ψ'" in told
+    assert "Assumed: gravity does no work here; joints" in told  # it pulls, but at what does not move
 
 
 def test_places_have_three_components(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -68,6 +69,30 @@ def test_places_have_three_components(tmp_path: Path, capsys: pytest.CaptureFixt
     assert main(["equations", str(path), "--form", "worked"]) == 0
     told = capsys.readouterr().out
     assert "r_bob = (− L sin φ, 0, − L cos φ)" in told and "m L² φ'' + m g L sin φ = 0" in told
+
+
+LONG_ROOT = """
+model Drawn "a spring between slanted points"
+  parameter Length a = 0.5, b = 0.4, h = 0.3;
+  World world(gravity = {0, 0, -9.81});
+  Revolute p(a = world), q(a = shift(p.b, {a, 0, 0}), axis = {0, 1, 0}), r(a = shift(q.b, {b, 0, 0}), axis = {0, 1, 0});
+  PointMass end_mass(m = 1, center = shift(r.b, {h, 0, 0}));
+  Spring s(k = 50, s_rel0 = 0.2, a = shift(world, {0.1, 0.2, 0.9}), b = end_mass.center);
+end Drawn;
+"""
+
+
+def test_long_roots_are_broken(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """As powers, whose brackets reach over lines."""
+    path = tmp_path / "drawn.lag"
+    path.write_text(LONG_ROOT, encoding="utf-8")
+    assert main(["equations", str(path), "--form", "energies"]) == 0
+    told = capsys.readouterr().out
+    assert "ℓ = (2 a b cos φ_q" in told and ")^(½)" in told and "√" not in told
+    assert max(map(len, told.splitlines())) <= 100
+    assert main(["equations", str(path), "--form", "energies", "--format", "latex"]) == 0
+    told = capsys.readouterr().out
+    assert r"\sqrt" not in told and r"^{\tfrac{1}{2}}" in told
 
 
 def test_torques_on_attitudes(tmp_path: Path) -> None:

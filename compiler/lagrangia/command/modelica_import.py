@@ -21,6 +21,8 @@ def import_command(options: Namespace) -> int:
     """Exit code 1 where something was left out, which is told. Raises LagError."""
     file = Path(options.file)
     reader = _READERS.get(file.suffix)
+    if file.suffix == ".xacro":
+        fail("L0730", f"'{file.name}' is xacro, which writes URDF", None, f"run it first: xacro {file.name} > robot.urdf")
     if reader is None:
         fail("L0703", f"not supported yet: to import '{file.name}'", None,
              "Modelica files can be imported (.mo), robots in URDF (.urdf), and scenes in MJCF (.xml)")

@@ -65,6 +65,9 @@ class _Robot:
         self.frames = {name: "world" if name == "world" and self._is_root(name) else self.names.fresh(name, "_link")
                        for name in self.links}
         self.joints = [found for x, name in joints if (found := self._joint(x, told[name]))]
+        mimics = [(mimic, told[name]) for x, name in joints if (mimic := x.first("mimic")) is not None]
+        self.report.add([mimic.fault("L0730", f"what joint {name} mimics is no joint of the robot", "joint")
+                         for mimic, name in mimics if mimic.get("joint") not in told])
         self._check_tree()
         self.report.raise_errors()
 

@@ -77,7 +77,7 @@ class _Parts:
     @cached_property
     def inertia(self) -> ca.SX:
         """M v."""
-        momentum, v = self.motion.momentum, self.motion.v
+        [momentum], v = self.kinematics.unturned([self.motion.momentum]), self.motion.v
         return momentum - ca.substitute(momentum, v, ca.SX.zeros(v.numel()))
 
     @cached_property
@@ -171,12 +171,16 @@ def _coriolis(parts: _Parts) -> Need:
     motion, what = parts.motion, "Coriolis terms"
     alone = replace(parts.energies, potential=(), loads=())
     force = inertial_force(parts.kinematics, alone, motion.bodies, motion.q, motion.v)
-    of_place, of_rate = changes(force, [motion.q, motion.v], motion.momentum) if parts.scene.n else (False, False)
+    force, momentum = parts.kinematics.unturned([force, motion.momentum])
+    of_place, of_rate = changes(force, [motion.q, motion.v], momentum) if parts.scene.n else (False, False)
     if not (of_place or of_rate):
         return Need(what, False, "no inertial force depends on position or rates", saving="dM/dt v - dT/dq")
     if parts.turning:
         return Need(what, True, "M changes with position: centrifugal and Coriolis forces", str(parts.turning[0].span),
                     _coriolis_cost(parts))
+    free = next((c for c in parts.kinematics.graph.coordinates if c.attitude), None)
+    if free is not None and not parts.moved:
+        return Need(what, True, f"the axes of '{free.attitude}' turn along: w x dT/dw", str(free.span), _coriolis_cost(parts))
     why = f"prescribed motion gives inertial forces that depend on {'rates' if of_rate else 'position'}"
     return Need(what, True, why, str(parts.moved[0][1]) if parts.moved else "", _coriolis_cost(parts) if of_rate else "")
 

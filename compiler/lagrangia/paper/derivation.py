@@ -53,9 +53,10 @@ def exercise_form(book: Book) -> Document:
 def _system(book: Book, _: Linear | None) -> list[Block]:
     """What it is, and what is assumed."""
     e, p = book.equations, book.parts
-    weights = bool(book.presentation.symbols.weights & _used(book))
-    words: list[Inline] = [say("Assumed: gravity acts") if weights else say("Assumed: no gravity acts"), "; ",
-                           say("joints are ideal, their forces do no virtual work")]
+    weights = book.presentation.symbols.weights
+    gravity = say("Assumed: gravity acts") if weights & _used(book) else \
+        say("Assumed: gravity does no work here") if weights else say("Assumed: no gravity acts")
+    words: list[Inline] = [gravity, "; ", say("joints are ideal, their forces do no virtual work")]
     if p.sources:
         names = ", ".join(dict.fromkeys(load.statement.component for load, _ in p.sources))
         words += ["; ", say("{0}, given in time, have potentials", names) if len(p.sources) > 1 else

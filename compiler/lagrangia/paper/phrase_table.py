@@ -56,6 +56,9 @@ PHRASES: Mapping[str, tuple[str, str, str, str]] = {
                               "Hipótesis: actúa la gravedad"),
     "Assumed: no gravity acts": ("Hipóteses: a gravidade não atua", "Annahmen: Es wirkt keine Schwerkraft",
                                  "Hypothèses : la pesanteur n'agit pas", "Hipótesis: no actúa la gravedad"),
+    "Assumed: gravity does no work here": (
+        "Hipóteses: a gravidade não realiza trabalho aqui", "Annahmen: Die Schwerkraft leistet hier keine Arbeit",
+        "Hypothèses : la pesanteur ne travaille pas ici", "Hipótesis: la gravedad no realiza trabajo aquí"),
     "joints are ideal, their forces do no virtual work": (
         "as ligações são ideais, suas forças não realizam trabalho virtual",
         "die Gelenke sind ideal, ihre Kräfte leisten keine virtuelle Arbeit",

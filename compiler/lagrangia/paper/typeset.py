@@ -124,7 +124,7 @@ def line(node: Node) -> str:
             return f"{line(left)} {symbol} {line(right)}"
         case Pieces(items):
             parts = " ".join(f"{sign} {line(item)}" if sign else line(item) for sign, item in items)
-            for loose, tight in (("( ", "("), ("(− ", "(−"), (" )", ")"), (") ²", ")²"), (") /", ")/")):
+            for loose, tight in (("( ", "("), ("(− ", "(−"), (" )", ")"), (") ²", ")²"), (") /", ")/"), (") ^", ")^")):
                 parts = parts.replace(loose, tight)
             return parts.rstrip()
         case _:
