@@ -104,6 +104,26 @@ def test_reactions_that_loops_share_are_told(tmp_path: Path, capsys: pytest.Capt
     assert (told in capsys.readouterr().out) == bool(asked)
 
 
+@pytest.mark.parametrize("command", [["equilibrium"], ["simulate", "--stop", "0.01"]])
+@pytest.mark.parametrize("output", ["", "output Force F = mid.b.reaction[2];"])
+def test_reactions_that_loops_of_the_plane_share_are_told(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], command: list[str], output: str
+) -> None:
+    """A beam on three parallel cranks: which of its equations repeats others is seen in numbers alone. Equilibria have reactions
+    of their own, runs as far as outputs are made of them."""
+    file = tmp_path / "cranks.lag"
+    file.write_text(f"""model Cranks
+  Revolute h[3](a = {{shift(world, {{i, 0}}) for i in 0:2}}, each phi(start = -80[deg]));
+  Bar crank[3](each m = 1, each L = 0.5, a = h.b);
+  Revolute tip(a = crank[1].b); Bar beam(m = 3, L = 2, a = tip.b);
+  Revolute mid(a = crank[2].b, b = shift(beam.a, {{1, 0}})), far(a = crank[3].b, b = beam.b);
+  {output} end Cranks;""")
+    (first, *options), to = command, ["-o", str(tmp_path / "x.csv")] if command[0] == "simulate" else []
+    assert main([first, str(file), *options, *to]) == 0
+    is_told = "the reactions are one way of several: the loop world - h[3]" in capsys.readouterr().out
+    assert is_told == (first == "equilibrium" or bool(output))
+
+
 def test_a_hinge_beside_a_clamp_is_checked(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """No coordinate is left at all."""
     file = written(tmp_path, "Revolute l(a = world); Bar b(m = 1, L = 1, a = l.b); Weld r(a = shift(world, {1, 0}), b = b.b);")

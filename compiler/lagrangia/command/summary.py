@@ -15,7 +15,7 @@ from lagrangia.run.runtime import Solver, Statistics
 from lagrangia.run.scene import Scene
 from lagrangia.run.simulate import Progress, short_steps, shortcomings
 from lagrangia.run.solvers import AUTO, name_of, reason_of
-from lagrangia.view.statics import is_static, reaction_table, reports_reactions
+from lagrangia.view.statics import is_static, reaction_table, told_shares
 
 _MOST_ROWS = 40  # MOST_ROWS of runtime/run/unsure.c
 
@@ -179,7 +179,7 @@ def _time(seconds: float) -> str:
 
 
 def tell_shared(model: Model, row: Sequence[float], out: Any) -> None:
-    """What leaves the reactions that are reported one way of several: loops whose equations repeat each other."""
-    if row and model.scene.notes["loops"] and reports_reactions(model.scene):
-        for repeated in model.freedom["repeated"]:
-            print(f"  the reactions are one way of several: {repeated}", file=out)
+    """What leaves the reactions that outputs and loads are made of one way of several: equations that repeat each other."""
+    if row and model.scene.notes["tells_reactions"]:
+        for told in told_shares(model.freedom["repeated"]):
+            print(f"  {told}", file=out)

@@ -278,6 +278,7 @@ def _freedom(kinematics: Kinematics, motion: Motion, constraints: Constraints, i
     is_driven = _is_driven(kinematics, motion)
     return {"is_static": is_still and not is_driven, "is_prescribed": is_still and is_driven, "is_driven": is_driven,
             "loops": len(kinematics.graph.closures), "freedom": None,
+            "tells_reactions": bool(kinematics.reactions or kinematics.forces),
             "prescribed": [name for name, dependent in kinematics.dependents.items() if not dependent.terms],
             "dependent": [c.name for c in kinematics.graph.dependent_coordinates], **touching_notes(kinematics, constraints),
             "balanced": sorted(row.balanced for row in constraints.all_rows if row.balanced)}

@@ -60,6 +60,14 @@ def is_held_still(
     return _find(kinematics, motion, constraints, initial, functions)[0].degrees == 0
 
 
+def repeated_rows(
+    kinematics: Kinematics, motion: Motion, constraints: Constraints, initial: InitialConditions,
+    functions: Mapping[str, ca.Function]
+) -> tuple[str, ...]:
+    """What repeats others, told and by its places, with parameters as declared."""
+    return _find(kinematics, motion, constraints, initial, functions)[0].repeated
+
+
 def find_freedom(
     kinematics: Kinematics, motion: Motion, constraints: Constraints, initial: InitialConditions,
     functions: Mapping[str, ca.Function]

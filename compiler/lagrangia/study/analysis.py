@@ -16,6 +16,7 @@ from lagrangia.base.diagnostics import RunError, fail
 from lagrangia.constraints.singular_positions import told
 from lagrangia.dynamics.constrained_motion import constraint_rows
 from lagrangia.dynamics.equilibrium import Rest, find_all, find_rest, onto_constraints
+from lagrangia.dynamics.freedom import repeated_rows
 from lagrangia.frames.joints import all_reactions, reaction_ports
 from lagrangia.language.consequences import refuse_felt_reactions
 from lagrangia.language.delays import refuse_delays
@@ -37,6 +38,7 @@ from lagrangia.study.rest_equations import Resting, forces_of_grip, told_grip
 from lagrangia.study.small_motion import DIRECTIONS, SmallMotion, build_small_motion
 from lagrangia.study.turned import turned_of
 from lagrangia.view.mechanism import Mechanism, build_mechanism
+from lagrangia.view.statics import told_shares
 
 if TYPE_CHECKING:
     from lagrangia.compile.pipeline import Compilation
@@ -225,10 +227,9 @@ class Study(Beginning):
         if asked and (straight := self.c.constraints.touching):
             notes.append(f"reactions are not told: {straight[0].told} only just holds, so that nothing bounds them")
             asked = []
-        if asked and self.c.kinematics.geometry.by_poses:
-            loops = dict.fromkeys(row.loop.around for row in self.c.constraints.repeated if row.loop)
-            notes += [f"the reactions along the loop {around} are not unique: its equations repeat each other, and those that "
-                      "are left out carry nothing" for around in loops]
+        if asked:
+            notes += told_shares(repeated_rows(self.c.kinematics, self.c.motion, self.c.constraints, self.c.initial,
+                                               self.c.functions.table))
         full = self.equations((), (*outputs, *asked)) if asked else e
         most = starts if starts is not None else (_FROM if self.scene.n <= _LARGE else 3)
         found, is_reached = self.all_rests(e, pace, most)

@@ -189,11 +189,11 @@ def _undamped_rows(modes: Sequence[tuple[int, "Mode"]]) -> Iterator[str]:
 
 def _damped(modes: "Modes", way: str) -> Iterator[str]:
     head = "eigenvalues " if not len(modes) else "with damping" if modes.has_damping else "gyroscopic  "
-    yield f"{head}{'f [Hz]':>14}{'omega [rad/s]':>15}{'|s| [rad/s]':>13}{'zeta':>11}"
+    yield f"{head}{'f [Hz]':>14}{'omega [rad/s]':>15}{'|s| [rad/s]':>13}{'zeta':>12}"
     for item in [item for item in modes.damped[:_MOST_ROWS] if item.way == way]:
         if item.eigenvalue.imag > 0:
             zeta = item.damping_ratio if abs(item.damping_ratio) > _UNDAMPED else 0.0
-            yield f"{'':12}{item.frequency:>14.7g}{item.damped_omega:>15.7g}{item.omega:>13.7g}{zeta:>11.5g}"
+            yield f"{'':12}{item.frequency:>14.7g}{item.damped_omega:>15.7g}{item.omega:>13.7g}{zeta:>12.5g}"
         elif item.eigenvalue == 0:
             yield f"{'':12}{0:>14g}{0:>15g}{0:>13g}"
         else:

@@ -1,6 +1,6 @@
 """Scenes that cannot move: what is asked of them is the forces in their joints."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 from lagrangia.language.frame_attributes import REACTIONS, WRENCH_HEADINGS
 from lagrangia.run.scene import Scene
@@ -17,9 +17,9 @@ def tells_reactions(scene: Scene) -> bool:
     return is_static(scene) and not scene.notes["touching"]["told"]
 
 
-def reports_reactions(scene: Scene) -> bool:
-    """Whether any of a run's columns is part of what a joint or a tie carries."""
-    return any(column.name.rpartition(".")[2].partition("[")[0] in REACTIONS for column in columns(scene))
+def told_shares(repeated: Iterable[str]) -> list[str]:
+    """What leaves reactions one way of several: loops and equations that repeat others, as told."""
+    return [f"the reactions are one way of several: {what}" for what in repeated]
 
 
 def reaction_table(scene: Scene, row: Sequence[float]) -> list[str]:
