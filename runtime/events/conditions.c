@@ -8,6 +8,7 @@
 #include "numbers/extremes.h"
 
 static const double SOME_TIME = 1e-3; /* where no step tells of one */
+static const double KICKED = 100; /* errors allowed */
 static const double MOST_UNKNOWN = 1e-3; /* of the margin of a force in the plane, which is 1 at most */
 enum { ROUNDINGS = 256 };
 
@@ -137,3 +138,11 @@ double lag_conditions_error(const LagRun *run, double unknown)
 }
 
 double lag_conditions_rounding(const LagRun *run, double error) { return error / run->scale.tolerance * (ROUNDINGS * DBL_EPSILON); }
+
+void lag_conditions_note_kick(LagRun *run, int i)
+{
+    LagSwitches *s = &run->switches;
+    const int may_be = run->model->n_whens > 0 && run->model->switches_need_acceleration && i < lag_when(run->model, 0);
+    if (may_be && s->turned[i] == LAG_CHANGES && !s->slides[i] && fabs(s->g[i]) > KICKED * run->sliding.error[i])
+        s->turned[i] = s->g[i] > 0 ? LAG_TO_1 : LAG_TO_0;
+}

@@ -33,6 +33,9 @@ double lag_conditions_error(const LagRun *run, double unknown);
 /* And back: what of a condition cannot be told, where one tolerance is `error`. */
 double lag_conditions_rounding(const LagRun *run, double error);
 
+/* What was to change at its level, and is far from it, as an event has made a rate another one, is held as it is now. */
+void lag_conditions_note_kick(LagRun *run, int i);
+
 /* How far condition i is from changing; negative: it has. */
 static inline double lag_depth(const LagSwitches *s, int i, const double *g) { return s->slides[i] || s->held[i] > 0 ? g[i] : -g[i]; }
 

@@ -41,6 +41,50 @@ static int is_balanced(LagRun *run, const double *state)
     return 1;
 }
 
+/* The present state without the rates that are less than errors allowed, and end within a way that is less; returns how many these are. */
+static int without_ending(LagRun *run, double *state)
+{
+    const LagMotion *m = &run->motion;
+    const int n = m->n;
+    const double *a = run->switches.slope + n;
+    int count = 0;
+    for (int i = 0; i < n && count == 0; ++i)
+        count += m->y[n + i] != 0 && fabs(m->y[n + i]) <= lag_scale_unit(&run->scale, n + i, m->y, m->y);
+    if (count == 0 || !lag_motion_slope(&run->motion, m->t, m->y, m->y + n, run->switches.slope))
+        return 0;
+    memcpy(state, m->y, 2 * (size_t)n * sizeof *state);
+    count = 0;
+    for (int i = 0; i < n; ++i) {
+        const double v = m->y[n + i], rate = lag_scale_unit(&run->scale, n + i, m->y, m->y);
+        const double way = lag_scale_unit(&run->scale, i, m->y, m->y);
+        if (!(fabs(v) <= rate && v * a[i] < 0 && v * v <= fabs(a[i]) * way))
+            continue;
+        state[n + i] = 0;
+        ++count;
+    }
+    return count;
+}
+
+int lag_rest_stop(LagRun *run)
+{
+    LagMotion *m = &run->motion;
+    const int n = m->n, least = run->model->n_multipliers > 0 ? n : 1; /* ties may hold rates together */
+    double *state = run->switches.state, *a = run->switches.slope + n;
+    if (run->model->n_switches == 0 || run->sliding.count > 0 || !run->started || without_ending(run, state) < least)
+        return 0;
+    if (!lag_motion_slope(m, m->t, state, state + n, run->switches.slope))
+        return 0;
+    int count = 0;
+    for (int i = 0; i < n; ++i)
+        count += m->y[n + i] != state[n + i] && fabs(a[i]) <= run->scale.noise[i];
+    if (count < least)
+        return 0;
+    for (int i = 0; i < n; ++i)
+        if (m->y[n + i] != state[n + i] && fabs(a[i]) <= run->scale.noise[i])
+            m->y[n + i] = m->carry[n + i] = 0;
+    return 1;
+}
+
 int lag_rest_begins(LagRun *run)
 {
     LagMotion *m = &run->motion;

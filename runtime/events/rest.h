@@ -6,6 +6,10 @@
 
 struct LagRun;
 
+/* Forces like the root of a rate stop it in finite time, and no step is short enough beside their slope there: rates that are less than
+ * errors allowed, and are moved by nothing else, become 0. Returns whether there are some. */
+int lag_rest_stop(struct LagRun *run);
+
 /* Where forces that hold leave nothing that moves, and nothing depends on time: all rates become 0. Returns whether the scene rests. */
 int lag_rest_begins(struct LagRun *run);
 

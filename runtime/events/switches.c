@@ -159,6 +159,7 @@ static int choose(LagRun *run)
     int turned = 0, undecided = 0;
     lag_conditions(run, run->motion.t, y, s->g, s->rate);
     for (int i = 0; i < count; ++i) {
+        lag_conditions_note_kick(run, i);
         if (s->turned[i])
             s->held[i] = s->turned[i] == LAG_CHANGES ? 1 - s->held[i] : s->turned[i] == LAG_TO_1;
         else if (i < first)

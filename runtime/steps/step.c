@@ -57,7 +57,7 @@ static LagStatus begin(LagRun *run)
         return lag_segment_next(run);
     if (run->model->n_attitudes > 0)
         lag_attitudes_move(run);
-    return LAG_OK;
+    return lag_rest_stop(run) ? lag_segment_evaluate(run) : LAG_OK;
 }
 
 LagStatus lag_step(LagRun *run)
