@@ -382,7 +382,7 @@ static void turn(LagRun *run)
 void lag_switches_resolve(LagRun *run)
 {
     LagSwitches *s = &run->switches;
-    if (!s->is_live || s->live_steps > 0 || !run->methods.table->holds_switches)
+    if (run->segment_over || !s->is_live || s->live_steps > 0 || !run->methods.table->holds_switches)
         return;
     lag_switches_enter(run);
     run->segment_over |= run->sliding.count > 0 || run->sliding.jams; /* what is held now is another motion */
