@@ -35,7 +35,16 @@ from typing import TYPE_CHECKING, Any
 from lagrangia.base.version import VERSION
 
 if TYPE_CHECKING:
-    from lagrangia.base.diagnostics import Diagnostic, EngineWarning, Error, InputWarning, Interrupted, LagError, RunError
+    from lagrangia.base.diagnostics import (
+        Diagnostic,
+        EngineWarning,
+        Error,
+        InputWarning,
+        Interrupted,
+        LagError,
+        RunError,
+        RunWarning,
+    )
     from lagrangia.model import Model, load, loads
     from lagrangia.run.input_rates import slopes
     from lagrangia.run.stepped import SteppedRun
@@ -43,7 +52,7 @@ if TYPE_CHECKING:
 
 __version__ = VERSION
 __all__ = ["Diagnostic", "EnergyAccount", "EngineWarning", "Error", "InputWarning", "Interrupted", "LagError", "Model",
-           "RunError", "SteppedRun", "Trajectory", "load", "loads", "slopes"]
+           "RunError", "RunWarning", "SteppedRun", "Trajectory", "load", "loads", "slopes"]
 _PLACES = dict.fromkeys(__all__, "base.diagnostics") | dict.fromkeys(("Model", "load", "loads"), "model") | dict.fromkeys(
     ("EnergyAccount", "Trajectory"), "view.trajectory") | {
     "SteppedRun": "run.stepped", "slopes": "run.input_rates"}

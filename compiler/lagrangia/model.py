@@ -17,7 +17,7 @@ from lagrangia.run.interpret import evaluate, evaluate_each
 from lagrangia.run.library import Runtime, find_runtime, has_compiler, has_runtime
 from lagrangia.run.origin import Origin, origin_of
 from lagrangia.run.prepared import PreparedRun
-from lagrangia.run.remarks import warn_of_given, warn_of_vain
+from lagrangia.run.remarks import warn_of_given, warn_of_loss, warn_of_vain
 from lagrangia.run.request import Request, Values, check_values, plan
 from lagrangia.run.scene import Column, Scene
 from lagrangia.run.simulate import simulate
@@ -173,8 +173,8 @@ class Model(Analysed, Swept):
         functions f(t, run) -> value, asked `every` so many seconds, where rows are then; run["x"] is the present (SteppedRun).
         `from_`: "equilibrium" begins at rest, {"hinge.w": 12} in steady motion with these rates, reached from `initial`.
         Raises LagError for wrong input, RunError (with what was computed in `.trajectory`) when the run cannot go on, Interrupted
-        (with it in `.result`) after Ctrl-C. Without a C compiler an EngineWarning says that CasADi runs in place of "auto";
-        InputWarnings name inputs without values, tables of inputs that end before the run, and parameters given in vain.
+        (with it in `.result`) after Ctrl-C. A RunWarning tells of an open energy account, an EngineWarning that CasADi runs for
+        want of a C compiler, InputWarnings of inputs without values, tables that end before the run, and parameters in vain.
         """
         request = Request(start, stop, tolerance, interval, at, solver, max_step, max_steps, parameters, initial, inputs)
         by_input = by_name("controllers", controllers)
@@ -211,8 +211,7 @@ class Model(Analysed, Swept):
         if suited.falls_back(experiment.solver):
             warnings.warn(NO_COMPILER, EngineWarning, stacklevel=3)
         progress, portions = suited.launch(experiment, values)
-        kept: list[Sequence[float]] = []
-        failure: RunError | None = None
+        kept, failure = list[Sequence[float]](), None
         try:
             kept.extend(portions)
         except RunError as error:
@@ -227,6 +226,7 @@ class Model(Analysed, Swept):
             raise failure
         if progress.interrupted:
             raise Interrupted.with_result(trajectory, f"at t = {progress.time:.6g}")
+        warn_of_loss(progress)
         return trajectory
 
     def prepare(self, initial: Given = None, parameters: Given = None, **asked: Any) -> PreparedRun:

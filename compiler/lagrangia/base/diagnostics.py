@@ -165,6 +165,10 @@ class InputWarning(UserWarning):
     range does not meet its end (L0748). `message` has the code."""
 
 
+class RunWarning(UserWarning):
+    """Rows are no motion of the scene, as their energy account tells: the run that `lag simulate` ends with exit code 1 for."""
+
+
 class EngineWarning(UserWarning):
     """Another engine runs than a Model takes where it can."""
 

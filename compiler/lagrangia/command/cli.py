@@ -7,9 +7,10 @@ import gc
 import os
 import sys
 import warnings
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from typing import Any
 
-from lagrangia.base.diagnostics import EngineWarning, LagError, RunError, render_all
+from lagrangia.base.diagnostics import EngineWarning, LagError, RunError, RunWarning, render_all
 from lagrangia.base.environment import environment_remarks
 from lagrangia.base.folders import kept_remarks, remark, remarks_kept
 from lagrangia.base.interruptions import INTERRUPTED, ended_as_by_control_c, is_ended
@@ -41,7 +42,7 @@ def _execute(words: Sequence[str]) -> int:
     try:
         parsed = build_parser(*words[:1]).parse_args(words)  # what it imports may find no memory
         refuse_idle(parsed, parsed.parser.get_default)
-        with remarks_kept(), searching_in(getattr(parsed, "path", [])):
+        with remarks_kept(), searching_in(getattr(parsed, "path", [])), _failing_for_lost_runs():
             for text in environment_remarks():
                 remark(text)
             code = int(parsed.command(parsed))
@@ -75,6 +76,26 @@ def _execute(words: Sequence[str]) -> int:
             return _refused(error) or _confess(error)
         except MemoryError:
             return _out_of_memory()
+
+
+@contextlib.contextmanager
+def _failing_for_lost_runs() -> Iterator[None]:
+    """Commands that show runs end as `lag simulate` does where rows are no motion of the scene. Raises RunError."""
+    found: dict[str, None] = {}
+    with warnings.catch_warnings():
+        warnings.simplefilter("always", RunWarning)
+        shown = warnings.showwarning
+
+        def show(message: Warning | str, category: type[Warning], *where: Any, **more: Any) -> None:
+            if issubclass(category, RunWarning):
+                found[str(message)] = None
+            else:
+                shown(message, category, *where, **more)
+
+        warnings.showwarning = show
+        yield
+    if found:
+        raise RunError("\n".join(found))
 
 
 def _tell_rest(parsed: argparse.Namespace) -> None:

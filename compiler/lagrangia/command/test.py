@@ -3,13 +3,14 @@
 import math
 import sys
 import time
+import warnings
 from argparse import Namespace
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import numpy as np
 
-from lagrangia.base.diagnostics import LagError, RunError, fail, render_all
+from lagrangia.base.diagnostics import LagError, RunError, RunWarning, fail, render_all
 from lagrangia.base.spelling import plain_text
 from lagrangia.base.tables import read_table
 from lagrangia.command.arguments import number, tell_broken, tell_warnings
@@ -30,8 +31,10 @@ def test_command(options: Namespace) -> int:
         for model in _models(file, is_named=str(file) in options.files):
             begin = time.perf_counter()
             try:
-                said = _tried(options, file, model, tolerance)
-            except RunError as error:
+                with warnings.catch_warnings():
+                    warnings.simplefilter("error", RunWarning)
+                    said = _tried(options, file, model, tolerance)
+            except (RunError, RunWarning) as error:
                 said = str(error)
             except LagError as error:
                 wrong += 1

@@ -335,7 +335,7 @@ run.time, run["hinge[1].phi"], run["link[3].b.y"]      # NumPy arrays: coordinat
 run.energy.total, run.energy.residual, run.statistics, run.warnings, run.notes   # notes: what makes steps short
 many = model.simulate_many(parameters={"link[1].m": [1, 2, 5]}, outputs=["max(hinge[1].phi)"])   # lag help sweep
 again = model.prepare({"hinge[1].phi": 0.1}, {"link[1].m": 1.0}, stop=5)   # for many calls: again([0.2], [2.0]) gives rows,
-again.columns, again.warnings                                              # in microseconds beside the steps
+again.columns, again.warnings        # in microseconds beside the steps; RunWarning: rows are no motion of the scene
 many["link[1].m"], many["max(hinge[1].phi)"], many.failures; many.to_pandas(); many.to_parquet("x.parquet")
 run.plot("hinge[1].phi", path="chain.png"); run.to_pandas(); run.to_xarray(); run.write("x.csv")  # .jsonl .parquet .npz .mat
 model.measure("max(link[3].b.y, from=2), settling_time(hinge[1].phi)", stop=5); model.rainflow("hinge[1].phi")

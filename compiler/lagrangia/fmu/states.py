@@ -1,10 +1,11 @@
 """The states of an FMU: where they begin, how large they are, and what FMI calls their starts."""
 
 import math
+import warnings
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
-from lagrangia.base.diagnostics import LagError, RunError, fail
+from lagrangia.base.diagnostics import LagError, RunError, RunWarning, fail
 from lagrangia.run.request import Request
 from lagrangia.run.scene import Column, Scene
 
@@ -32,7 +33,9 @@ def find_states(model: "Exportable", parameters: Mapping[str, float] | None) -> 
     scene = model.scene
     columns = state_columns(scene)
     try:
-        run = model.run(Request(parameters=parameters))
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", RunWarning)  # its size is all that is asked for
+            run = model.run(Request(parameters=parameters))
     except RunError as error:
         run = error.trajectory
     if run is None or not len(run.rows):

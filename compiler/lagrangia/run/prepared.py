@@ -11,10 +11,11 @@ from typing import TYPE_CHECKING, NoReturn
 
 from lagrangia.base.diagnostics import RunError, fail
 from lagrangia.run.engines import Engine
+from lagrangia.run.remarks import warn_of_loss
 from lagrangia.run.request import Experiment, Values, check_parameters
 from lagrangia.run.runtime import Statistics, Status
 from lagrangia.run.scene import Scene
-from lagrangia.run.simulate import explain, fail_start, loss, progress_of, shortcomings, start_run
+from lagrangia.run.simulate import DOUBTFUL, Progress, explain, fail_start, loss, progress_of, shortcomings, start_run
 
 if TYPE_CHECKING:
     import numpy as np
@@ -56,6 +57,8 @@ class PreparedRun:
         self._found = (c_double * len(values.parameters)).from_address(place)  # all parameters, as C has them
         self._limits = [(k, -_LARGEST if p.minimum is None else p.minimum, _LARGEST if p.maximum is None else p.maximum)
                         for k, p in enumerate(scene.parameters) if p.minimum is not None or p.maximum is not None]
+        self._counts = self._run.counts  # what C counts of the latest run
+        self._asks_loss = min(scene.notes["thresholds"], default=math.inf) < experiment.tolerance
         self._is_over = False  # terminate(...) has ended the latest run
         self._seconds = self._untold = 0.0  # of the latest run, and what the engine does not know of yet
         self._told = time.thread_time()  # when it last was
@@ -63,7 +66,8 @@ class PreparedRun:
     def __call__(self, start: Sequence[float] = (), parameters: Sequence[float] = ()) -> "np.ndarray":
         """Rows (times, columns), in the order of `columns`; values in SI units in the order in which their names were given.
 
-        Raises LagError for values the scene cannot have, RunError when the run cannot go on.
+        Raises LagError for values the scene cannot have, RunError when the run cannot go on; of rows that are no motion of the
+        scene a RunWarning tells.
         """
         begin, self._is_over = time.perf_counter(), False
         starts, varied = self._started, self._varied
@@ -85,6 +89,9 @@ class PreparedRun:
         self._untold += self._seconds
         if self._untold > _SOON:
             self._tell()
+        s = self._counts
+        if s.energy_is_open or s.unsure or self._asks_loss or s.energy_residual > DOUBTFUL * s.energy_scale:
+            warn_of_loss(self._progress())
         if self._turned:
             rows[:, self._turned] = math.nan  # numbers that say nothing without what attitudes are counted from
         return rows if count == len(rows) else rows[:count].copy()
@@ -114,9 +121,12 @@ class PreparedRun:
     @property
     def warnings(self) -> list[str]:
         """What kept the latest run from its tolerance, in words; empty when nothing did."""
-        progress = progress_of(self.scene, self.experiment, rows=len(self._times), time=self._run.time, seconds=self._seconds,
-                               statistics=self._run.statistics)
+        progress = self._progress()
         return [*filter(None, [loss(progress)]), *shortcomings(progress)]
+
+    def _progress(self) -> Progress:
+        return progress_of(self.scene, self.experiment, rows=len(self._times), time=self._run.time, seconds=self._seconds,
+                           statistics=self._run.statistics)
 
     def _set(self, parameters: Sequence[float]) -> None:
         given = self._given

@@ -1,15 +1,19 @@
 """What a run does that nobody asked for: inputs that nothing is given for, tables of inputs that end before it does, parameters
-that change nothing beside others that are given."""
+that change nothing beside others that are given; and rows that are no motion of the scene."""
 
+import sys
 import warnings
 from collections.abc import Collection, Iterable, Mapping
 from typing import Any, Protocol
 
 from lagrangia.base.checked_values import by_name
-from lagrangia.base.diagnostics import InputWarning
+from lagrangia.base.diagnostics import InputWarning, RunWarning
 from lagrangia.run.overridden import all_names, may_be_overridden, overridden_remarks
 from lagrangia.run.request import Experiment, Request, check_values, plan
 from lagrangia.run.scene import Scene
+from lagrangia.run.simulate import Progress, loss
+
+_OWN = "lagrangia."
 
 
 class Told(Protocol):
@@ -75,3 +79,17 @@ def _warn(scene: Scene, texts: Iterable[str]) -> None:
         head, _, message = text.partition("\n")[0].partition(": ")
         if head.removeprefix("warning[").removesuffix("]") not in scene.notes["allowed"]:
             warnings.warn(f"{message} ({head[8:13]})", InputWarning, stacklevel=4)
+
+
+def warn_of_loss(progress: Progress) -> None:
+    """Of rows that cannot be those of the scene, a RunWarning."""
+    if why := loss(progress):
+        warn_of_run(why)
+
+
+def warn_of_run(why: str) -> None:
+    """A RunWarning at the line that called what belongs to this package."""
+    frame, level = sys._getframe(), 1
+    while frame.f_back is not None and frame.f_globals.get("__name__", "").startswith(_OWN):
+        frame, level = frame.f_back, level + 1
+    warnings.warn(why, RunWarning, stacklevel=level)

@@ -454,9 +454,20 @@ class Run:
         return float(self._library.lag_run_time(self._run))
 
     @property
+    def counts(self) -> _Statistics:
+        """What C counts, as it stands at any moment."""
+        found: _Statistics = self._library.lag_run_statistics(self._run).contents
+        return found
+
+    @property
+    def energy_is_open(self) -> c.c_int32:
+        """Whether the energy account is, at any moment."""
+        return c.c_int32.from_buffer(self.counts, _Statistics.energy_is_open.offset)
+
+    @property
     def statistics(self) -> Statistics:
         """What the run has done so far."""
-        struct = self._library.lag_run_statistics(self._run).contents
+        struct = self.counts
         values = {name: getattr(struct, name) for name, *_ in _Statistics._fields_ if name not in _OF_CHOICE}
         found = {name: bool(values[name]) for name in ("tolerance_raised", "energy_is_open")}
         choice = told(self._library, struct.rule, struct.chosen, struct.facts)

@@ -10,10 +10,11 @@ from typing import TYPE_CHECKING, Any
 from lagrangia.base.checked_values import a_number, an_array
 from lagrangia.base.diagnostics import RunError, fail, suggest
 from lagrangia.run.engines import Engine
+from lagrangia.run.remarks import warn_of_loss
 from lagrangia.run.request import Experiment, Values
 from lagrangia.run.runtime import Statistics, Status
 from lagrangia.run.scene import ENERGY_NAMES, Scene
-from lagrangia.run.simulate import explain, start_run
+from lagrangia.run.simulate import Progress, explain, loss, progress_of, shortcomings, start_run
 
 if TYPE_CHECKING:
     import numpy as np
@@ -43,7 +44,7 @@ class SteppedRun:
             fail("L0704", "the solver 'islands' has no steps in common", None, "choose auto, or another one")
         if len(values.input_times) > 1:
             fail("L0703", "inputs of a run in steps are constants to begin with, no tables", None, "steps(U, dt) takes an array")
-        self.scene, self._engine = scene, engine
+        self.scene, self._engine, self._experiment = scene, engine, experiment
         self._run = start_run(scene, engine, experiment, values)
         weakref.finalize(self, self._run.close)
         self._library, self._handle, self._done = engine.runtime.library, self._run.handle, self._run.done
@@ -59,6 +60,7 @@ class SteppedRun:
         self._pointers = self._u.ctypes.data if len(self._u) else None, self._row.ctypes.data
         self._begin, self._dt, self._count = self.time, math.nan, 0  # the present is so many equal steps after
         self._steps = 0
+        self._is_open, self.told_open = self._run.energy_is_open, 0  # the account's, of C, and what was told of it
         self.ended = ""  # what terminate(...) has said, and when: no step goes on from there
 
     @property
@@ -97,6 +99,21 @@ class SteppedRun:
         """What the run has done so far."""
         return self._run.statistics
 
+    @property
+    def warnings(self) -> list[str]:
+        """What kept the run from its tolerance so far, in words; empty when nothing did."""
+        progress = self._progress()
+        return [*filter(None, [loss(progress)]), *shortcomings(progress)]
+
+    def _progress(self) -> Progress:
+        return progress_of(self.scene, self._experiment, rows=self._steps, time=self.time, statistics=self._run.statistics)
+
+    def _tell_open(self) -> None:
+        """A RunWarning once an account is open, which may close again."""
+        self.told_open = self._is_open.value
+        if self.told_open:
+            warn_of_loss(self._progress())
+
     def __getitem__(self, name: str) -> float:
         """Raises LagError L0701."""
         place = self._place.get(name)
@@ -120,7 +137,7 @@ class SteppedRun:
 
     def step(self, dt: float) -> "np.ndarray":
         """Goes on by dt (s); answers the state, as `state`: where terminate(...) comes before, that at the `ended` run's end.
-        Raises LagError L0702, RunError when the run cannot go on."""
+        A RunWarning tells of an energy account that opens. Raises LagError L0702, RunError when the run cannot go on."""
         if dt != self._dt:
             self._pace(dt)
         u, row = self._pointers
@@ -133,6 +150,8 @@ class SteppedRun:
             self._row[self._turned] = math.nan
         self._count += 1
         self._steps += 1
+        if self._is_open.value != self.told_open:
+            self._tell_open()
         if looks:  # one step stands for those until the next look
             self._engine.look(_LOOK * (time.thread_time() - begin), 0.0)
         return self._state
@@ -160,6 +179,8 @@ class SteppedRun:
                 self._row[:] = rows[done - 1]
             if u is not None and done:
                 self._u[:] = u[min(done, count - 1)]
+            if self._is_open.value != self.told_open:
+                self._tell_open()
             if status not in (Status.OK, Status.PAUSED):
                 self._end(status)
                 rows[done], done = self._row, done + 1

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 from lagrangia.base.checked_values import a_number
 from lagrangia.base.diagnostics import Interrupted, RunError, fail
+from lagrangia.run.remarks import warn_of_loss
 from lagrangia.run.request import Experiment, Request, Values, check_values, plan
 from lagrangia.run.scene import Scene
 from lagrangia.run.simulate import progress_of
@@ -66,6 +67,8 @@ def simulate_controlled(model: Startable, request: Request, controllers: Mapping
     if failure is not None:
         trajectory.progress.interrupted = True
         raise Interrupted.with_result(trajectory, f"at t = {run.time:.6g}")
+    if not run.told_open:
+        warn_of_loss(trajectory.progress)
     return trajectory
 
 

@@ -78,6 +78,7 @@ def roll_out(model: Asked, q0: "ArrayLike | None", v0: "ArrayLike | None", p: "M
     sweep = run_job(job, suited, ledger, jobs=jobs, keeper=keeper)
     if sweep.interrupted:
         raise Interrupted.with_result(sweep, f"after {ledger.entered} of {job.runs} runs")
+    sweep.warn()
     return Rollout(at, tuple(c.name for c in columns(job.scene)), keeper.rows, sweep)
 
 

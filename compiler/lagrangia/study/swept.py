@@ -68,10 +68,11 @@ class Swept(ABC):
         `samples` are taken; a list of `inputs` has some for each run. `runs` has a row for each run: a CSV file, a DataFrame, or
         columns by name. `together` takes sequences side by side. `outputs` are measures: "max(y)", "at(0.5, y)",
         "first_time(abs(y) > 3)", ...; final values by default (`lag help sweep`). The motion is looked at every `interval` (s) at
-        least. A run that fails is told in `.failures`, and no error. `keep` keeps whole trajectories, rows an `interval` apart:
-        `.trajectories`, `.to_xarray()`. With a `path` (.csv, .parquet) the table is written there, and a sweep that was killed
-        goes on from `path`.part. `progress`: a bar, by default where somebody looks. `until` ends random runs early, once
-        "se(mean(max(y))) < 1e-3". Raises LagError, Interrupted.
+        least. A run that fails is told in `.failures`, and no error; of open energy accounts, where numbers stand all the same, a
+        RunWarning tells. `keep` keeps whole trajectories, rows an `interval` apart: `.trajectories`, `.to_xarray()`. With a
+        `path` (.csv, .parquet) the table is written there, and a sweep that was killed goes on from `path`.part. `progress`: a
+        bar, by default where somebody looks. `until` ends random runs early, once "se(mean(max(y))) < 1e-3". Raises LagError,
+        Interrupted.
         """
         from lagrangia.study.sweep.plan import Design
         from lagrangia.study.sweep.run import run_many
@@ -110,7 +111,7 @@ class Swept(ABC):
 
         q0, v0: starts (runs, n) or (n,), in the order of `coordinate_names`; p: numbers or (runs,) by name; u: inputs (runs,
         times - 1, inputs), each held from one of the times (s) to the next. What is None is as declared. Runs that fail are NaN
-        from there on, and told in `.failures`. Raises LagError, Interrupted.
+        from there on, and told in `.failures`; of open energy accounts a RunWarning tells. Raises LagError, Interrupted.
         """
         from lagrangia.study.rollout import roll_out
 

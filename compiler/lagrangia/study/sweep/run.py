@@ -98,6 +98,7 @@ def run_many(model: Asked, outputs: str | Sequence[str], request: Request, desig
     sweep = run_into(job, suited, path, restart=restart, jobs=jobs, dask=dask, progress=progress)
     if sweep.interrupted:
         raise Interrupted.with_result(sweep, f"after {sweep.ledger.entered} of {sweep.runs} runs")
+    sweep.warn()
     return sweep
 
 

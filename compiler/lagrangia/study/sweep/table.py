@@ -14,6 +14,7 @@ from lagrangia.base.records import dataclass
 from lagrangia.base.result_files import Target, cells, quoted, require_parquet
 from lagrangia.run.batch import GUARD_BITS, Ending
 from lagrangia.run.guards import broken_in_general, guard_in_general
+from lagrangia.run.remarks import warn_of_run
 from lagrangia.run.runtime import Failure, Status
 from lagrangia.run.scene import Scene
 from lagrangia.run.simulate import explain
@@ -90,6 +91,13 @@ class Sweep:
     def message(self, run: int) -> str:
         """Why a run failed; empty when it did not."""
         return explain_outcome(self.job, run, self.ledger.outcomes[run])
+
+    def warn(self) -> None:
+        """A RunWarning of runs whose account is open, as others that failed have no numbers."""
+        count = int((self.ledger.outcomes["kind"] == Ending.OPEN).sum())
+        if count:
+            warn_of_run(f"the energy account of {count} of {self.runs} runs misses by more than the tolerance explains: what the "
+                        "table has of them is no motion of this scene; .failures tells which")
 
     def common_failures(self, most: int = 5) -> list[tuple[str, int]]:
         """What went wrong in general, and in how many runs."""
