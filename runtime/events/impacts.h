@@ -38,6 +38,7 @@ typedef struct {
     double *slack;   /* n_whens: how far what rests may pass, which others hold, without being an event */
     double seen;     /* the time up to which the next step may go, so that a short bounce is seen in it */
     int in_a_row;    /* events in a row between which no time passed */
+    int is_felt;     /* whether the latest resets changed rates by more than their errors */
 } LagImpacts;
 
 void lag_impacts_layout(LagImpacts *impacts, const LagModel *model, int size, LagArena *arena);

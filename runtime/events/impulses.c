@@ -17,6 +17,7 @@
 /* Forces that a way is looked for with are so much larger than all others. */
 static const double LARGE = 1024;
 static const double GAINED = 1e-12; /* of the kinetic energy: by rounding */
+static const double FELT = 10; /* of the errors that a rate may have: a slip that follows from them stops untold */
 enum { HALVINGS = 50, ROUNDINGS = 64 };
 
 static double *impulse_in_d(const LagRun *run, int reset) { return &run->d[run->model->n_modes + run->model->n_switches + reset]; }
@@ -335,6 +336,18 @@ static void note_rounding(LagRun *run, int count)
     }
 }
 
+/* Whether rates become others than they may have been before. */
+static int is_felt(const LagRun *run)
+{
+    const LagImpacts *s = &run->impacts;
+    const int n = run->model->n;
+    const double *y = run->motion.y;
+    for (int i = 0; i < n; ++i)
+        if (fabs(s->after[i] - y[n + i]) > FELT * lag_scale_unit(&run->scale, n + i, y, y))
+            return 1;
+    return 0;
+}
+
 int lag_impulses_reset(LagRun *run, int presses)
 {
     LagImpacts *s = &run->impacts;
@@ -354,6 +367,7 @@ int lag_impulses_reset(LagRun *run, int presses)
     if (!is_found)
         return 0;
     note_rounding(run, rubs ? 0 : count);
+    s->is_felt = is_felt(run);
     memcpy(v, s->after, size);
     memset(run->motion.carry + model->n, 0, size);
     count_energy(run, rubs ? before - kinetic_energy(run) : energy_taken(run, count));

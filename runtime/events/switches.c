@@ -241,11 +241,11 @@ static int is_thrown(LagRun *run, int i)
     return 1;
 }
 
-/* Rates as they were found, or stated, are others now: the first time is told. */
+/* Rates as they were found, or stated, are others now by more than they are known to: the first time is told. */
 static void note_jam(LagRun *run)
 {
     LagStatistics *s = &run->statistics;
-    if (s->jammed)
+    if (s->jammed || !run->impacts.is_felt)
         return;
     s->jammed = lag_impacts_striking(run);
     s->jam_time = run->motion.t;
