@@ -37,8 +37,8 @@ import "../parts.lag";
 
 model TestSmallStretch "While it is short of s0, the spring is linear: s = 0.1 cos(2 t), which TestSmallStretch.csv holds"
   Block block(m = 1, base = world, s(start = 0.1), v(start = 0));
-  SofteningSpring spring(k = 4, s0 = 1[km], stretch = block.s);
-  annotation(experiment(StopTime = 5, Tolerance = 1e-10));
+  SofteningSpring spring(k = 4, s0 = 300, stretch = block.s);
+  annotation(experiment(StopTime = 5, Tolerance = 1e-8));
 end TestSmallStretch;
 '''
 _README = '''\
