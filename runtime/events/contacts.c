@@ -168,12 +168,20 @@ void lag_contacts_find_errors(LagRun *run)
     memcpy(run->impacts.known, error, size);
 }
 
-int lag_contacts_is_inside(const LagRun *run, int i, double g)
+int lag_contacts_is_inside(LagRun *run, int i, double g)
 {
-    const int k = i - lag_when(run->model, 0), is_event = lag_is_event(run->model, i);
-    if (!is_event || !run->impacts.has_contact[k])
+    LagSwitches *s = &run->switches;
+    const LagMotion *m = &run->motion;
+    const int k = i - lag_when(run->model, 0), gap = lag_gap(run->model, k);
+    if (!lag_is_event(run->model, i) || !run->impacts.has_contact[k])
         return g > 0;
-    return g > run->sliding.error[lag_gap(run->model, k)] && (!run->started || run->switches.held[i] > 0);
+    const double near = run->sliding.error[gap];
+    if (!(g > 0) || (run->started && !(s->held[i] > 0)))
+        return 0;
+    if (g > near)
+        return 1;
+    lag_conditions_by(run, m->t, m->y, m->y + m->n, s->slope + m->n, s->g_inside, s->rate_inside);
+    return s->g_inside[gap] > near; /* what else it asks for is on its edge, and holds there: x <= 0 at 0 */
 }
 
 /* Whether event k is no contact, and would leave all that it resets as it is; or comes where a condition changes, to both sides. */

@@ -18,7 +18,7 @@ double lag_contacts_margin(const LagRun *run, int i);
 int lag_contacts_are_closed(const LagRun *run, int k, const double *g, double near);
 
 /* Whether the condition i of an event is true, so that it cannot come: contacts that are open stay so, or would be passed. */
-int lag_contacts_is_inside(const LagRun *run, int i, double g);
+int lag_contacts_is_inside(LagRun *run, int i, double g);
 
 /* 1 + the first event whose contact is passed, or whose condition holds and would change something; 0: none. */
 int lag_contacts_find_passed(LagRun *run);

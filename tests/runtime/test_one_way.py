@@ -34,6 +34,8 @@ EDGES = [
     (TABLE, (0.0, 3.0), (0.0, 0.0), 1.0, -G / 2),  # lies at the edge, and leaves
     (WINDOW, (-1.0, 3.0), (0.2, 0.0), 1.0, 0.2 - G * 0.09 / 2 - G * 0.49 / 2),  # is below when it comes to the ledge
     (WINDOW, (-1.0, 3.0), (0.6, 0.0), 1.0, -G / 18),  # comes onto it, and leaves
+    ("y.s < 0 and x.s <= 0", (0.0, 0.0), (-0.05, -0.5), 1.0, -0.55 - G / 2),  # below, and at the edge, which counts
+    ("y.s < 0 and x.s >= 0", (0.0, -1.0), (-0.05, 0.5), 1.0, 0.45 - G / 2),
     ("not (y.s > 0) and not (x.s > 0)", (0.1, -3.0), (-0.05, 0.0), 1.0, -0.05 - G / 1800 - G * (29 / 30) ** 2 / 2),
     ("not (y.s > 0 or x.s > 0)", (0.1, -3.0), (-0.05, 0.0), 1.0, -0.05 - G / 1800 - G * (29 / 30) ** 2 / 2),
     ("not (y.s > 0 or not x.s < 0)", (0.0, -3.0), (0.05, 0.0), 1.0, 0.0),
@@ -401,3 +403,15 @@ def test_a_wall_that_jumps_along_the_way(scene: Write, wall: str, right: list[fl
     for solver in ("auto", "erk", "implicit"):
         run = model.simulate(at=[0.2, 0.5, 0.8, 1.2], solver=solver, tolerance=1e-6)
         np.testing.assert_allclose(run["y.s"], right, rtol=0, atol=1e-7, err_msg=solver)
+
+
+HELD_NOT = ["y.s < 0 and x.s < 1 or y.s < -1", "not (y.s >= 0 or x.s > 1) or x.s > 9", "y.v < 0 or x.s > 2"]
+
+
+@pytest.mark.parametrize("condition", HELD_NOT)
+def test_an_alternative_that_holds_nothing_is_told(scene: Write, condition: str) -> None:
+    """What fell went on through the table, after one reset, without a word."""
+    (warning,) = scene(edge(condition, (0.5, 1.0), (0.0, 0.0))).warnings
+    assert "L0224" in warning and "beside `or` it is no contact" in warning
+    assert not scene(edge("y.s < 0 and (x.s < 1 or x.s > 2)", (0.5, 1.0), (0.0, 0.0))).warnings
+    assert not scene(edge("x.s > 1 or time > 1", (0.5, 1.0), (0.0, 0.0))).warnings

@@ -23,7 +23,8 @@ _SMOOTH = frozenset({ca.OP_CONST, ca.OP_INPUT, ca.OP_OUTPUT, ca.OP_ADD, ca.OP_SU
 
 
 def find_idle_events(kinematics: Kinematics, constraints: Constraints, impacts: Impacts, told: Iterable[Diagnostic]) -> Report:
-    """L0224 for events of people's own whose gap or condition is a number, but where `told` speaks of them."""
+    """L0224 for events of people's own whose gap or condition is a number, but where `told` speaks of them; and for those that
+    would be contacts, but for an `or`."""
     report, known = Report(), {warning.span for warning in told}
     whens = [(k, when) for k, when in enumerate(kinematics.graph.model.whens)
              if when.span not in known and not when.span.source.name.startswith(LIBRARY)]
@@ -34,6 +35,11 @@ def find_idle_events(kinematics: Kinematics, constraints: Constraints, impacts: 
             name = f"'{when.component}' does nothing" if when.component else "this event never comes"
             report.warning("L0224", f"{name}: what it compares never changes", when.span,
                            "its two ends are held to each other: give it other ends, or leave it out")
+    for k, when in whens:
+        if (end := impacts.alternatives[k]) is not None:
+            report.warning("L0224", f"'{end.span.text}' holds nothing here: beside `or` it is no contact, and the event comes "
+                           "where the whole condition comes true, not again while it stays so", end.span.within(when.span),
+                           f"give each alternative a `when` of its own: when {end.span.text} then ... end when")
     return report
 
 

@@ -34,6 +34,7 @@ from lagrangia.language.consequences import contact_forces_in
 from lagrangia.language.events import (
     COMPARED,
     are_alike,
+    comparisons_in,
     contact_of,
     held_by,
     level_of,
@@ -68,6 +69,7 @@ class Impacts:
     known: tuple[bool, ...] = ()  # (r,): whether what is set does not come from the motion, with whose errors
     loads: tuple[Load, ...] = ()
     pressing: Mapping[int, tuple[ca.SX, ca.SX]] = field(default_factory=dict)  # of what rests, by their events: forces, impulses
+    alternatives: tuple[Flat | None, ...] = ()  # (w,): beside `or`, a comparison that would be a contact, or go one way, without
 
     def may_hide(self, t: ca.SX) -> bool:
         """Whether conditions may come and go however slow the motion is: with time, or where they jump."""
@@ -118,8 +120,9 @@ def find_impacts(kinematics: Kinematics) -> Impacts:
     one_way = tuple(ONE_WAY in event.kinds for event in found)
     on_level = tuple(event.meetings.on_level() for event in found)
     known = _find_known(kinematics, rates, wanted)
+    alternatives = tuple(event.alternative for event in found)
     return Impacts(conditions, gaps, arms, rates, wanted, forces, impulses, flags, one_way, on_level, known, tuple(loads),
-                   pressing)
+                   pressing, alternatives)
 
 
 def _find_known(kinematics: Kinematics, rates: ca.SX, wanted: ca.SX) -> tuple[bool, ...]:
@@ -155,10 +158,12 @@ class _Event:
         kept = next((k for k, x in enumerate(self.places) if are_alike(x, self.kept_position)), None)
         self.gap = self.arm = ca.SX(0)
         self.held: Flat | None = None
-        contacts = self._find_all(self._turns_back)
-        limits = [] if any(contacts) else self._find_all(self._stops)
+        parts = list(parts_of(self.condition))
+        contacts = self._find_all(self._turns_back, parts)
+        limits = [] if any(contacts) else self._find_all(self._stops, parts)
         kind, found = (ONE_WAY, limits) if any(limits) else (CONTACT, contacts)
         chosen = next((x for x in (found[kept] if kept is not None else None, *found) if x is not None), None)
+        self.alternative = self._find_alternative(parts) if chosen is None else None
         self.kinds = [kind if chosen is not None and x is chosen else KICK for x in found]
         self.kept = kept if kept is not None and self.kinds[kept] != KICK else None  # whose contact force may be asked for
         if chosen is not None:
@@ -237,11 +242,16 @@ class _Event:
         along = level_of(chosen) if kind == CONTACT else self.places[own]
         self.held = along if is_least else Unary("-", along, self.when.span)
 
-    def _find_all(self, is_end: Callable[[ca.SX, ca.SX, ca.SX], object]) -> list[Flat | None]:
-        """Of each reset the comparison, of what all has to be true, at which it leaves its rate or turns it back."""
+    def _find_alternative(self, parts: list[Flat]) -> Flat | None:
+        """Where some of `parts`, which all have to be true, are alternatives: a comparison in one at which a reset would hold."""
+        among = [x for part in parts if not _is_comparison(part) for x in comparisons_in(part)]
+        ends = (end for is_end in (self._turns_back, self._stops) for end in (self._find_all(is_end, among) if among else ()))
+        return next((end for end in ends if end is not None), None)
+
+    def _find_all(self, is_end: Callable[[ca.SX, ca.SX, ca.SX], object], nodes: list[Flat]) -> list[Flat | None]:
+        """Of each reset the comparison among `nodes` at which it leaves its rate or turns it back."""
         value = self.kinematics.evaluator.value
-        comparisons = [node for node in parts_of(self.condition) if _is_comparison(node)]
-        parts = [(node, self._expression(value(level_of(node)))) for node in comparisons]
+        parts = [(node, self._expression(value(level_of(node)))) for node in nodes if _is_comparison(node)]
         return [next((node for node, g in parts if may_rest and is_end(g, rate, wanted)), None)
                 for rate, wanted, may_rest in zip(self.rates, self.wanted, self.may_rest, strict=True)]
 

@@ -23,6 +23,14 @@ def parts_of(node: Flat) -> Iterator[Flat]:
         yield node
 
 
+def comparisons_in(node: Flat) -> Iterator[Flat]:
+    """All comparisons of a condition that is without `not`, also of alternatives."""
+    if isinstance(node, Binary) and node.operator in ("and", "or"):
+        yield from (*comparisons_in(node.left), *comparisons_in(node.right))
+    elif isinstance(node, Binary) and node.operator in COMPARED:
+        yield node
+
+
 def without_not(node: Flat, is_true: bool = True) -> Flat:
     """The same condition, or where not `is_true` its opposite, by De Morgan's laws: not (a > 0 or b > 0) is a <= 0 and b <= 0."""
     match node:
