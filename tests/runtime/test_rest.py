@@ -255,3 +255,22 @@ def test_an_event_after_steps_left_to_step_control(solver: str, tolerance: float
     end Kicked;""")
     run = kicked.simulate(solver=solver, tolerance=tolerance, at=[5, 10])
     assert run["b.s"] == pytest.approx([1 / 3, 2 / 3], abs=3e-4)
+
+
+@pytest.mark.parametrize(("law", "exponent"), [("b.v*2[N.s/m]/sqrt(abs(b.v/0.25[m/s]))", 0.5),
+                                               ("2[N]/abs(b.v/1[m/s])^0.7*(b.v/1[m/s])", 0.3)])
+def test_a_rate_over_a_power_of_its_size(law: str, exponent: float, scene: Write) -> None:
+    """v/|v|^a is 0/0 at rest, where it is sign(v) |v|^(1-a), which is 0: nothing came to rest there (25.8 for 0.333 at 1e-11)."""
+    stops = scene(f"""model Stops
+      World world(gravity = {{0, 0}});
+      Block b(m = 1, base = world, s(start = 0), v(start = 1));
+      Block c(m = 1, base = world);
+    energy
+      work -{law} on b.s;
+      work -{law.replace("b.v", "c.v")} on c.s;
+    end Stops;""")
+    force = 1 if "0.25" in law else 2
+    for solver in ("auto", "erk", "implicit"):
+        run = stops.simulate(solver=solver, tolerance=1e-11, at=[10], max_steps=2000)
+        assert run["b.s"] == pytest.approx([1 / (force * (2 - exponent))], abs=1e-10)
+        assert run["c.s"].tolist() == [0]

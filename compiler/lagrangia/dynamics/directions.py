@@ -1,4 +1,5 @@
-"""Directions in products: v/|v| has none at rest, however a force is written: v (c/|v|), c/|v| v, v/(c |v|), v |v|/|v|^2.
+"""Directions in products: v/|v| has none at rest, however a force is written: v (c/|v|), c/|v| v, v/(c |v|), v |v|/|v|^2; and
+v/|v|^a, which is 0/0 there, is sign(v) |v|^(1-a).
 
 Of a product or quotient its factors are those above and below; where a rate is above and its length below, both make the
 direction, and what is left are its factors.
@@ -13,12 +14,13 @@ from lagrangia.algebra.numbering import Numbering
 from lagrangia.base.records import dataclass
 
 _PRODUCTS = frozenset({ca.OP_MUL, ca.OP_DIV, ca.OP_INV, ca.OP_NEG, ca.OP_TWICE})
+_POWERS = frozenset({ca.OP_SQRT, ca.OP_POW, ca.OP_CONSTPOW})
 Factor = tuple[int, bool]  # its number, and whether it is below
 
 
 @dataclass(frozen=True)
 class Direction:
-    """c x/|v|: the numbers of the components of v, of x, of the length, and of that which is x times `ratio`."""
+    """c x/|v|: the numbers of the components of v, of x, of the length (or its power), and of that which is x times `ratio`."""
 
     components: tuple[int, ...]
     above: int
@@ -48,7 +50,8 @@ class Directions:
         return None
 
     def _direction(self, below: int, above: list[int]) -> Direction | None:
-        square, components = below if self.numbering.keys[below][0] == ca.OP_ADD else None, components_of(self.numbering, below)
+        square = below if self.numbering.keys[below][0] == ca.OP_ADD else None
+        components = _components_below(self.numbering, below)
         lengths = [n for n in above if self.numbering.keys[n][0] == ca.OP_SQRT and components_of(self.numbering, n) == components]
         if square is not None and not lengths:
             return None
@@ -74,6 +77,9 @@ class Directions:
         if op in (ca.OP_NEG, ca.OP_TWICE):
             inner, ratio = self._bare(int(operands[0]))
             return inner, ratio * (-1.0 if op == ca.OP_NEG else 2.0)
+        if op == ca.OP_DIV and self.numbering.keys[int(operands[1])][0] == ca.OP_CONST:
+            inner, ratio = self._bare(int(operands[0]))
+            return inner, ratio / float(self.numbering.keys[int(operands[1])][1])
         constants = [int(x) for x in operands if op == ca.OP_MUL and self.numbering.keys[int(x)][0] == ca.OP_CONST]
         if len(constants) != 1:
             return number, 1.0
@@ -101,7 +107,7 @@ class Directions:
             if op in _PRODUCTS:
                 self.lengths[number] = self._lengths_in(int(op), [int(x) for x in operands], False)
             else:
-                self.lengths[number] = frozenset({(number, False)} if components_of(self.numbering, number) else ())
+                self.lengths[number] = frozenset({(number, False)} if _components_below(self.numbering, number) else ())
         return self.lengths[number]
 
 
@@ -115,6 +121,22 @@ def sides(op: int, is_below: bool) -> tuple[bool, ...]:
 def is_product(op: int) -> bool:
     """Or a quotient, or the opposite, or twice something."""
     return op in _PRODUCTS
+
+
+def exponent_of(numbering: Numbering, number: int) -> float | None:
+    """Of |x|^a with 0 < a < 1: a."""
+    op, *operands = numbering.keys[number]
+    if op not in _POWERS or numbering.keys[int(operands[0])][0] != ca.OP_FABS:
+        return None
+    key = (ca.OP_CONST, 0.5) if op == ca.OP_SQRT else numbering.keys[int(operands[1])]
+    return float(key[1]) if key[0] == ca.OP_CONST and 0 < key[1] < 1 else None
+
+
+def _components_below(numbering: Numbering, number: int) -> tuple[int, ...]:
+    """Of a length, its square, or of |x|^a."""
+    if exponent_of(numbering, number) is None:
+        return components_of(numbering, number)
+    return components_of(numbering, int(numbering.keys[number][1]))
 
 
 def components_of(numbering: Numbering, number: int) -> tuple[int, ...]:

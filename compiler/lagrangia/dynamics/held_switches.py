@@ -6,7 +6,7 @@ import casadi as ca
 
 from lagrangia.algebra.numbering import Numbering
 from lagrangia.algebra.scalars import Expression, apply, as_expression, operate, symbols_in
-from lagrangia.dynamics.directions import Direction, Directions, Factor, is_product, sides
+from lagrangia.dynamics.directions import Direction, Directions, Factor, exponent_of, is_product, sides
 
 RELATIONS = (ca.OP_LT, ca.OP_LE, ca.OP_FMIN, ca.OP_FMAX)
 JUMPS = (ca.OP_LT, ca.OP_LE, ca.OP_SIGN)
@@ -181,7 +181,8 @@ class Holding:
         sign = self._sign(ordered(found.component, zero), found.component)
         held = self._combined(ca.OP_MUL, [as_expression(1 / found.ratio), sign])
         if len(pairs) == 1:
-            return held
+            exponent = exponent_of(self.numbering, found.length)
+            return held if exponent is None else self._combined(ca.OP_MUL, [held, as_expression(length.dep(0) ** (1 - exponent))])
         both = as_expression(self.rests[pairs[0]] * self.rests[pairs[1]])
         held = self._combined(ca.OP_MUL, [both, held])
         moves = operate(ca.OP_DIV, [component, length])
