@@ -2,6 +2,7 @@
 
 #include <math.h>
 
+#include "events/switches.h"
 #include "model/function.h"
 #include "state/account.h"
 #include "numbers/extremes.h"
@@ -13,13 +14,21 @@ static const double STIFF = 1; /* steps times that rate: they would follow it */
 static const double SMALL = 0.25; /* share of a first step of order 1 */
 enum { MOST_RELIEF = 1 << 20 };   /* steps */
 
+int lag_turn_evaluate(LagRun *run)
+{
+    LagMotion *m = &run->motion;
+    if (lag_motion_slope(m, m->t, m->y, m->y + m->n, m->slope))
+        return 1;
+    return lag_switches_release(run) && lag_motion_slope(m, m->t, m->y, m->y + m->n, m->slope);
+}
+
 static int restart(LagRun *run, int32_t solver)
 {
     LagMotion *m = &run->motion;
     const int weighed = run->methods.table->weighs_work, before = run->methods.solver;
     lag_stepper_choose(run, solver);
     m->t_old = m->t;
-    if (!lag_motion_slope(m, m->t, m->y, m->y + m->n, m->slope))
+    if (!lag_turn_evaluate(run))
         return 0;
     run->methods.table->restart(run->methods.self, m);
     if (run->methods.table->begins_low) {

@@ -4,6 +4,10 @@
 
 #include "state/settings.h"
 
+/* Slopes at the present state. Rounding may leave a rate on the other side of 0 than it is held on, where |v|^a has no value: a step
+ * without held switches goes on. Returns 0 where they are not finite. */
+int lag_turn_evaluate(LagRun *run);
+
 /* Puts the method that was decided on to use, before a step. Returns 0 where its first evaluation is not finite. */
 int lag_turn(LagRun *run);
 

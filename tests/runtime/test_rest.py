@@ -274,3 +274,19 @@ def test_a_rate_over_a_power_of_its_size(law: str, exponent: float, scene: Write
         run = stops.simulate(solver=solver, tolerance=1e-11, at=[10], max_steps=2000)
         assert run["b.s"] == pytest.approx([1 / (force * (2 - exponent))], abs=1e-10)
         assert run["c.s"].tolist() == [0]
+
+
+@pytest.mark.parametrize(("solver", "exponent"), [("auto", 0.6), ("auto", 0.7), ("erk", 0.7)])
+def test_what_creeps_under_a_power_of_its_rate(solver: str, exponent: float, scene: Write) -> None:
+    """Where a rate that is as good as 0 passed it by rounding, |v|^a had no value on the side that was held ('not finite' at
+    1e-4): what creeps does so with v = -(k x/c)^(1/a)."""
+    creeps = scene(f"""model Creeps
+      World world(gravity = {{0, 0}});
+      Block b(m = 1, base = world, s(start = 0), v(start = 1));
+      Spring k(k = 5, stretch = b.s);
+    energy
+      work -2[N]*abs(b.v/1[m/s])^{exponent}*sign(b.v) on b.s;
+    end Creeps;""")
+    run = creeps.simulate(solver=solver, tolerance=1e-4, at=[10, 30])
+    (before, after), power = run["b.s"], 1 - 1 / exponent
+    assert after**power - before**power == pytest.approx(-power * 2.5 ** (1 / exponent) * 20, rel=0.1)
