@@ -3,19 +3,17 @@
 #include "model/function.h"
 #include "model/schedule.h"
 #include "numbers/extremes.h"
-#include "state/inside.h"
 
 static const double AHEAD = 1e-7; /* share of a step: by which paces are told */
 enum { LOOKS = 64, HALVINGS = 40 };
 
-/* g of all looks at a share of the latest step. */
+/* g of all looks at a share of the latest step: of those that hide, which time alone decides, whatever the state is. */
 static void ask(LagRun *run, double x, double *g)
 {
     const LagMotion *m = &run->motion;
-    const double t = m->t_old + x * (m->t - m->t_old), *y = run->looks.state;
+    const double t = m->t_old + x * (m->t - m->t_old), *y = m->y;
     const double *in[] = {&t, y, y + m->n, run->u, run->d, run->c};
     double *out[] = {g};
-    lag_state_inside(run, t, run->looks.state);
     lag_inputs_at(&run->inputs, t, run->u);
     lag_call(&run->model->looks, in, out, run->work);
 }
