@@ -86,20 +86,32 @@ int lag_accelerations(void *context, double t, const double *q, double *v, doubl
     return sliding(run, accelerations, t, run->careful ? bring_back(run, t, q, v) : q, v, a, power);
 }
 
+/* Of eight states, the way that serves them. Returns whether out[2] tells where that does not hold; -1: there is no such way. */
+static int call_abreast(LagRun *run, const double *const *in, double *const *out, double *work)
+{
+    const LagModel *model = run->model;
+    const int is_whole = lag_present(&model->regular) && run->doubtful > 0;
+    const LagWideCode wide = is_whole ? model->wide_whole : model->wide;
+    const LagTape *tape = is_whole ? model->rhs.tape : lag_usual_rhs(model)->tape;
+    if (!wide && !tape)
+        return -1;
+    if (wide)
+        wide(in, out);
+    else
+        lag_wide_tape_run(tape, in, 1, out, work);
+    run->doubtful -= run->doubtful < LAG_ABREAST ? run->doubtful : LAG_ABREAST;
+    return wide || (lag_present(&model->regular) && !is_whole);
+}
+
 /* Powers lie behind accelerations. */
 int lag_accelerations_abreast(LagRun *run, const double *t, const double *q, const double *v, const double *u, double *const *out,
                               double *work)
 {
     const LagModel *model = run->model;
-    const LagTape *tape = lag_usual_rhs(model)->tape;
     const double *in[] = {t, q, v, u, run->d, run->c};
-    const int is_possible = model->wide || tape, is_checked = model->wide || lag_present(&model->regular);
-    if (!is_possible || run->careful || run->switches.is_live || run->sliding.count > 0 || run->doubtful > 0)
+    const int is_checked = run->careful || run->switches.is_live || run->sliding.count > 0 ? -1 : call_abreast(run, in, out, work);
+    if (is_checked < 0)
         return 0;
-    if (model->wide)
-        model->wide(in, out);
-    else
-        lag_wide_tape_run(tape, in, 1, out, work);
     double each[LAG_ABREAST] = {0};
     LagWide sum = LAG_WIDE_OF(0);
     for (int i = 0; i < (is_checked ? LAG_ABREAST : 0); i += LAG_WIDE)

@@ -38,11 +38,13 @@ static const double SAFETY = 0.75, GROW = 2, SHRINK = 0.3, CLEARLY_LESS = 0.9;
 
 static double *take_wide(LagArena *arena, size_t count) { return lag_take(arena, LAG_ABREAST * count); }
 
+static size_t tape_work(const LagFunction *function) { return function->tape ? function->n_work : 0; }
+
 static void layout(void *self, const LagMotion *m, LagArena *arena)
 {
     LagPirk *s = self;
     const LagModel *model = ((const LagRun *)m->context)->model;
-    const LagFunction *rhs = lag_usual_rhs(model);
+    const LagFunction *rhs = &model->rhs, *usual = lag_usual_rhs(model);
     const size_t n = (size_t)m->n, all = (size_t)(m->size - m->n);
     arena->used = (arena->used + LAG_CACHE_LINE - 1) / LAG_CACHE_LINE * LAG_CACHE_LINE;
     const size_t rows = all + (size_t)lag_pirk_ways(m);
@@ -53,7 +55,7 @@ static void layout(void *self, const LagMotion *m, LagArena *arena)
     s->v = take_wide(arena, n);
     s->u = take_wide(arena, (size_t)model->n_inputs);
     s->rest = take_wide(arena, rhs->n_out > 2 && rhs->out_size[2] > 1 ? (size_t)rhs->out_size[2] : 1);
-    s->work = take_wide(arena, rhs->tape ? rhs->n_work : 0);
+    s->work = take_wide(arena, tape_work(rhs) > tape_work(usual) ? tape_work(rhs) : tape_work(usual));
     s->end = take_wide(arena, rows);
     s->slope = lag_take(arena, all);
     s->reached = lag_take(arena, (size_t)m->size);

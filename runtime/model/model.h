@@ -148,6 +148,7 @@ struct LagModel {
     int shares_bend;  /* accelerations are no linear functions of shares: friction feels reactions, which it changes */
     int is_swing;     /* one degree of freedom, energy is kept, and nothing but the state decides */
     int is_steady;    /* accelerations and conditions do not depend on time */
+    int may_repeat;   /* constraints may repeat each other at all closed positions, as those of loops in space do */
     int is_separable; /* energy is kept, and accelerations follow from positions alone: M is constant */
     int jacobian_waits; /* it is made when it is asked for; until then there is none, and a run that wants it ends */
     const int *jacobian_pattern; /* of the matrix's columns: starts (size + 1), rows (n_entries), order (size = n + n_multipliers);
@@ -213,7 +214,8 @@ struct LagModel {
     LagFunction series;    /* d, c -> numbers that are constant in a step */
 
     LagWideCode wide; /* NULL: states are evaluated one by one */
-    LagWideCode wide_each; /* the same, where each state has d and c of its own; NULL: by the tape */
+    LagWideCode wide_whole; /* the same by rhs, with constraints that repeat each other; NULL: one by one, or by the tape */
+    LagWideCode wide_each; /* as wide, where each state has d and c of its own; NULL: by the tape */
     LagWideJets wide_taylor; /* NULL: by the instructions */
 };
 

@@ -96,6 +96,21 @@ def test_tapes_and_native_code_have_the_same_digits(scene: Write, text: str, siz
     np.testing.assert_allclose(native, rows(True, "erk")[0], rtol=0, atol=1e-7 * np.abs(native).max())
 
 
+def test_rows_that_repeat_each_other_are_evaluated_abreast() -> None:
+    """Bricard's six-bar, where the way of independent rows is in doubt for good: as one state after another, natively and on
+    tapes. Planar loops, where no row repeats others but for a moment, pay nothing for it."""
+    model, plain, planar = (lag.load(EXAMPLES / f"{name}.lag") for name in ("bricard", "bricard", "four_bar"))
+    for each in (model, planar):
+        each.native = True
+    plain.native = False
+    run, tape = (each.simulate(at=[0, 1], tolerance=1e-8, solver="pirk") for each in (model, plain))
+    assert run.rows.tolist() == tape.rows.tolist()
+    known = model.simulate(at=[0, 1], tolerance=1e-13, solver="erk")
+    assert run.rows[-1, 1:7] == pytest.approx(known.rows[-1, 1:7], abs=1e-8)
+    planar.simulate(stop=0.1)
+    assert model.engine.model.struct.wide_whole and not planar.engine.model.struct.wide_whole
+
+
 @pytest.mark.parametrize(("name", "stop", "sizes"), [
     ("double_pendulum", 2, {}), ("pendulum", 10, {}), ("spring_pendulum", 5, {}), ("chain", 1, {"n": 17}), ("four_bar", 2, {}),
     ("andrews_squeezer", 0.03, {}), ("suspended_bar", 5, {}), ("slider_crank", 1, {})])

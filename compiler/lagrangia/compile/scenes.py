@@ -80,7 +80,7 @@ def build_scene(
         "n_lost": len(initial.lost), "outputs_need_acceleration": int(functions.outputs_need_acceleration),
         "is_separable": int(not no_momenta and not attitudes and is_separable(motion)),
         "is_swing": int(not flow and not attitudes and _is_of_one_freedom(motion)),
-    }
+    } | ({"may_repeat": 1} if kinematics.geometry.by_rates and motion.constrained is not None else {})
     return _with_series(Scene(
         name=model.name, description=model.description, structural=dict(model.structural),
         coordinates=coordinates, rates=rates, outputs=outputs, parameters=parameters, inputs=inputs, aliases=aliases,

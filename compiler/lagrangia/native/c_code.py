@@ -57,11 +57,11 @@ def write_c(
     lines += ['#include "numbers/jets.h"', f'#include "numbers/{"wide_jets" if lanes else "wide"}.h"']
     wide_series = write_wide_series(series, _expression, _number) if lanes and isinstance(series, Series) else []
     has_each = lanes and not wide_series
-    wide = write_wide(usual_rhs(tapes), "regular" in tapes, _expression, _number, has_each) if "rhs" not in data else []
+    wide, whole = _write_abreast(tapes, has_each, bool(sizes.get("may_repeat"))) if "rhs" not in data else ([], [])
     functions, initializers = write_functions(tapes, data, () if wide else (_usual(tapes),))
     lines += [*write_tables(tables), "", *functions]
     lines += [_ints(name, places) for name, places in patterns.items()]
-    lines += wide
+    lines += [*wide, *whole]
     lines += [write_series(series, _expression, _number)] if isinstance(series, Series) else []
     lines += wide_series
     lines += [_ints("coordinate_kind", coordinate_kind), _ints("fixed_start", fixed), _ints("event_kind", event_kind), ""]
@@ -73,6 +73,7 @@ def write_c(
     lines += ["    .tables = tables,"] if tables else []
     lines += ["    .taylor = taylor,"] if isinstance(series, Series) else []
     lines += ["    .wide = wide,"] if wide else []
+    lines += ["    .wide_whole = wide_whole,"] if whole else []
     lines += ["    .wide_each = wide_each,"] if wide and has_each else []
     lines += ["    .wide_taylor = wide_taylor,"] if wide_series else []
     return "\n".join([*lines, "};", ""])
@@ -91,6 +92,13 @@ def write_functions(
         work, how = tape.n_work if is_data else _work(tape), f"{label if is_code else 0}, {f'&{label}_tape' if is_data else 0}"
         values[label] = f"{{{len(tape.in_sizes)}, {len(tape.out_sizes)}, {label}_in, {label}_out, {work}, {how}}}"
     return lines, values
+
+
+def _write_abreast(tapes: Mapping[str, Tape], has_each: bool, may_repeat: bool) -> tuple[list[str], list[str]]:
+    """Accelerations of eight states the usual way, and, where that may fail for good, with constraints that repeat each other."""
+    is_regular = "regular" in tapes
+    wide = write_wide("wide", usual_rhs(tapes), is_regular, _expression, _number, has_each)
+    return wide, write_wide("wide_whole", tapes["rhs"], False, _expression, _number) if is_regular and may_repeat else []
 
 
 def _cost(tape: Tape) -> int:

@@ -22,10 +22,11 @@ _TEMPLATES: Mapping[int, str] = {
 
 
 def write_wide(
-    tape: Tape, has_doubt: bool, expression: Callable[[int, str, str], str], number: Callable[[float], str], each: bool,
+    name: str, tape: Tape, has_doubt: bool, expression: Callable[[int, str, str], str], number: Callable[[float], str],
+    each: bool = False,
 ) -> list[str]:
-    """C text of a LagWideCode, `wide`; nothing where the tape is long. `each`: and of `wide_each`, for states whose parameters
-    differ.
+    """C text of a LagWideCode of this name; nothing where the tape is long. `each`: and of `{name}_each`, for states whose
+    parameters differ.
 
     `has_doubt`: the tape's third output tells where it does not hold. `expression` is C for an operation on numbers of one state.
     """
@@ -54,9 +55,9 @@ def write_wide(
              f"{_DOUBT} = LAG_WIDE_SELECT(largest > LAG_WIDE_OF(LAG_LARGEST_ANGLE), one, {_DOUBT});",
              f"lag_wide_write(out[{_KEPT}] + lane, {_DOUBT});"]
     arguments = "const double *const *in, double *const *out"
-    wide = [f"static void wide({arguments}) {{ wide_of(in, out, 1); }}"]
-    wide += [f"static void wide_each({arguments}) {{ wide_of(in, out, 0); }}"] if each else []
-    return [f"LAG_UNROLLED void wide_of({arguments}, const int is_shared)", "{",
+    wide = [f"static void {name}({arguments}) {{ {name}_of(in, out, 1); }}"]
+    wide += [f"static void {name}_each({arguments}) {{ {name}_of(in, out, 0); }}"] if each else []
+    return [f"LAG_UNROLLED void {name}_of({arguments}, const int is_shared)", "{",
             "    const LagWide zero = LAG_WIDE_OF(0.0), one = LAG_WIDE_OF(1.0);", "    (void)in; (void)one; (void)is_shared;",
             "    for (int lane = 0; lane < LAG_ABREAST; lane += LAG_WIDE) {", *(f"        {line}" for line in lines), "    }",
             "}", "", *wide, ""]

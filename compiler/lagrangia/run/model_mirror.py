@@ -105,8 +105,8 @@ class ModelMirror(c.Structure):
         ("solver", c.c_int),
         *((name, c.c_int) for name in ("n_entries", "n_lower", "n_upper", "n_colours")),
         *((name, c.c_int) for name in ("rhs_cost", "jacobian_cost", "has_corners", "may_hide", "may_be_narrow", "loops_know_time",
-                                           "conditions_may_hide", "shares_bend", "is_swing", "is_steady", "is_separable",
-                                           "jacobian_waits")),
+                                           "conditions_may_hide", "shares_bend", "is_swing", "is_steady", "may_repeat",
+                                           "is_separable", "jacobian_waits")),
         ("jacobian_pattern", Ints),
         ("n_islands", c.c_int),
         ("island", Ints),
@@ -122,6 +122,7 @@ class ModelMirror(c.Structure):
         ("jet_rates", Ints),
         ("series", FunctionMirror),
         ("wide", c.c_void_p),
+        ("wide_whole", c.c_void_p),
         ("wide_each", c.c_void_p),
         ("wide_taylor", c.c_void_p),
     )
