@@ -21,6 +21,8 @@ WRONG = {
     "output Length y = if n > 2 then b.s else b.s + (if n == 7 then b.zzz else 0);": "no member 'zzz'",
     "energy if n > 5 then potential b.q*1[N]; end if;": "no member 'q'",
     "equation when b.s > 3 then if has then reinit(b.w, 0); end if; end when;": "no member 'w'",
+    "energy if has then for e in P loop potential e*b.s*1[N]; end for; end if;": "'P' is not known",
+    'equation if has then assert(b.s < 1, "far", AssertionLevel.warn); end if;': "'AssertionLevel' is not known",
     "final final parameter Real k = 3;": "'final' stands twice", "Bar c(each each m = 1, L = 1);": "'each' stands twice",
     "parameter constant Real k = 3;": "'constant' beside 'parameter'", "input output Real k;": "'output' beside 'input'",
     "replaceable replaceable model D = Damper;": "'replaceable' stands twice",
@@ -33,6 +35,28 @@ equation if has then connect(q.center, b.center); for i in 1:3, j in 1:2 loop b.
   when b.s > 3 then reinit(b.v, 2); terminate("x"); end when; assert(b.s > 3, "foo" + String(b.s)); end if;"""
 
 
+WHATEVER_IS_TAKEN = """type E = enumeration(low, high);
+record R Real k = 1; end R; function g input R r; output Real y; algorithm y := r.k; end g;
+package P constant Real q = 3; package S constant Real z[2] = {5, 6}; end S; end P;
+model Road parameter Real grade = 1; Real slope(stateSelect = StateSelect.never) = grade; end Road;
+model M import Z = P.S; parameter Boolean has = HAS; parameter Real k[E] = {1, 2}, both[Boolean] = {1, 2}; parameter R r[2];
+  inner Road road; Block b(m = 1, base = world);
+  Spring s[E](each stretch = b.s, k = {k[e] for e in E}) if has annotation(Icon(graphics = {Line(points = {{0, 0}, {1, 1}})}));
+  replaceable Road t[Boolean](each grade = Z.z[end], each slope(nominal = Any.thing)) if has constrainedby Road(grade = P.q);
+  output Real y = if has then sum(k[e] for e in E) + sum(both[x] for x in Boolean) + g(r[2]) + sum(g(r[i]) for i) + Z.z[1] else 1;
+  output Real z = if has then delay(b.s/1[m], 0.1) + road.grade + sum(k[e] for e in E.low:E.high) + time/1[s] + pi else 1;
+equation
+  if has then
+    for e in E loop
+      for i in 1:Integer(e) loop assert(r[i].k < 9 and k[e] > 0, "few" + String(i), level = AssertionLevel.error); end for;
+    end for;
+    assert(b.s < 1, "far", AssertionLevel.warning);
+  end if;
+energy
+  if has then for e in E loop potential k[e]*b.s^2/2; end for; end if;
+drawing
+  if has then for e in E loop circle(b.center, size = 0.2*Integer(e)); end for; end if;
+end M;"""
 STARTS = {"initial equation b.s^2 = -1;": "cannot be solved", "initial equation sin(b.s/1[m]) = 1.5;": "it misses by 0.5",
           "initial equation der(der(b.s)) = 3;": "it misses by 3"}
 
@@ -50,6 +74,12 @@ def test_what_names_nothing_is_refused(text: str, scene: Write) -> None:
     with pytest.raises(LagError) as found:
         scene(SCENE.format(text))
     assert WRONG[text] in str(found.value) and "^" in str(found.value)
+
+
+@pytest.mark.parametrize("has", ["true", "false"])
+def test_enumerations_levels_and_annotations_are_not(has: str, scene: Write) -> None:
+    """Those that count elements and passes, `delay`, and attributes that mean nothing here were names of nothing, too."""
+    assert scene(WHATEVER_IS_TAKEN.replace("HAS", has)).coordinate_names == ("b.s",)
 
 
 def test_what_could_be_there_is_not(scene: Write) -> None:

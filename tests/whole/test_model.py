@@ -406,3 +406,11 @@ def test_turns_taken_for_radians_are_warned_of(tmp_path: Path) -> None:
     first, second = lag.load(file).warnings
     assert "'a' is in rad/s: 50[Hz] is taken for that many radians a second" in first
     assert "'f' is in Hz: 3000[rpm] is taken in radians a second, 6.28 times its turns" in second
+
+
+@pytest.mark.filterwarnings("error")
+def test_a_masked_number_is_refused_without_words_of_numpy() -> None:
+    """It became nan, with a warning of NumPy's on the way."""
+    for masked in (np.ma.masked, np.ma.array(3.0, mask=True)):
+        with pytest.raises(lag.LagError, match="must be a number, and it is masked"):
+            load("pendulum").simulate(stop=0.1, parameters={"bob.m": masked})

@@ -19,6 +19,8 @@ def a_number(what: str, value: Any) -> float:
     """Of anything that is a real one, NumPy's too. Raises LagError L0702."""
     if type(value) is float:
         return value
+    if hasattr(value, "mask"):  # NumPy's masked numbers become nan
+        _refuse_masked(f"the {what}", value)
     is_complex = getattr(getattr(value, "dtype", None), "kind", "") == "c"  # NumPy drops what is imaginary
     if not is_complex and not isinstance(value, str | bytes | bool):
         try:
@@ -77,9 +79,7 @@ def an_array(what: str, given: Any) -> "NDArray[np.float64]":
     """Of real numbers, in any dimensions, none of them masked. Raises LagError L0702."""
     import numpy as np
 
-    if np.ma.is_masked(given):
-        fail("L0702", f"{what} must be an array of numbers, and {int(np.sum(given.mask))} of it are masked", None,
-             "what is masked has no value: .filled(...) gives it one, .compressed() leaves it out")
+    _refuse_masked(what, given)
     try:
         found = np.asarray(given)
     except ValueError:  # rows of several lengths
@@ -90,6 +90,16 @@ def an_array(what: str, given: Any) -> "NDArray[np.float64]":
         shown = f"one of {given.dtype}" if isinstance(given, np.ndarray) else repr(given)
         fail("L0702", f"{what} must be an array of real numbers, not {shown}"[:200])
     return found.astype(np.float64, copy=False)
+
+
+def _refuse_masked(what: str, given: Any) -> None:
+    import numpy as np
+
+    if np.ma.is_masked(given):
+        wanted = "an array of numbers" if given.ndim else "a number"
+        found = f"{int(np.sum(given.mask))} of it are" if given.ndim else "it is"
+        fail("L0702", f"{what} must be {wanted}, and {found} masked", None,
+             "what is masked has no value: .filled(...) gives it one, .compressed() leaves it out")
 
 
 def names(what: str, given: Any) -> tuple[str, ...]:

@@ -20,16 +20,16 @@ from lagrangia.language.whole_numbers import WholeNumbers
 
 _WRITE = 'write: assert(n > 2, "three or more links");'
 _ENDS = 'write: when x > 1 then terminate("it is there"); end when;'
-_LEVELS: Mapping[str, Literal["error", "warning"]] = {"AssertionLevel.error": "error", "AssertionLevel.warning": "warning"}
+LEVELS: Mapping[str, Literal["error", "warning"]] = {"AssertionLevel.error": "error", "AssertionLevel.warning": "warning"}
 
 
 def read_assertion(call: Call[Expression], scope: Scope, place: Span, names: Names, whole: WholeNumbers) -> Assertion:
     """What an assertion says. Raises LagError L0215, L0302."""
     condition, text, level = _parts(call, place)
     said = _text(text, scope, names, "what an assertion says is a text", _WRITE)
-    kind = _LEVELS.get(str(level), "error")
-    if level is not None and not (isinstance(level, Reference) and str(level) in _LEVELS):
-        fail("L0215", f"the level of an assertion is {' or '.join(_LEVELS)}", level.span)
+    kind = LEVELS.get(str(level), "error")
+    if level is not None and not (isinstance(level, Reference) and str(level) in LEVELS):
+        fail("L0215", f"the level of an assertion is {' or '.join(LEVELS)}", level.span)
     flat = names.flatten(condition, scope)
     holds = fold(flat)
     if holds is not None and not isinstance(holds, bool):

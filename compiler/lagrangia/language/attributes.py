@@ -14,6 +14,7 @@ from lagrangia.language.units_written import read_own_unit, read_unit
 Flatten = Callable[[Bound], Flat]
 _OF_ALL = frozenset({"quantity", "start", "fixed"})
 _OF_INTEGERS = _OF_ALL | {"min", "max"}
+NEVER_READ = ("nominal", "stateSelect", "quantity")  # whatever they say
 ATTRIBUTES = _OF_INTEGERS | {"unit", "displayUnit", "nominal", "stateSelect"}
 _OF_TYPES = {"Real": ATTRIBUTES, "Integer": _OF_INTEGERS, "Boolean": _OF_ALL, "String": _OF_ALL, ENUMERATION: _OF_INTEGERS}
 

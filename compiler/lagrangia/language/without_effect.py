@@ -7,6 +7,7 @@ from functools import lru_cache
 from typing import Any
 
 from lagrangia.base.diagnostics import Report, Span
+from lagrangia.language.attributes import NEVER_READ
 from lagrangia.language.classes import ClassTable
 from lagrangia.language.discrete_arrays import variables_of
 from lagrangia.language.flat import FlatModel, Reset
@@ -56,7 +57,7 @@ _FOR_PEOPLE = frozenset("""absoluteValue choices choicesAllMatching conversion d
 _OF_FUNCTIONS = {"derivative": "functions are differentiated exactly", "inverse": "equations are solved as they stand",
                  "GenerateEvents": "branches of functions are found where they change"}
 # Attributes that change nothing where a kind of variable has them; "" stands for every kind.
-_IDLE = {"": ("nominal", "stateSelect", "quantity"), "parameter": ("start", "fixed"), "coordinate": ("min", "max"),
+_IDLE = {"": NEVER_READ, "parameter": ("start", "fixed"), "coordinate": ("min", "max"),
          "variable": ("min", "max"), "input": ("fixed",), "held": ("min", "max", "fixed")}
 _IDLE_ANYWHERE = frozenset().union(*_IDLE.values())
 _IDLE_IN_FUNCTIONS = _IDLE_ANYWHERE | {"displayUnit"}
