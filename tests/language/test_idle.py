@@ -10,6 +10,10 @@ Write = Callable[[str], lag.Model]
 PULL = "model Pull Frame a, b; Force f; {more} end Pull; "\
        "model M PointMass p(m = 2), q(m = 3); Pull pull(a = p.center, b = q.center); end M;"
 BLOCK = "model M Block b(m = 1, base = world); {} end M;"
+ARRAY = "model M parameter Integer n = 1; Block b[n](each m = 1, each base = world); parameter Real k[{}; "\
+        "AppliedForce f(at = b[1].center, force = {{{}, 0}}); end M;"
+MATERIAL = "record D Real E; Real nu; end D; model M parameter Boolean on = false; parameter D d = D(2, 0.3); {} "\
+           "Block b(m = d.E, base = world); end M;"
 IDLE = {  # the text, and what is named
     "a force by an equation": (BLOCK.format("Force f; equation f = 3[N/m]*b.s;"), "force acts on nothing: nothing reads 'f'"),
     "a force by its declaration": (BLOCK.format("Force f = 3;"), "'f'"),
@@ -37,6 +41,16 @@ IDLE = {  # the text, and what is named
     "of a record in a record": ("record D Mass m; Length L = 1; end D; record E D d; end E; model M "
                                 "parameter E e = E(D(2, L = 3)); Block b(m = e.d.m, base = world); end M;",
                                 "nothing reads 'L' of D 'e.d'"),
+    "of a material, read nowhere": ("record D Real E; Real nu; end D; model M parameter D d = D(2, 0.3); Block b(m = d.E, "
+                                    "base = world); end M;", "nothing reads 'nu' of D 'd'"),
+    "a number beside what is looked at": (
+        "record Bus Real x; Real y; end Bus; model M Block b(m = 1, base = world); Bus u(x = b.s/1[m], y = 20); end M;",
+        "nothing reads 'y' of Bus 'u'"),
+    "by a loop over numbers": (ARRAY.format("3] = {1, 2, 3}", "sum(k[i] for i in 1:2)"), "'k[3]'"),
+    "behind what is read": (ARRAY.format("3] = {1, 2, 3}", "k[1]"), "read what is left, or make the array smaller"),
+    "before what is read": (ARRAY.format("3] = {1, 2, 3}", "k[3]"), "read what is left, or write 0 in its place"),
+    "of values": ("type E = enumeration(low, high); " + ARRAY.format("E] = {1, 2}", "k[E.low]"), "or write 0 in its place"),
+    "of a matrix": (ARRAY.format("2, 2] = [1, 2; 3, 0]", "k[1, 1]"), "'k[1,2]', 'k[2,1]'"),
     "a parameter": (BLOCK.format("parameter Length L = 2;"), "nothing reads the parameter 'L'"),
 }
 USED = {
@@ -54,6 +68,24 @@ USED = {
     "only to be looked at": BLOCK.format("Length x = 2*b.s; Energy E = b.m*b.v^2/2;"),
     "an input and a parameter that are read": BLOCK.format(
         "input Force u; parameter Real c = 2; AppliedForce push(at = b.center, force = {c*u, 0});"),
+    "chosen by a parameter": ARRAY.format("3] = {1, 2, 3}", "k[n]"),
+    "chosen by an expression": ARRAY.format("3] = {1, 2, 3}", "k[n + 1]"),
+    "chosen by another array": ARRAY.format("3] = {1, 2, 3}; parameter Integer order[2] = {3, 1}", "k[order[n]]"),
+    "a row of cases": ARRAY.format("3, 2] = [1, 2; 3, 4; 5, 6]", "sum(k[n])"),
+    "as many as there are": ARRAY.format(":] = {1, 2, 3}", "sum(k[i] for i in 1:n)"),
+    "chosen by a value": "type E = enumeration(low, high); " + ARRAY.format("E] = {1, 2}; parameter E e = E.low", "k[e]"),
+    "zeros of a vector": ARRAY.format("3] = {0, 0, -9.81}", "k[3]"),
+    "zeros of a matrix": ARRAY.format("2, 2] = [3, 0; 0, 2]", "k[1, 1] + k[2, 2]"),
+    "in a branch": MATERIAL.format("Spring s(k = if on then 1/(1 + d.nu) else 3, stretch = b.s);"),
+    "in what is not there": MATERIAL.format("Spring s(k = d.nu, stretch = b.s) if on;"),
+    "of a record as a whole in a branch": "function g input D d; output Real y; algorithm y := d.nu; end g; "
+                                          + MATERIAL.format("Spring s(k = if on then g(d) else 3, stretch = b.s);"),
+    "in a component's branch": "model C parameter Boolean on = false; parameter D d; Real k = if on then d.nu else 1; end C; "
+                               + MATERIAL.format("C c(d = d); Spring s(k = c.k, stretch = b.s);"),
+    "parameters in a branch": BLOCK.format("parameter Boolean on = false; parameter Real nu = 1, k[2] = {1, 2}; "
+                                           "Spring s(k = k[1]*(if on then k[2]*nu else 3), stretch = b.s);"),
+    "a record to be looked at": "record Bus Real x; Real y; end Bus; model M Block b(m = 1, base = world); "
+                                "Bus u(x = b.s/1[m], y = 2*u.x); end M;",
     "a parameter of a start": BLOCK.format("parameter Length L = 2; initial equation b.s = L;"),
 }
 

@@ -5,11 +5,13 @@ from collections.abc import Iterable, Iterator, Mapping
 from lagrangia.base.diagnostics import Report, Span
 from lagrangia.language.classes import ClassTable
 from lagrangia.language.flat import FlatModel, Variable
+from lagrangia.language.folding import fold
 from lagrangia.language.frame_attributes import REACTIONS
 from lagrangia.language.instances import Instance, Slot
 from lagrangia.language.mentions import nodes, reached
-from lagrangia.language.tree import Call, Flat, FrameRef, Ref
+from lagrangia.language.tree import Array, Call, Flat, FrameRef, Ref, Reference
 from lagrangia.language.unread import inside
+from lagrangia.language.written_reads import Written, written_reads
 
 _FORCES = ("N", "N.m")
 _MOST_NAMED = 3
@@ -24,15 +26,19 @@ def find_idle(model: FlatModel, root: Instance, table: ClassTable) -> Report:
            and (variable := model.variables.get(slot.path)) is not None
            and (_could_act(variable) or (instance is root and variable.kind in ("input", "parameter")))]
     mentioned = _mentioned(nodes(*expressions_of(model)) if own else ())
-    told = set()
+    told = set[Span]()
+    written: Written | None = None
     for slot, variable in own:
         place, is_force = slot.declaration.name_span, variable.kind == "variable"
         unread = _unread(variable, mentioned)
         if not unread or place in told or (is_force and _follows_from_motion(model, variable)):
             continue
+        written = written or written_reads(model, (root, *inside(root)), table)
+        if slot.path in written.left_out or (slot.path in mentioned and slot.path in written.chosen):
+            continue
         told.add(place)
         what = "this force acts on nothing: nothing reads" if is_force else f"nothing reads the {variable.kind}"
-        out = "leave it out" if slot.path not in mentioned else "read it, or make the array smaller"
+        out = "leave it out" if slot.path not in mentioned else _advice(slot, variable, mentioned[slot.path], table)
         acts = _ACTS.format(name=slot.declaration.name), "or let it be looked at: output"
         report.warning("L0224", f"{what} {unread}", place, *(acts if is_force else (out,)))
     forces = [v for s, v in own if v.kind == "variable" and v.span not in told and v.name in mentioned]
@@ -51,15 +57,33 @@ def _mentioned(parts: Iterable[Flat]) -> dict[str, set[tuple[int, ...]]]:
 
 
 def _unread(variable: Variable, mentioned: Mapping[str, set[tuple[int, ...]]]) -> str:
-    """What of a variable nobody mentions, for people: its name, or those of its elements; "" where there is none."""
+    """What of a variable nobody mentions, for people: its name, or those of elements other than 0; "" where there is none."""
     read = mentioned.get(variable.name, set())
     if not read:
         return f"'{variable.name}'"
     if () in read:
         return ""
-    left = [label for label, index in variable.elements() if not any(index[:k] in read for k in range(1, len(index) + 1))]
+    left = [label for label, index in variable.elements()
+            if not any(index[:k] in read for k in range(1, len(index) + 1)) and not _is_zero(variable.binding, index)]
     more = f" and {len(left) - _MOST_NAMED} more" if len(left) > _MOST_NAMED else ""
     return ", ".join(f"'{label}'" for label in left[:_MOST_NAMED]) + more
+
+
+def _is_zero(value: Flat | None, index: tuple[int, ...]) -> bool:
+    """Whether an element is 0, as those of vectors along an axis and of diagonal matrices are."""
+    for place in index:
+        value = value.items[place - 1] if isinstance(value, Array) else None
+    return value is not None and fold(value) == 0
+
+
+def _advice(slot: Slot, variable: Variable, read: set[tuple[int, ...]], table: ClassTable) -> str:
+    """What to do about some elements of an array."""
+    sizes = slot.declaration.dimensions
+    is_counted = len(variable.shape) == len(sizes) == 1 and not (
+        isinstance(sizes[0], Reference) and (str(sizes[0]) == "Boolean" or table.found(str(sizes[0]), sizes[0].span)))
+    if is_counted and {index[0] for index in read} == set(range(1, 1 + len(read))):
+        return "read what is left, or make the array smaller"
+    return "read what is left, or " + ("write 0 in its place" if variable.kind == "parameter" else "declare what is read alone")
 
 
 def _find_read_in_vain(model: FlatModel, root: Instance, forces: list[Variable], told: set[Span], report: Report) -> None:

@@ -32,6 +32,7 @@ from lagrangia.language.tree import (
     Time,
     Unary,
 )
+from lagrangia.language.written_reads import Written, written_reads
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,7 +73,8 @@ class _Finder:
         given = {name: member for name, member in instance.members.items() if isinstance(member, Slot | FrameSlot)
                  and name not in own.named and (isinstance(member, FrameSlot) or name not in required)
                  and (isinstance(member, Slot) or name in own.readers) and self._is_given(instance, member)}
-        unread = {name: member for name, member in given.items() if member.path not in self._read}
+        unread = {name: member for name, member in given.items() if member.path not in self._read
+                  and member.path not in self._in_text.left_out and not self._is_looked_at(instance, member)}
         if unread:
             verb = "it is" if len(unread) == 1 else "they are"
             what = f"nothing reads {_listed(unread)} of {instance.definition.name} '{instance.path}', though {verb} given"
@@ -100,6 +102,18 @@ class _Finder:
         joined = Counter(leaf.name for leaf in placing if isinstance(leaf, FrameRef))
         read |= {leaf.name for leaf in placing if isinstance(leaf, Ref)}
         return read | {name for name, times in joined.items() if times > 1}  # once, where it is given, places nothing else
+
+    @cached_property
+    def _in_text(self) -> Written:
+        return written_reads(self.model, (self.root, *inside(self.root)), self.table)
+
+    def _is_looked_at(self, record: Instance, member: Slot | FrameSlot) -> bool:
+        """A part of a record that the motion changes: as a variable of its own it is there to be looked at."""
+        variables = self.model.variables
+        bindings = {name: v.binding for name, v in variables.items()}
+        bound = bindings.get(member.path) if record.definition.kind == "record" else None
+        own = {name for name, v in variables.items() if v.kind != "parameter" and v.binding is None}
+        return bound is not None and any(not isinstance(leaf, Ref) or leaf.name in own for leaf in leaves([bound], bindings))
 
     def _is_given(self, instance: Instance, member: Slot | FrameSlot) -> bool:
         """From outside, in a model of the user's."""
