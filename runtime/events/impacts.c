@@ -29,7 +29,7 @@ static int largest_problem(const LagModel *model)
 
 void lag_impacts_layout(LagImpacts *s, const LagModel *model, int size, LagArena *arena)
 {
-    const size_t resets = (size_t)model->n_resets, rubs = (size_t)model->n_rubs, whole = resets > 0 ? (size_t)size : 0;
+    const size_t resets = (size_t)model->n_resets, rubs = (size_t)model->n_rubs, whole = model->n_whens > 0 ? (size_t)size : 0;
     s->fires = lag_take_ints(arena, (size_t)model->n_whens);
     s->is_plastic = lag_take_ints(arena, (size_t)model->n_whens);
     s->has_contact = lag_take_ints(arena, (size_t)model->n_whens);
@@ -39,7 +39,8 @@ void lag_impacts_layout(LagImpacts *s, const LagModel *model, int size, LagArena
     s->before = lag_take(arena, (size_t)model->n_whens);
     s->gap_before = lag_take(arena, (size_t)model->n_whens);
     s->met = lag_take(arena, (size_t)model->n_whens);
-    s->rounding = lag_take(arena, resets > 0 ? 2 * (size_t)model->n : 0);
+    s->came = lag_take(arena, (size_t)model->n_whens);
+    s->rounding = lag_take(arena, model->n_whens > 0 ? 2 * (size_t)model->n : 0);
     s->by_time = lag_take(arena, (size_t)model->n_whens);
     s->slack = lag_take(arena, (size_t)model->n_whens);
     s->known_at = lag_take(arena, model->n_whens > 0 ? (size_t)lag_contacts_key(model) : 0);
@@ -55,7 +56,7 @@ void lag_impacts_layout(LagImpacts *s, const LagModel *model, int size, LagArena
     s->sense = lag_take(arena, resets);
     lag_complementarity_layout(&s->problem, largest_problem(model), arena);
     s->impulse = lag_take(arena, resets);
-    s->after = lag_take(arena, resets > 0 ? (size_t)model->n : 0);
+    s->after = lag_take(arena, model->n_whens > 0 ? (size_t)model->n : 0);
     s->state = lag_take(arena, whole);
     s->slope = lag_take(arena, whole);
     s->slope_without = lag_take(arena, whole);
@@ -350,6 +351,13 @@ static void keep_wanted(LagRun *run, int comes)
     }
 }
 
+static void note_time(LagRun *run)
+{
+    for (int k = 0; k < run->model->n_whens; ++k)
+        if (run->impacts.fires[k] && !run->impacts.has_contact[k])
+            run->impacts.came[k] = run->motion.t;
+}
+
 /* All that comes at once, rank by rank: each event reads what those of lower ranks set, and what is held of its own (held values of
  * rank 0 were taken before). Returns whether there is some. */
 static int find_round(LagRun *run, int is_new)
@@ -376,6 +384,7 @@ static int find_round(LagRun *run, int is_new)
                 s->wanted[j] = s->chosen[j];
     } else if (some)
         read_wanted(run);
+    note_time(run);
     return some;
 }
 
@@ -435,8 +444,7 @@ LagStatus lag_impacts_strike(LagRun *run)
     run->sliding.count = 0; /* accelerations as the shares say: forces that hold give no impulses but by events of their own */
     lag_contacts_find_errors(run);
     memset(s->is_plastic, 0, (size_t)run->model->n_whens * sizeof *s->is_plastic);
-    if (run->model->n_resets > 0)
-        memset(s->rounding, 0, 2 * (size_t)run->model->n * sizeof *s->rounding);
+    memset(s->rounding, 0, 2 * (size_t)run->model->n * sizeof *s->rounding);
     begin(run);
     int fire = find_round(run, 1);
     if (fire)

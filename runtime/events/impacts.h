@@ -27,6 +27,7 @@ typedef struct {
     LagDenseLu lu;   /* changes of what is reset by impulses of 1 */
     double coarse;   /* by how much more than one tolerance states may be off, where another integrator finds the events; 0: ours */
     double *before;  /* n_whens: their conditions before a time at which they may jump, or resets; positive: true */
+    double *came;    /* n_whens: of those that are no contacts, when they came last; where guards ask for it: NaN before (run/guards.c) */
     double *gap_before; /* n_whens: of contacts, before resets of discrete variables */
     double *rounding; /* 2 n: by how much resets may miss rates by rounding; positions stay as they are */
     double struck;   /* the time of the latest resets; NaN: of none yet, or what they set came from the motion, with its errors */

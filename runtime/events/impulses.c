@@ -62,6 +62,8 @@ void lag_impulses_look(LagRun *run, const double *v, double *rate, double *wante
 {
     const double *in[] = {&run->motion.t, run->motion.y, v, run->u, run->d, run->c};
     double *out[] = {rate, wanted};
+    if (run->model->n_resets == 0) /* events that end the run alone */
+        return;
     lag_inputs_at(&run->inputs, run->motion.t, run->u);
     lag_call(&run->model->resets, in, out, run->work);
 }

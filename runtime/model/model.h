@@ -71,7 +71,8 @@ enum {
     LAG_GUARD_END,
     LAG_GUARD_OF_PARAMETERS = 4,
     LAG_GUARD_HOLDS_ON_LEVEL = 8, /* where rates that resets have set meet what they are compared with */
-    LAG_GUARD_BREAKS_ON_LEVEL = 16
+    LAG_GUARD_BREAKS_ON_LEVEL = 16,
+    LAG_GUARD_EVENTS = 32 /* times 1 + the event that tells whether this ends the run; 0: its own number does */
 };
 
 typedef struct LagModel LagModel;

@@ -47,6 +47,8 @@ void lag_guards_layout(LagGuards *s, const LagModel *model, int size, LagArena *
 
 static int kind_of(const LagModel *model, int i) { return model->guard_kinds[i] & (LAG_GUARD_OF_PARAMETERS - 1); }
 static int is_of_parameters(const LagModel *model, int i) { return (model->guard_kinds[i] & LAG_GUARD_OF_PARAMETERS) != 0; }
+/* The event that tells whether guard i ends the run; -1: its own number does. */
+static int event_of(const LagModel *model, int i) { return model->guard_kinds[i] / LAG_GUARD_EVENTS - 1; }
 static int ends(const LagModel *model, int i) { return kind_of(model, i) != LAG_GUARD_WARNING; }
 
 /* What has no value does not hold; and does not come true. */
@@ -55,7 +57,16 @@ static int is_beyond(const LagModel *model, int i, double g) { return kind_of(mo
 static int may_break(const LagRun *run, int i)
 {
     const LagGuards *s = &run->guards;
-    return kind_of(run->model, i) == LAG_GUARD_END ? s->is_armed[i] : ends(run->model, i) || isnan(s->told[i]);
+    return kind_of(run->model, i) == LAG_GUARD_END ? s->is_armed[i] || event_of(run->model, i) >= 0 : ends(run->model, i) || isnan(s->told[i]);
+}
+
+/* Guards and what they compare, of the state y. */
+static void look_at(LagRun *run, double t, const double *y, double *found)
+{
+    lag_guards_at(run, t, y, found);
+    for (int i = 0; i < run->model->n_guards; ++i)
+        if (event_of(run->model, i) >= 0)
+            found[i] = t >= run->impacts.came[event_of(run->model, i)] ? -1 : 1;
 }
 
 static void look_inside(LagRun *run, double t)
@@ -63,7 +74,7 @@ static void look_inside(LagRun *run, double t)
     LagGuards *s = &run->guards;
     lag_state_inside(run, t, s->state);
     lag_holds_inside(run, t, s->state);
-    lag_guards_at(run, t, s->state, s->found);
+    look_at(run, t, s->state, s->found);
 }
 
 /* By how much errors of the state that was looked at may change guard i. */
@@ -73,7 +84,7 @@ static double change_by(LagRun *run, double t, int i, const double *error)
     double most = 0;
     for (int pattern = 0; pattern < lag_conditions_patterns(2 * run->model->n); ++pattern) {
         lag_conditions_disturb(run, s->state, error, pattern, s->beside);
-        lag_guards_at(run, t, s->beside, s->other);
+        look_at(run, t, s->beside, s->other);
         most = lag_max(fabs(s->other[i] - s->found[i]), most);
     }
     return most;
@@ -157,6 +168,8 @@ LagStatus lag_guards_reset(LagRun *run)
     s->broken = 0;
     s->end = INFINITY;
     s->row = NAN;
+    for (int k = 0; k < run->model->n_whens; ++k)
+        run->impacts.came[k] = NAN;
     for (int i = 0; i < run->model->n_guards; ++i) {
         s->told[i] = s->passed[i] = NAN;
         s->is_armed[i] = s->is_news[i] = 0;
@@ -173,7 +186,7 @@ LagStatus lag_guards_meet(LagRun *run, double t, const double *y)
     if (model->n_guards == 0 || s->broken)
         return lag_guards_tell(run);
     memcpy(s->state, y, 2 * (size_t)model->n * sizeof *y);
-    lag_guards_at(run, t, s->state, s->found);
+    look_at(run, t, s->state, s->found);
     for (int i = 0; i < model->n_guards; ++i) {
         const Side side = side_of(run, t, i);
         if (may_break(run, i) && side == SURELY_BEYOND) {
@@ -402,6 +415,8 @@ void lag_guards_forget(LagRun *run, double t)
     for (int i = 0; i < run->model->n_guards; ++i) {
         if (s->passed[i] > t)
             s->passed[i] = NAN;
+        if (event_of(run->model, i) >= 0 && run->impacts.came[event_of(run->model, i)] > t)
+            run->impacts.came[event_of(run->model, i)] = NAN;
         if (s->told[i] > t) {
             s->told[i] = NAN;
             s->is_news[i] = 0;

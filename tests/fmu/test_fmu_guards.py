@@ -1,15 +1,16 @@
 """Assertions and terminate in FMUs: where they end a simulation, and what is said."""
 
-from math import sqrt
+from math import pi, sqrt
 from pathlib import Path
 
 import pytest
 
 pytest.importorskip("fmpy")
 
+import fmpy
 from fmpy.fmi1 import FMICallException
 
-from helpers.fmus import KINDS, VERSIONS, Instance, simulated
+from helpers.fmus import KINDS, VERSIONS, Instance, fmu_of, simulated
 
 SCENE = """
 model Guarded
@@ -92,3 +93,30 @@ def test_a_state_that_is_restored_goes_on(guarded: Path) -> None:
     assert one.get("y") == pytest.approx([1 - 9.81 * 0.4**2 / 2], abs=1e-9)
     one.fmu.freeFMUState(state)
     one.free()
+
+
+BRANCHES = """
+model Branches
+  Block b(m = 1, base = world, along = {1, 0}, s(start = 1)); Spring k(k = 4, stretch = b.s);
+  output Length y = b.s;
+equation
+  when b.s < 0 then terminate("first"); elsewhen -2*b.s > 0 then terminate("second"); end when;
+  when b.s > 5 then terminate("far"); elsewhen time > 1/2 then terminate("late"); end when;
+  annotation(experiment(StopTime = 2));
+end Branches;
+"""
+
+
+@pytest.mark.parametrize("version", VERSIONS)
+def test_branches_end_simulations_and_nothing_else_tells_of_them(version: str, tmp_path: Path,
+                                                                   capfd: pytest.CaptureFixture[str]) -> None:
+    """The first of those that come at one instant, pi/4, and the second where it comes alone, after 0.5 s."""
+    for text, end in ((BRANCHES, 0.5), (BRANCHES.replace("1/2", "1"), pi / 4)):
+        path = tmp_path / f"until_{end:.1f}.lag"
+        path.write_text(text)
+        for kind in KINDS:
+            rows = simulated(path, version, kind, ["y"], output_interval=0.01)
+            assert end - 0.02 < rows["time"][-1] < end + 0.011
+            assert f"the simulation ends: {'late' if end == 0.5 else 'first'}" in capfd.readouterr().out
+    told = fmpy.read_model_description(str(fmu_of(path, version)))
+    assert len(told.derivatives) == 2 and not [x.name for x in told.modelVariables if "terminate" in x.name]

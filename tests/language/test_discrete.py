@@ -343,21 +343,6 @@ def test_elements_of_arrays_are_as_they_were_and_as_they_are(tmp_path: Path) -> 
     assert [result[name][-1] for name in ("new", "was", "is")] == [60, 0, 20 + 20 + 40 + 110]
 
 
-@pytest.mark.parametrize(("branches", "end", "n", "text"), [
-    ('n = 1; elsewhen k > 0 then terminate("second")', 3, 1, ""),
-    ('terminate("first"); elsewhen k > 0 then n = 1', 1, 0, "first"),
-    ('n = 0; terminate("first"); elsewhen k > 0 then terminate("second")', 1, 0, "first"),
-    ('n = 1; elsewhen k > 1 then n = 2; terminate("later"); elsewhen k > 0 then terminate("last")', 2, 2, "later")])
-def test_the_first_branch_ends_a_run(branches: str, end: float, n: int, text: str) -> None:
-    """Both conditions come true at t = 1, k > 1 at 2."""
-    model = lagrangia.loads(f"""model M Real x(start = 0, fixed = true); Integer n(start = 0), k(start = 0);
-        equation der(x) = 1; when sample(0, 1) then k = integer(time/1[s]); end when;
-        when k >= 1 then {branches}; end when; annotation(experiment(StopTime = 3)); end M;""")
-    result = model.simulate()
-    assert not model.warnings and (result.time[-1], result["n"][-1]) == (end, n)
-    assert text in result.ended and bool(result.ended) is bool(text)
-
-
 @pytest.mark.parametrize(("first", "other", "are_told"), [
     ("n == 2", "n >= 2", True), ("n >= 2", "n == 2", True), ("n <= 2 and n >= 2", "n >= 2", True), ("n == 2", "n <> 3", True),
     ("n >= 2", "n <= 2", False), ("n == 2", "n == 3", False), ("n == 2", "n <> 2", False), ("n > 2", "n < 2", False),

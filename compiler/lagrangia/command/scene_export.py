@@ -78,7 +78,7 @@ def require_smooth(model: "Model", target: str) -> None:
     if target == "python" and (long := [table for table in model.scene.tables if table.n > MOST_WRITTEN]):
         fail("L0901", f"not supported yet: the table '{long[0].name}' of {long[0].n} points in the export to python", None,
              f"it writes tables of at most {MOST_WRITTEN} points out; --to casadi and --to fmu look up what is longer")
-    if whens := compilation.flat.whens:
+    if whens := [when for when in compilation.flat.whens if when.resets]:
         fail("L0909", f"not supported yet: to export a scene to {target} whose rates are reset at events", whens[0].span,
              "an FMU has the events: --to fmu")
     if "kick" in compilation.functions.table:
@@ -92,7 +92,7 @@ def export_warnings(model: "Model", target: str) -> list[Diagnostic]:
     c = model.compilation
     events = [Diagnostic("warning", "L0741", f"the event '{when.condition.span.text}' is left out of the export to {target}, "
                          "whose equations hold between events", when.span, "", ("an FMU has the events: --to fmu",))
-              for when in c.flat.whens if target == "sympy"]
+              for when in c.flat.whens if target == "sympy" and when.resets]
     events += [Diagnostic("warning", "L0741", f"'{guard.condition.span.text}', which ends a run or has to hold, is left out of "
                           f"the export to {target}", guard.span, "", ("lag simulate and an FMU ask for it: --to fmu",))
                for guard in c.flat.guards if target in ("python", "casadi", "modelica", "sympy")]

@@ -191,7 +191,7 @@ def _with_impacts(kinematics: "Kinematics", energies: "Energies", motion: "Motio
     if impacts.pressing:
         kinematics = kinematics.knowing(impacts.contact_forces())
         energies = build_energies(kinematics)
-    if impacts.places:
+    if impacts.conditions.numel():
         motion = feel_reactions(kinematics, made_of[0], build_motion(kinematics, energies, *made_of, impacts))
     refuse_untold_rest(energies, motion)
     return kinematics, motion

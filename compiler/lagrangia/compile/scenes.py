@@ -33,7 +33,7 @@ from lagrangia.dynamics.switches import corners_remain, counts_whole_numbers
 from lagrangia.frames.graph import ComponentGraph, Coordinate
 from lagrangia.frames.kinematics import Kinematics
 from lagrangia.language.attitudes import parts_of
-from lagrangia.language.changes import is_inner
+from lagrangia.language.changes import is_before
 from lagrangia.language.consequences import place_of_felt_reactions
 from lagrangia.language.dimensions import unit_of
 from lagrangia.language.directions import directions, parameter_places
@@ -140,7 +140,7 @@ def _whole(motion: Motion, model: FlatModel, modes: Sequence[Mode]) -> tuple[str
     """Why a scene is not divided; its islands."""
     if motion.q.numel() > MOST_COORDINATES:
         return f"not supported yet: islands of more than {MOST_COORDINATES} coordinates", []
-    if motion.impacts.places:
+    if motion.impacts.conditions.numel():
         return "not supported yet: islands of scenes with events that reset rates", []
     if motion.felt is not None:
         return "not supported yet: islands of scenes whose forces feel reactions", []
@@ -318,7 +318,7 @@ def _told(kinematics: Kinematics, constraints: Constraints, initial: InitialCond
 
 def _inner(model: FlatModel) -> list[str]:
     """The coordinates of discrete variables that are no one's but their events'."""
-    return [state.coordinate for state in model.states.values() if state.is_kept and is_inner(state.name, model.variables)]
+    return [state.coordinate for state in model.states.values() if state.is_kept and is_before(state.name, model.variables)]
 
 
 def _kept_types(model: FlatModel) -> dict[str, str]:

@@ -20,6 +20,7 @@ from lagrangia.language.tree import Call, Flat, FrameRef, Ref
 KINDS: Mapping[str, int] = {"error": 0, "warning": 1, "end": 2}  # LAG_GUARD_ERROR, ...
 OF_PARAMETERS = 4  # LAG_GUARD_OF_PARAMETERS: the motion does not decide it
 HOLDS_ON_LEVEL, BREAKS_ON_LEVEL = 8, 16  # LAG_GUARD_...: where rates that resets have set meet what they are compared with
+EVENTS = 32  # LAG_GUARD_EVENTS: times 1 + that event which tells whether it has come
 _MOST_SHOWN = 8  # quantities of one condition
 
 
@@ -52,19 +53,21 @@ def find_guarding(kinematics: Kinematics) -> Guarding:
     """Raises LagError L0225 for what is never decided anew: what is neither a parameter nor moves."""
     model, tau = kinematics.graph.model, kinematics.symbols.tau
     values, seen, shown, kinds = [], [], [], []
-    steps = Steps(kinematics)
+    steps, events = Steps(kinematics), {guard: k for k, when in enumerate(model.whens) for guard in when.endings}
     for guard in model.guards:
         meetings = Meetings(kinematics)
-        g = _level(kinematics, guard, meetings, steps)
+        is_by_event = guard in events
+        g = ca.SX(1) if is_by_event else _level(kinematics, guard, meetings, steps)
         told = dict(_shown(kinematics, guard))
         is_constant = not ca.depends_on(g, _following(kinematics)) and kinematics.algebra.changing.isdisjoint(symbols_in(g))
-        if guard.kind == "end" and is_constant:
+        if guard.kind == "end" and is_constant and not is_by_event:
             fail("L0225", "this is true or false for good, and no event", guard.condition.span.within(guard.span),
                  "compare what moves, as x > 1")
         values.append(g)
         shown.append(tuple(told))
         seen += [ca.substitute(as_expression(x), tau, ca.SX(1)) for x in told.values()]
-        kinds.append(KINDS[guard.kind] + (OF_PARAMETERS if is_constant else 0) + _on_level(guard, meetings))
+        by_itself = (OF_PARAMETERS if is_constant else 0) + _on_level(guard, meetings)
+        kinds.append(KINDS[guard.kind] + (EVENTS * (1 + events[guard]) if is_by_event else by_itself))
     return Guarding(ca.densify(ca.vertcat(ca.SX(0, 1), *values, *seen)), tuple(shown), tuple(kinds))
 
 

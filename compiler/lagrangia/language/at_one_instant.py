@@ -88,7 +88,8 @@ def in_order(events: Sequence[Event], samplers: Sequence[Sampler], bindings: Bin
 
 def _of_event(event: Event) -> _Clause:
     given = tuple(x.rate.name for x in event.resets if x.is_kept and isinstance(x.rate, Ref))
-    return _Clause(id(event.chain), given, (event.condition, *(x.value for x in event.resets)), event.span, event.resets[0].span,
+    return _Clause(id(event.chain), given, (event.condition, *(x.value for x in event.resets)), event.span,
+                   event.resets[0].span if event.resets else event.span,
                    event.condition)
 
 

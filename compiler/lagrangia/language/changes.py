@@ -6,14 +6,12 @@ n.before, a variable of its own, is n as it was; the event comes where both diff
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
 
-from lagrangia.base.diagnostics import Report, Span
+from lagrangia.base.diagnostics import Report
 from lagrangia.language.discrete import Event
 from lagrangia.language.events import are_alike
 from lagrangia.language.flat import Reset, Variable
 from lagrangia.language.mentions import rebuilt
-from lagrangia.language.tree import Binary, Call, Flat, Number, Ref
-
-_ENDS = "terminate"
+from lagrangia.language.tree import Binary, Call, Flat, Ref
 
 
 def before(ref: Ref) -> Ref:
@@ -21,21 +19,10 @@ def before(ref: Ref) -> Ref:
     return Ref(f"{ref.name}.before", (), ref.span)
 
 
-def is_inner(name: str, variables: Collection[str]) -> bool:
-    """Whether it is no one's but the events': what one of the variables was, or whether a branch has ended the run."""
+def is_before(name: str, variables: Collection[str]) -> bool:
+    """Whether it is what one of the variables was."""
     stem, _, last = name.rpartition(".")
-    return (last == "before" and stem in variables) or stem == _ENDS
-
-
-def ended(number: int, span: Span) -> Ref:
-    """Whether the ending of that number has come: no name that can be written."""
-    return Ref(f"{_ENDS}.{number}", (), span)
-
-
-def variables_of_endings(endings: Sequence[Ref]) -> dict[str, Variable]:
-    """Each of these, false at the start."""
-    return {ref.name: Variable(ref.name, "variable", (), "1", "", None, Number(0.0, None, ref.span), False, None, None, False,
-                               "whether the run ends here", ref.span, type_name="Boolean") for ref in endings}
+    return last == "before" and stem in variables
 
 
 def changed(ref: Ref) -> Flat:

@@ -14,7 +14,7 @@ from lagrangia.base.diagnostics import Report, Span, fail
 from lagrangia.base.records import dataclass
 from lagrangia.language.elements import Size, array_of, dealt_out
 from lagrangia.language.events import are_alike
-from lagrangia.language.flat import Equation, Reset, Variable, When
+from lagrangia.language.flat import Equation, Guard, Reset, Variable, When
 from lagrangia.language.mentions import nodes, read_now, rebuilt
 from lagrangia.language.number_checks import CONDITIONS
 from lagrangia.language.tree import Array, Binary, Boolean, Call, Expression, Flat, IfExpression, Number, Ref, Reference, Unary
@@ -36,6 +36,7 @@ class Event:
     is_start: bool = False
     branch: int = 0  # of these
     rank: int = 0  # at an instant: at_one_instant.py
+    endings: tuple[Guard, ...] = ()  # of the run, which come with it
 
 
 def is_condition(node: Flat) -> bool:
@@ -198,7 +199,7 @@ def find_discrete(events: Sequence[Event], variables: Mapping[str, Variable], eq
             continue
         condition = compared(_opened(event.condition, bindings), whole)
         order = event.rank, chains[id(event.chain)], event.branch
-        found.whens.append(When(condition, resets, event.component, event.span, order))
+        found.whens.append(When(condition, resets, event.component, event.span, order, event.endings))
     for name, event in given.items():
         rate = Call("der", (Ref(name, (), event.span),), (), event.span)
         found.equations.append(Equation(rate, Number(0.0, None, event.span), event.span, event.component))

@@ -10,10 +10,8 @@ from lagrangia.language.at_one_instant import in_order
 from lagrangia.language.changes import (
     at_change,
     changed,
-    ended,
     events_of_changes,
     variables_of_changes,
-    variables_of_endings,
 )
 from lagrangia.language.discrete import (
     Discrete,
@@ -25,18 +23,18 @@ from lagrangia.language.discrete import (
     of_own_past,
     refuse_own_past,
 )
-from lagrangia.language.elsewhen import warn_of_both
+from lagrangia.language.elsewhen import come_apart, warn_of_both
 from lagrangia.language.events import level_of
 from lagrangia.language.flat import Equation, Guard, Held, Reset, Sampler, Variable
 from lagrangia.language.instances import Scope
 from lagrangia.language.names import Names
-from lagrangia.language.tree import Array, Call, Clause, Expression, Flat, Number, Ref, Unary, WhenBlock
-from lagrangia.language.truths import NO, truth_of
+from lagrangia.language.tree import Array, Call, Clause, Expression, Flat, Ref, Unary, WhenBlock
 from lagrangia.language.whole_numbers import WholeNumbers
 
 _SAMPLED = "write: when sample(0, 0.01) then u = ...; end when;"
 _AT_EVENTS = ("write: reinit(der(x), value);", "a variable of its own, which keeps its value until the next event, is given it: "
               "n = pre(n) + 1, declared as Integer n(start = 0)")
+_Chain = tuple[tuple[WhenBlock, Scope], int, tuple[Flat, ...]]  # the first `when`, the branch, and the conditions before it
 
 
 class EventClauses:
@@ -50,8 +48,7 @@ class EventClauses:
         self._integers: list[Flat] = []  # values of Integer variables
         self._events: list[Event] = []
         self._changing: dict[str, Ref] = {}  # those whose change is an event
-        self._ended: list[Ref] = []  # by branches, of which the first that comes is the one
-        self._chains: dict[int, tuple[tuple[WhenBlock, Scope], int]] = {}  # the `when` of an elsewhen, by its id, and its branch
+        self._chains: dict[int, _Chain] = {}  # of each elsewhen, by its id
         self._resets: list[Reset] = []  # of the `when` that is being read
         self._endings: list[tuple[str, Span]] = []  # likewise: what is said where it ends the run
         self._held: list[Held] = []  # likewise
@@ -62,12 +59,12 @@ class EventClauses:
 
     def add(self, block: WhenBlock, scope: Scope, place: Span) -> None:
         """A `when` with its elsewhen. Raises LagError L0215, L0222, L0225."""
-        conditions, (chain, branch) = self._conditions(block.condition, scope), self._chain(block, scope)
+        conditions, (chain, branch, before) = self._conditions(block.condition, scope), self._chain(block, scope)
         is_kept = True  # whether all that the branch behind does is give values, or end the run
         if block.otherwise is not None:
             if any(_is_call(x, "sample") for x in conditions):
                 fail("L0222", "elsewhen cannot follow a sampler", block.otherwise.span, "write two of them: when ... end when;")
-            self._chains[id(block.otherwise)] = chain, branch + 1
+            self._chains[id(block.otherwise)] = chain, branch + 1, (*before, *conditions)
             self.read("equation", block.otherwise, scope)
             is_kept = all(reset.is_kept for reset in self._resets)
         if any(_is_call(x, "sample") for x in conditions):
@@ -81,26 +78,17 @@ class EventClauses:
         if not (self._resets or self._endings) and not self.report.errors:
             fail("L0222", "nothing happens here", block.span, "write: reinit(der(x), value);")
         if block.otherwise is not None:
-            others = self._conditions(block.otherwise.condition, scope)
-            for first, other in ((x, y) for x in conditions for y in others if not (isinstance(x, Call) or isinstance(y, Call))):
+            behind = self._conditions(block.otherwise.condition, scope)
+            for first, other in ((x, y) for x in conditions for y in behind if not (isinstance(x, Call) or isinstance(y, Call))):
                 warn_of_both(first, other, block.otherwise, self.report, is_kept=is_kept)
-        if block.otherwise is not None or branch > 0:
-            self._let_events_end(block.condition.span, scope)
+        others = (*before, *(x for later in _behind(block) for x in self._conditions(later.condition, scope)))
+        may_meet = not all(isinstance(y, Call) or come_apart(x, y) for x in conditions for y in others)
         for condition in conditions:
-            self._add_event(condition, chain, branch, scope.instance.path, place)
+            self._add_event(Event(condition, tuple(self._resets), scope.instance.path, place, chain, branch=branch), may_meet)
 
-    def _let_events_end(self, condition: Span, scope: Scope) -> None:
-        """Of branches, that may come at one instant, the first alone ends the run: by a variable of its own."""
-        for text, span in self._endings:
-            ref = ended(len(self._ended) + 1, condition)
-            self._ended.append(ref)
-            self._resets.append(Reset(ref, Number(1.0, None, span), span, is_kept=True))
-            self.names.guards.append(Guard(truth_of(ref, NO), text, "end", scope.instance.path, span))
-        self._endings = []
-
-    def _chain(self, block: WhenBlock, scope: Scope) -> tuple[tuple[WhenBlock, Scope], int]:
+    def _chain(self, block: WhenBlock, scope: Scope) -> _Chain:
         known = self._chains.get(id(block))
-        return known if known is not None and known[0][1] is scope else ((block, scope), 0)
+        return known if known is not None and known[0][1] is scope else ((block, scope), 0, ())
 
     def _conditions(self, node: Expression, scope: Scope) -> list[Flat]:
         """Each of {a, b}, and what edge and change say of each; initial() and sample(...) as calls."""
@@ -136,14 +124,15 @@ class EventClauses:
                  "give its value to a variable: Integer m = 2*n; when change(m) then ...")
         return [inner, Unary("not", inner, node.span)]
 
-    def _add_event(self, condition: Flat, chain: object, branch: int, component: str, place: Span) -> None:
-        is_start = _is_call(condition, "initial")
-        if self._resets:
-            event = Event(condition, tuple(self._resets), component, place, chain, is_start, branch)
-            self._events.append(at_change(event))
-        for text, span in self._endings:
-            level_of(condition)  # which raises where there is none
-            self.names.guards.append(Guard(condition, text, "end", component, span))
+    def _add_event(self, event: Event, may_meet: bool) -> None:
+        """With the endings of its branch, which ask the event whether they come where it `may_meet` others of its `when`."""
+        endings = tuple(Guard(event.condition, text, "end", event.component, span) for text, span in self._endings)
+        self.names.guards += endings
+        if endings:
+            level_of(event.condition)  # which raises where there is none
+        if event.resets or (endings and may_meet):
+            is_start = _is_call(event.condition, "initial")
+            self._events.append(at_change(replace(event, is_start=is_start, endings=endings if may_meet else ())))
 
     def _add_sampler(self, block: WhenBlock, conditions: Sequence[Flat], scope: Scope, place: Span) -> None:
         call = conditions[0]
@@ -213,9 +202,15 @@ class EventClauses:
         last = max((event.rank for event in ordered.events), default=0) + 1
         events = [*ordered.events, *events_of_changes(self._changing, variables, last)]
         self.types |= {name: variable.type_name for name, variable in made.items()}
-        made |= variables_of_endings(self._ended)
         found = find_discrete(events, {**variables, **made}, equations, self.whole, self.report)
         return replace(found, variables={**made, **found.variables})
+
+
+def _behind(block: WhenBlock) -> Iterator[WhenBlock]:
+    """The branches behind one."""
+    if block.otherwise is not None:
+        yield block.otherwise
+        yield from _behind(block.otherwise)
 
 
 def _is_call(node: Expression | Flat, function: str) -> TypeGuard[Call[Any]]:

@@ -134,21 +134,6 @@ class Reset:
 
 
 @dataclass(frozen=True)
-class When:
-    """`when condition then ... end when`: what happens at the moment at which the condition comes true."""
-
-    condition: Flat
-    resets: tuple[Reset, ...]
-    component: str
-    span: Span
-    order: tuple[int, int, int] = (0, 0, 0)  # its rank at an instant, its `when`, and its branch there: at_one_instant.py
-
-    def expressions(self) -> tuple[Flat, ...]:
-        """All that it reads."""
-        return (self.condition, *(x for reset in self.resets for x in (reset.rate, reset.value)))
-
-
-@dataclass(frozen=True)
 class Guard:
     """What has to hold in a run, which warns (`kind` "warning") or fails ("error") where it breaks; or ("end") what ends it
     well where it comes true."""
@@ -162,6 +147,22 @@ class Guard:
     def expressions(self) -> tuple[Flat, ...]:
         """All that it reads."""
         return (self.condition,)
+
+
+@dataclass(frozen=True)
+class When:
+    """`when condition then ... end when`: what happens at the moment at which the condition comes true."""
+
+    condition: Flat
+    resets: tuple[Reset, ...]
+    component: str
+    span: Span
+    order: tuple[int, int, int] = (0, 0, 0)  # its rank at an instant, its `when`, and its branch there: at_one_instant.py
+    endings: tuple[Guard, ...] = ()  # of the run, that come with it, not by themselves
+
+    def expressions(self) -> tuple[Flat, ...]:
+        """All that it reads."""
+        return (self.condition, *(x for reset in self.resets for x in (reset.rate, reset.value)))
 
 
 @dataclass(frozen=True)

@@ -32,8 +32,9 @@ _OF_CALLS: Mapping[str, Bounds] = {
 def find_never(model: FlatModel, report: Report, code: str) -> None:
     """A warning for each event that never comes, and each assertion that always holds."""
     bounding = _Bounding(model, *_declared(model.experiment))
+    by_events = {guard for when in model.whens for guard in when.endings}
     conditions = [(when.condition, when.span) for when in model.whens]
-    conditions += [(guard.condition, guard.span) for guard in model.guards if guard.kind == "end"]
+    conditions += [(guard.condition, guard.span) for guard in model.guards if guard.kind == "end" and guard not in by_events]
     for condition, span in conditions:
         can_be_true, can_be_false = bounding.truth(condition)
         if can_be_true and can_be_false:

@@ -301,7 +301,7 @@ def _time(parts: _Parts) -> Iterable[Need]:
 
 
 def _state_events(parts: _Parts) -> Need:
-    sizes, whens = parts.scene.sizes, parts.kinematics.graph.model.whens
+    sizes, whens = parts.scene.sizes, [when for when in parts.kinematics.graph.model.whens if when.resets]
     conditions = sizes["n_switches"] - 3 * sizes["n_whens"]
     found = [f"{_counted(conditions, 'condition')} on the state in the forces"] if conditions else []
     corners = find_corners(parts.energies, parts.motion) if conditions and parts.scene.n <= _MOST_COUNTED else ()

@@ -147,7 +147,7 @@ def build_symbolic(kinematics: Kinematics, constraints: Constraints, is_small: b
     energies = evaluate_energies(symbolic)
     kept = [row for row in constraints.rows if not row.balanced]  # a balance is Lagrange's equation of its place itself
     rows = tuple(exact_throughout(row.value(symbolic, 0)) for row in kept)
-    events = () if is_small else tuple(_event(symbolic, when) for when in kinematics.graph.model.whens)
+    events = () if is_small else tuple(_event(symbolic, when) for when in kinematics.graph.model.whens if when.resets)
     s = symbolic.symbols
     inputs = {label: x for v in kinematics.graph.model.variables.values() if v.kind == "input"
               for label, x in scalars(v.name, s.values[v.name])}
