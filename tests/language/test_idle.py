@@ -76,6 +76,12 @@ USED = {
     "chosen by a value": "type E = enumeration(low, high); " + ARRAY.format("E] = {1, 2}; parameter E e = E.low", "k[e]"),
     "zeros of a vector": ARRAY.format("3] = {0, 0, -9.81}", "k[3]"),
     "zeros of a matrix": ARRAY.format("2, 2] = [3, 0; 0, 2]", "k[1, 1] + k[2, 2]"),
+    "one component of several":
+        "model G parameter Real r = 1; Force f = 2[N/s]*time; end G; model M parameter Integer n = 2; G g[3](r = {1, 2, 3}); "
+        "Block b(m = 1, base = world); AppliedForce a(at = b.center, force = {g[n].r*g[n].f, 0}); end M;",
+    "one record of several": "record D Real E; Real nu; end D; " + ARRAY.format(
+        "1] = {1}; parameter D d[2] = {D(1, 2), D(3, 4)}; parameter Boolean on = false",
+        "k[1]*d[n].E*(if on then d[n].nu else 1)"),
     "in a branch": MATERIAL.format("Spring s(k = if on then 1/(1 + d.nu) else 3, stretch = b.s);"),
     "in what is not there": MATERIAL.format("Spring s(k = d.nu, stretch = b.s) if on;"),
     "of a record as a whole in a branch": "function g input D d; output Real y; algorithm y := d.nu; end g; "

@@ -26,6 +26,7 @@ def find_idle(model: FlatModel, root: Instance, table: ClassTable) -> Report:
            and (variable := model.variables.get(slot.path)) is not None
            and (_could_act(variable) or (instance is root and variable.kind in ("input", "parameter")))]
     mentioned = _mentioned(nodes(*expressions_of(model)) if own else ())
+    read = {slot.declaration.name_span for slot, _ in own if slot.path in mentioned}
     told = set[Span]()
     written: Written | None = None
     for slot, variable in own:
@@ -34,7 +35,7 @@ def find_idle(model: FlatModel, root: Instance, table: ClassTable) -> Report:
         if not unread or place in told or (is_force and _follows_from_motion(model, variable)):
             continue
         written = written or written_reads(model, (root, *inside(root)), table)
-        if slot.path in written.left_out or (slot.path in mentioned and slot.path in written.chosen):
+        if slot.path in written.left_out or (place in read and slot.path in written.chosen):
             continue
         told.add(place)
         what = "this force acts on nothing: nothing reads" if is_force else f"nothing reads the {variable.kind}"

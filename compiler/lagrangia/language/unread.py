@@ -32,7 +32,7 @@ from lagrangia.language.tree import (
     Time,
     Unary,
 )
-from lagrangia.language.written_reads import Written, written_reads
+from lagrangia.language.written_reads import written_reads
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,7 +74,7 @@ class _Finder:
                  and name not in own.named and (isinstance(member, FrameSlot) or name not in required)
                  and (isinstance(member, Slot) or name in own.readers) and self._is_given(instance, member)}
         unread = {name: member for name, member in given.items() if member.path not in self._read
-                  and member.path not in self._in_text.left_out and not self._is_looked_at(instance, member)}
+                  and member.path not in self._in_text and not self._is_looked_at(instance, member)}
         if unread:
             verb = "it is" if len(unread) == 1 else "they are"
             what = f"nothing reads {_listed(unread)} of {instance.definition.name} '{instance.path}', though {verb} given"
@@ -104,8 +104,9 @@ class _Finder:
         return read | {name for name, times in joined.items() if times > 1}  # once, where it is given, places nothing else
 
     @cached_property
-    def _in_text(self) -> Written:
-        return written_reads(self.model, (self.root, *inside(self.root)), self.table)
+    def _in_text(self) -> frozenset[str]:
+        written = written_reads(self.model, (self.root, *inside(self.root)), self.table)
+        return written.left_out | written.chosen
 
     def _is_looked_at(self, record: Instance, member: Slot | FrameSlot) -> bool:
         """A part of a record that the motion changes: as a variable of its own it is there to be looked at."""
