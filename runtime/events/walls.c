@@ -5,17 +5,15 @@
 #include "numbers/extremes.h"
 #include "model/schedule.h"
 
-static const double WHILE = 1; /* s */
-static const double GONE = 64; /* times what may be carried along: no drift */
+static const double LEAST = 1e-14; /* m, or rad: rounding of what a gap is made of, where its parts are some 50 m or less */
+static const double GONE = 64;     /* times what may be carried along: no drift */
 
 /* How far the place of contact k may jump and carry along what rests there. Where all is at 0 nothing has a size, and the least jump,
- * by rounding of what the gap is made of, would be larger: what is pressed there would move so far in a while. */
+ * by rounding of what the gap is made of, would be larger. */
 static double carries(const LagRun *run, int k)
 {
-    const int i = lag_gap(run->model, k), rests = lag_contact(run->model, k);
-    const int is_pressed = run->switches.slides[rests] && *lag_share(run, rests) > 0;
-    const double pressed = is_pressed ? run->scale.asked * run->sliding.most_jump[rests] * WHILE * WHILE : 0;
-    return lag_max(lag_max(run->switches.unknown[i], run->sliding.error[i]), pressed);
+    const int i = lag_gap(run->model, k);
+    return lag_max(lag_max(run->switches.unknown[i], run->sliding.error[i]), LEAST);
 }
 
 int lag_walls_have_moved(LagRun *run, int k, double gap)
