@@ -109,6 +109,14 @@ def test_steps_go_back() -> None:
         spatial.step(HERE, turn, 0.4, (0.0, 0.0, 0.0), NUMBERS)
 
 
+@pytest.mark.parametrize("size", [1e-200, 1e155, 1e300])
+def test_axes_of_any_length(size: float) -> None:
+    """Their squares are 0 or infinite: 'the length 0', and a division by zero."""
+    turn = Step("turn", Number(0.4, None, PLACE), axis=Array((), PLACE))
+    axis = spatial.unit_axis(turn, (size, -2*size, 2*size), NUMBERS)
+    assert axis == pytest.approx([1/3, -2/3, 2/3], rel=1e-15)
+
+
 def body() -> tuple[np.ndarray, np.ndarray, Inertia]:
     masses, places = random.uniform(1, 2, 6), random.uniform(-1, 1, (6, 3))
     J = sum(m * (p @ p * np.eye(3) - np.outer(p, p)) for m, p in zip(masses, places, strict=True))

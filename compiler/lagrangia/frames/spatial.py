@@ -21,6 +21,7 @@ Matrix = tuple[Vector, ...]  # (3, 3), by rows
 NOWHERE: Vector = (0.0, 0.0, 0.0)
 UNIT: Matrix = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 _ONE_ANGLE = "turn(a, phi, axis) takes one angle; a coordinate Rotation S turns as a whole, and no multiple of it: turn(a, S)"
+_LEAST = 1e-280  # of squares that have all their digits
 _TINY = 1e-14  # of the cosine of an angle that is a number: a right angle, but for rounding
 
 
@@ -142,10 +143,13 @@ def unit_axis(step: Step, axis: Value | None, algebra: Algebra) -> Vector:
     if not isinstance(squares, float | int):
         size = algebra.call("sqrt", squares)
         return tuple(0.0 if is_zero(x) else x / size for x in axis)
-    if squares == 0:
+    largest = max(abs(x) for x in axis)
+    if largest == 0:
         assert step.axis is not None
         fail("L0303", "the axis of a turn has the length 0", step.axis.span, "give it a direction, as {0, 0, 1}")
-    return tuple(x / sqrt(squares) for x in axis)
+    if not _LEAST < squares < 1 / _LEAST:  # the squares are no numbers of all digits
+        axis = tuple(x / largest for x in axis)
+    return tuple(x / sqrt(dot(axis, axis)) for x in axis)
 
 
 # -------------------------------------------------------------------- turns
