@@ -211,10 +211,46 @@ def test_a_support_whose_rate_bends_pulls_on_its_rod(scene: Scene) -> None:
         np.testing.assert_allclose(run["q.center.y"], [-0.85, -0.85, -0.55], rtol=0, atol=1e-9, err_msg=solver)
 
 
+S = "(time/1[s])"
+FREE_SLIDER = ("model M {}Prismatic x(a = world), r(a = x.b); PointMass p(m = 1, center = r.b); equation x.s = {}; "
+               "annotation(experiment(StopTime = 35)); end M;")
+CURVED = {  # and where the free slider is relative to the support: it goes on as the support began
+    f"max(0, 0.1*({S}^2 - c))": [0, -0.3],
+    f"max(0, 0.1*(({S} + 1)^3 - 4 - 4*c)/19)": [0, -0.1],
+    f"0.1*abs(({S} - c)*({S} + 5))": [0.025, -1.0],
+    f"min(0.1*exp({S} - c), 0.1)": [0.1 * (-math.exp(-0.5) + 1.5 * math.exp(-1)), 0.3 * math.exp(-1) - 0.1],
+    f"(if time < 1 then 0.1*{S} else 0.1) + 0.1*max(0, {S}^2 - 1)^2": [0, -0.8],
+    f"min(c*10, 0.1*{S}^2)": [-0.025, -0.4],
+}
+
+
+@pytest.mark.parametrize("way", CURVED)
+def test_rates_jump_where_curves_of_time_turn(way: str, scene: Scene) -> None:
+    """Also where parameters of the run say when, and long after what is looked at beforehand."""
+    model = scene(FREE_SLIDER.format("parameter Real c = 900; ", way))
+    for solver in ("auto", "erk", "implicit"):
+        run = model.simulate(at=[0.5, 2.0], parameters={"c": 1}, solver=solver, tolerance=1e-9)
+        np.testing.assert_allclose(run["r.s"], CURVED[way], rtol=0, atol=1e-8, err_msg=solver)
+
+
 def test_a_rate_that_jumps_at_an_unknown_time_is_refused(scene: Scene) -> None:
-    """Its square does not jump."""
-    text = ("model M Prismatic x(a = world), r(a = x.b); PointMass p(m = 1, center = r.b); "
-            "equation x.s = max(0, 0.1*(time/1[s])^2 - 0.1){}; end M;")
+    """Its square does not jump; a sum of two sines is 0 at such times. It is not asked for where the run does not come."""
+    sines = f"0.1[m]*max(0, sin({S}) + 0.5*sin(3*{S})){{}}"
     with pytest.raises(lag.LagError, match="L0914"):
-        scene(text.format("")).simulate(stop=1)
-    assert scene(text.format("^2/1[m]")).simulate(at=[2.0], tolerance=1e-9)["x.s"][0] == pytest.approx(0.09)
+        scene(FREE_SLIDER.format("", sines.format(""))).simulate(stop=1)
+    assert scene(FREE_SLIDER.format("", sines.format("^2"))).simulate(at=[0.0], tolerance=1e-9)["x.s"][0] == 0
+    early = FREE_SLIDER.format("", sines.format("")).replace("35", "2")
+    assert scene(early).simulate(at=[0.5]).time[0] == 0.5
+
+
+def test_a_light_slider_beside_a_heavy_body_is_kicked_at_an_unknown_time(scene: Scene) -> None:
+    text = FREE_SLIDER.format("Block heavy(m = 1000, base = world); Spring f(a = p.center, b = heavy.center, k = 1e-12); ",
+                              f"0.1*max(0, sin({S}) + 0.5*sin(3*{S}))")
+    with pytest.raises(lag.LagError, match="L0914"):
+        scene(text.replace("m = 1,", "m = 1e-9,")).simulate(stop=1)
+
+
+def test_a_support_by_an_input_that_bends_is_no_time_that_is_looked_for(scene: Scene) -> None:
+    text = "model M input Real u; Frame f = shift(world, {%s, 0}); Prismatic r(a = f); PointMass p(m = 1, center = r.b); end M;"
+    run = scene(text % f"max(0, u)*1[m] + 0.1[m]*max(0, (sin({S}) + 0.5*sin(3*{S})))^2").simulate(inputs={"u": 0.5}, at=[0.5])
+    assert run["p.center.x"][0] == pytest.approx(0.5, abs=1e-9)

@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 import casadi as ca
 
 from lagrangia.algebra.duals import Scalar, minus
+from lagrangia.algebra.instants import Instants
 from lagrangia.algebra.modes import Mode
 from lagrangia.algebra.numbering import Numbering, rebuilt
 from lagrangia.algebra.scalars import Expression, as_expression, symbol, symbols_in
@@ -43,8 +44,8 @@ class Crossing:
 
 def find_crossing(value: ca.SX, time: ca.SX, modes: Sequence[Mode], numbering: Numbering, is_straight: Test, may_wave: bool
                   ) -> Crossing | None:
-    """Of a value in which these modes stand; `may_wave`: its lines may be sines, of which only crossings of 0 are known. None
-    where crossings cannot be computed, or there are none."""
+    """Of a value in which these modes stand; `may_wave`: its lines may be sines, parabolas and such, of which only crossings of 0
+    are known. None where crossings cannot be computed, or there are none."""
     number, floors = numbering.number(value), [mode for mode in modes if not mode.is_relation]
     if not modes and ca.depends_on(value, time) and is_straight(value):
         return Crossing(number, value, [(value, None)], is_straight=True)
@@ -52,15 +53,18 @@ def find_crossing(value: ca.SX, time: ca.SX, modes: Sequence[Mode], numbering: N
         return None
     floor = floors[0].symbol if floors else None
     lines, phases = list[Line](), list[ca.SX]()
+    instants = Instants(time, numbering, is_straight, lambda x: _phases_of(x, time, numbering))
     for x in _lines_of(value, [mode.symbol for mode in modes if mode.is_relation], numbering) or [value]:
         line = _line(x, time, floor)
-        waves = _phases_of(x, time, numbering) if may_wave and floor is None and not is_straight(line[0]) else []
-        if not is_straight(line[0]) and not (waves and all(map(is_straight, waves))):
-            return None
+        if not is_straight(line[0]):
+            found = instants.of(x, ca.SX(0)) if may_wave and floor is None else None
+            if found is None:
+                return None
+            lines, phases = [*lines, *((root, None) for root in found[0])], phases + found[1]
+            continue
         if line[1] is not None and ca.depends_on(line[1], ca.vertcat(time, floor)):
             return None
-        phases += waves
-        lines += [line] if not waves and (ca.depends_on(x, time) or line[1] is not None) else []
+        lines += [line] if ca.depends_on(x, time) or line[1] is not None else []
     if not lines and not phases:
         return None
     known = ca.substitute([value], [mode.symbol for mode in modes], [mode.value for mode in modes])[0] if modes else value

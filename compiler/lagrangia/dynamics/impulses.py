@@ -30,6 +30,8 @@ from lagrangia.frames.kinematics import Kinematics
 
 _FIRST_KNOTS = 50  # of a table of steps
 _BESIDE = 1e-9  # s
+_HORIZON = 20.0  # s: of runs that do not say when they end
+_ROUNDING = 1e-14  # of the largest of what is carried
 _NOTHING = 1e-6  # of the size of its terms: an impulse that is rounding
 
 
@@ -81,21 +83,28 @@ def _refuse_untold(kinematics: Kinematics, momentum: ca.SX, rows: ca.SX) -> None
     rebuilt([moved], algebra.index.numbering, note)
     if any(_jumps_with(kinematics, g, moved) for g in found):
         fail("L0914", "not supported yet: a support or a prescribed coordinate whose rate jumps at a time that is not known "
-             "beforehand", kinematics.graph.model.span, "straight lines and sines of time tell when they are 0, as in "
-             "max(0, time/1[s] - 1) or abs(sin(2*time/1[s])); others as branches of time: if time < 1 then ... else ...")
+             "beforehand", kinematics.graph.model.span, "straight lines, parabolas, powers, exponentials and sines of time "
+             "tell when they are 0, as in max(0, (time/1[s])^2 - 1) or abs(sin(2*time/1[s])); "
+             "others as branches of time: if time < 1 then ... else ...")
 
 
 def _jumps_with(kinematics: Kinematics, g: ca.SX, moved: ca.SX) -> bool:
-    """Whether something jumps where g passes 0 in the first 20 s, with parameters and positions like any others."""
+    """Whether something else than modes tell jumps where g passes 0 in the first 20 s, or until the run ends, with parameters and
+    positions like any others."""
     p, numbers = usual_parameters(kinematics)
-    g, moved = kinematics.algebra.with_modes([g, moved])
-    known = ca.vertcat(kinematics.symbols.time, p)
-    others = ca.vertcat(ca.SX(0, 1), *[x for x in ca.symvar(ca.vertcat(g, moved)) if not ca.depends_on(known, x)])
+    modes, run = kinematics.algebra.mode_symbols, kinematics.graph.model.experiment
+    (g,), in_force = kinematics.algebra.with_modes([g]), ca.vertcat(*[mode.value for mode in kinematics.algebra.modes])
+    known = ca.vertcat(kinematics.symbols.time, p, modes)
+    others = ca.vertcat(ca.SX(0, 1), *[x for x in ca.symvar(ca.vertcat(g, moved, in_force)) if not ca.depends_on(known, x)])
     rest = np.random.default_rng(2).uniform(0.3, 1.7, others.numel())
-    told, carried = (ca.Function("look", [kinematics.symbols.time, p, others], [x]) for x in (g, moved))
-    for place in _roots(lambda t: float(told(t, numbers, rest)), np.linspace(0, 20, 4001)):
-        before, after = (np.array(carried(t, numbers, rest)) for t in (place - _BESIDE, place + _BESIDE))
-        if np.abs(after - before).max() > _NOTHING * np.abs([before, after]).max():
+    told, carried = (ca.Function("look", [kinematics.symbols.time, p, modes, others], [x]) for x in (g, moved))
+    segment = ca.Function("segment", [kinematics.symbols.time, p, others], [in_force])
+    times = np.linspace(run.start + 2 * _BESIDE, run.stop if run.ends else run.start + _HORIZON, 4001)
+    for place in _roots(lambda t: float(told(t, numbers, 0, rest)), times):
+        told_there = segment(place - _BESIDE, numbers, rest) if modes.numel() else 0
+        before, after = (np.array(carried(t, numbers, told_there, rest)) for t in (place - _BESIDE, place + _BESIDE))
+        sizes = np.maximum(np.abs(before), np.abs(after))
+        if np.any(np.abs(after - before) > np.maximum(_NOTHING * sizes, _ROUNDING * sizes.max())):
             return True
     return False
 

@@ -393,6 +393,8 @@ def loss(progress: Progress) -> str:
             f"{progress.experiment.tolerance:g} explains,")
     if relative > DOUBTFUL:
         what, reason = "does not close at all", "has a singularity (a collision, a division by zero) or "
+        if progress.is_driven:
+            reason = f"is moved in time by what jumps where nothing tells beforehand, {reason}"
     since = f" from t = {s.energy_open:.6g} on" if s.energy_is_open else ""
     return (f"the energy account {what}{since}: the rows there are not the motion of this scene, which {reason}needs "
             f"{remedy(progress.experiment.tolerance, relative)}")
