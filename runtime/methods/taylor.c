@@ -15,6 +15,7 @@
 #include "model/function.h"
 #include "model/jet_tape.h"
 #include "numbers/rough_power.h"
+#include "state/account.h"
 #include "steps/rounding.h"
 #include "steps/segment.h"
 #include "steps/step.h"
@@ -229,11 +230,11 @@ static const double *other_end(LagRun *run, const LagTaylor *s, double planned)
     return m->point;
 }
 
-/* Raises the last two coefficients, in units, to those of what the energy account integrates: its unit is the tolerance. */
+/* Raises the last two coefficients, in units, to those of what the energy account integrates. */
 static void weigh_powers(const LagRun *run, const LagTaylor *s, double *last, double *before)
 {
     const LagModel *model = run->model;
-    const double unit = run->settings.tolerance * run->statistics.energy_scale;
+    const double unit = lag_account_unit(run);
     for (int i = 0; i < model->n_power && unit > 0; ++i) {
         const double *power = power_jet(model, s->jets, i);
         *last = lag_max(fabs(power[(s->order - 1) * model->jet_pitch]) * lag_inverse[s->order - 1] / unit, *last);
@@ -302,6 +303,18 @@ static int look_ahead(LagRun *run, LagTaylor *s, double t_new)
     return expand(run, s, s->old_jets, 0, 1);
 }
 
+/* The same of powers, in units of the account, where motion that time prescribes sets out from rest: few coefficients tell of it there. */
+static double power_defect(const LagRun *run, const LagTaylor *s, double length)
+{
+    const LagModel *model = run->model;
+    double largest = 0;
+    for (int i = 0; i < model->n_power && run->carried_energy > 0; ++i) {
+        const double at_end = lag_jet_value(power_jet(model, s->jets, i), model->jet_pitch, s->order - 1, length);
+        largest = lag_max(fabs(at_end - *power_jet(model, s->old_jets, i)), largest);
+    }
+    return largest > 0 ? largest * length * lag_inverse[s->order - 1] / lag_account_unit(run) : 0;
+}
+
 /* Whether the step of this length to m->other is good; *wrong: by how much the last one tried was not. */
 static int is_good(LagRun *run, LagTaylor *s, double t_new, double length, double *wrong)
 {
@@ -312,7 +325,7 @@ static int is_good(LagRun *run, LagTaylor *s, double t_new, double length, doubl
     *wrong = INFINITY;
     if (lag_taylor_turns_too_far(run, run->motion.other, length) || !look_ahead(run, s, t_new))
         return 0;
-    *wrong = lag_taylor_defect(run, length, &is_jump);
+    *wrong = lag_max(lag_taylor_defect(run, length, &is_jump), power_defect(run, s, length));
     const int may_be_noise = !is_jump || length < SHORTEST * lag_step_smallest(run->motion.t);
     const int is_noise = may_be_noise && *wrong > REMAINS * before && *wrong * run->scale.tolerance < NOISE;
     run->statistics.tolerance_missed += is_noise && *wrong > 1;

@@ -11,6 +11,7 @@
 #include "model/function.h"
 #include "numbers/extremes.h"
 #include "numbers/wide_jets.h"
+#include "state/account.h"
 #include "state/ends.h"
 #include "state/state.h"
 
@@ -68,7 +69,7 @@ static void place_numbers(LagWideTaylor *s, int lane, LagRun *run)
 
 static double energy_weight(const LagRun *run)
 {
-    const double unit = run->settings.tolerance * run->statistics.energy_scale;
+    const double unit = lag_account_unit(run);
     return unit > 0 ? 1 / unit : 0;
 }
 
@@ -119,6 +120,8 @@ static int load(void *self, int lane, LagRun *run)
     const LagTaylor *own = &run->methods.taylor;
     const int is_series = run->methods.solver == LAG_SOLVER_TAYLOR && run->stiffness.passes == 0 && !run->rests;
     const int goes_on = own->begun == 1 && !own->is_fresh && !run->scale.is_resting && m->t > m->t_old;
+    if (run->carried_energy > 0 && !goes_on) /* their powers are looked at alone */
+        return 0;
     if (!is_series || !(goes_on || (own->is_fresh && own->begun == 0 && !run->segment_over && foresee(run))))
         return 0;
     plan(s, run);

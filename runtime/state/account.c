@@ -21,6 +21,8 @@ static const double LOOSE = 10;
  * by another part of the tolerance, and by more than rounding of each step explains, steps are made stricter; until energies have become
  * so large that it was little. */
 static const double DRIFT = 0.5, STEP_ROUNDING = 4 * DBL_EPSILON, STRICTER = 0.1, STRICTEST = 1e-3, LITTLE = 0.1;
+/* Where in the rest of a segment one looks for what prescribed motion will carry; energies that are less than this part of it are nothing. */
+static const double PLACES[] = {0.15, 0.4}, NOTHING = 1e-12;
 enum { ROUGH = 2 }; /* shorter attempts, with none in between that was much better */
 
 typedef struct {
@@ -169,6 +171,33 @@ void lag_account_glance(LagRun *run)
         run->motion.energy = lag_max(run->motion.energy, seen);
 }
 
+/* The kinetic energy that prescribed motion will give to what it carries in the segment that begins, where there is none yet, or none left
+ * by what moves against it. */
+static void foresee(LagRun *run)
+{
+    LagStatistics *s = &run->statistics;
+    const double t = run->motion.t, end = lag_min(run->segment_end, run->settings.t_stop), rest = isfinite(end) ? end - t : 1;
+    const double seen = run->model->n_power == 0 || run->model->n_delays > 0 ? INFINITY : lag_max(s->energy_scale, s->energy_stored);
+    if (seen == INFINITY || (run->started && seen > run->carried_energy))
+        return;
+    double carried = 0;
+    for (size_t place = 0; place < sizeof PLACES / sizeof *PLACES; ++place) {
+        double energies[3] = {0, 0, 0};
+        lag_energies(run, t + PLACES[place] * rest, run->motion.y, energies);
+        if (isfinite(energies[KINETIC])) /* not of springs, which what they push would have left by then */
+            carried = lag_max(energies[KINETIC], carried);
+    }
+    if (carried > 0 && lag_max(look(run).largest, seen) < NOTHING * carried) {
+        run->carried_energy = carried;
+        s->energy_stored = lag_max(carried, s->energy_stored);
+    }
+}
+
+double lag_account_unit(const LagRun *run)
+{
+    return run->settings.tolerance * lag_max(run->statistics.energy_scale, run->carried_energy);
+}
+
 void lag_account_weigh(LagRun *run)
 {
     LagMotion *motion = &run->motion;
@@ -178,9 +207,18 @@ void lag_account_weigh(LagRun *run)
     double energy = weighs ? seen_energy(motion) : lag_max(statistics->energy_scale, statistics->energy_stored);
     if (slides || energy == 0)
         energy = counts ? lag_max(look(run).largest, energy) : 0;
+    if (counts && energy == 0)
+        energy = run->carried_energy;
     motion->looseness = slides ? 1 : looseness(run);
     motion->energy = counts ? motion->looseness * energy : 0;
     motion->strength = slides ? run->sliding.energy : 0;
+}
+
+void lag_account_begin(LagRun *run)
+{
+    run->motion.work_error = run->motion.work_is_rough = 0;
+    foresee(run);
+    lag_account_weigh(run);
 }
 
 double lag_account_count(LagMotion *m, double h, double error)

@@ -20,6 +20,12 @@ double lag_account_count(LagMotion *motion, double h, double error);
 /* Notes how large the energies are in the present state: rows may all lie where there is none. */
 void lag_account_glance(LagRun *run);
 
+/* A segment begins: what energies it will have where there are none yet, and whether errors of work count in it. */
+void lag_account_begin(LagRun *run);
+
+/* The unit of errors of the energy quadratures in series; 0: they do not count. */
+double lag_account_unit(const LagRun *run);
+
 /* Where friction holds what supports draw at, the work of these alone tells how long steps may be; and methods that begin at a low
  * order, or make long steps, make much larger errors of work than of the motion: whether errors of it count now. */
 void lag_account_weigh(LagRun *run);

@@ -47,7 +47,7 @@ typedef struct {
     double smallest_step, largest_step; /* of the accepted steps */
     double energy_residual; /* largest |H - H(0) + dissipated - work| seen */
     double energy_scale;    /* largest of |T|, |V|, |H|, |dissipated|, |work| in rows */
-    double energy_stored;   /* largest of |T|, |V|, |H| in rows, and in steps now and then */
+    double energy_stored;   /* largest of |T|, |V|, |H| in rows, in steps now and then, and foreseen where they are 0 */
     double energy_risen;    /* largest H - H(0) seen */
     double energy_given;    /* largest work - dissipated seen: what H could rise by */
     double energy_open;     /* time of the first row from which on the account misses by more than the tolerance explains */

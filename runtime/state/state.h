@@ -101,6 +101,7 @@ struct LagRun {
     double *probe; /* 6 n: scratch of lag_singularity, with constraints */
     double start_energy, energy_before;
     double missed_energy; /* by the account, when steps were made stricter for it */
+    double carried_energy; /* T that prescribed motion will give to what rests so far; 0: there are energies */
     double given_energy;  /* by jumps of modes, inputs and parameters, where no work is integrated */
     double deadline;      /* by lag_clock, of the call under way; infinity: none */
     unsigned ticks;       /* steps and rows, to look at the clock now and then */

@@ -126,8 +126,7 @@ LagStatus lag_segment_evaluate(LagRun *run)
         lag_turn_pass(run);
     else if (run->methods.table->begins_low)
         lag_stepper_lead(run);
-    motion->work_error = motion->work_is_rough = 0;
-    lag_account_weigh(run);
+    lag_account_begin(run);
     if (!lag_turn_evaluate(run)) {
         run->segment_over = 1;
         return lag_fail(run, LAG_NOT_FINITE, lag_first_not_finite(motion->slope + n, n), 1, 0);
