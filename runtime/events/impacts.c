@@ -175,8 +175,8 @@ static int stops(LagRun *run, int k)
     return 1;
 }
 
-/* Contact k is struck where it approaches, or is stopped though it is passed. What an impact has stopped stays together in those that it brings about, unless
- * these part it. Returns whether there is anything new in that. */
+/* Contact k is struck where it approaches, or is stopped though it is passed. What an impact has stopped stays together in those that
+ * it brings about, unless these part it. Returns whether there is anything new in that. */
 static int find_contact(LagRun *run, int k, int comes)
 {
     LagImpacts *s = &run->impacts;
@@ -285,6 +285,8 @@ static void note_change(LagRun *run, int k)
         run->impacts.comes[k] = 1;
     } else if (s->turned[i] == LAG_TO_1 && ((!is_true && has_jumped(run, k)) || (is_moved && s->g[gap] <= 0)))
         s->turned[i] = LAG_TO_0;
+    if (is_moved && s->g[gap] < -near && s->turned[i] != LAG_TO_1) /* gone before it was struck */
+        run->impacts.comes[k] = 0;
 }
 
 /* Of a `when` with elsewhen, the first branch that comes is the one; contacts are struck nevertheless. */

@@ -4,9 +4,9 @@ A reset of the rate of x is an impulse that works on x, as a force does that is 
 M dv = sum_j (dx_j/dq)^T L_j, and what holds the scene gives impulses of its own. Where several events come at once their
 impulses are found together.
 
-A condition is positive where it is true: g = b - a of a < b. A reset is that of a contact where the rate of x is that of g but
-for a factor, and what approaches is turned back or stopped: der(x) = -e der(x). What rests there is kept from g > 0 by a force
-along -g.
+A condition is positive where it is true: g = b - a of a < b. A reset is that of a contact where der(g) = k (der(x) - w), with the
+rate w of a wall, and what approaches is turned back or stopped: der(x) = w - e (der(x) - w). What rests there is kept from g > 0
+by a force along -g, or on x alone where other bodies are the wall: these are not reset.
 
 A rate that is reset to where its condition ends (a pawl, a freewheel: when v < 0 then reinit(v, 0)) may go one way, and is kept
 there by a force on x that only pushes.
@@ -47,6 +47,7 @@ from lagrangia.language.flat import Reset, When, Work
 from lagrangia.language.tree import Binary, Flat, Number, Unary
 
 KICK, CONTACT, ONE_WAY = range(3)  # LAG_KICK, ...
+STILL, MOVED, BODIES = range(3)  # walls
 _SAME = 1e-9  # relative difference of what is the same but for rounding
 _NONE = ca.SX(0, 1)
 Numbers = NDArray[np.float64]
@@ -159,7 +160,7 @@ class _Event:
         self.gap = self.arm = ca.SX(0)
         self.held: Flat | None = None
         parts = list(parts_of(self.condition))
-        contacts = self._find_all(self._turns_back, parts)
+        contacts = [x and self._unless_moved(k, x) for k, x in enumerate(self._find_all(self._turns_back, parts))]
         limits = [] if any(contacts) else self._find_all(self._stops, parts)
         kind, found = (ONE_WAY, limits) if any(limits) else (CONTACT, contacts)
         chosen = next((x for x in (found[kept] if kept is not None else None, *found) if x is not None), None)
@@ -168,6 +169,7 @@ class _Event:
         self.kept = kept if kept is not None and self.kinds[kept] != KICK else None  # whose contact force may be asked for
         if chosen is not None:
             self._divide(chosen, kind)
+            self._ride()
         elif _is_comparison(self.condition):
             self._require_change()
 
@@ -238,9 +240,43 @@ class _Event:
         (self.arm,) = self.kinematics.algebra.arms_in_force([self.gap])
         self.g = ca.mmin(ca.vertcat(*guards)) if guards else ca.SX(1)
         own = next(k for k, x in enumerate(self.kinds) if x == kind)
-        is_least = kind == ONE_WAY and self._stops(self.gap, self.rates[own], self.wanted[own]) < 0
-        along = level_of(chosen) if kind == CONTACT else self.places[own]
-        self.held = along if is_least else Unary("-", along, self.when.span)
+        if kind == CONTACT and self._wall(self.gap, self.rates[own]) != BODIES:
+            self.held = Unary("-", level_of(chosen), self.when.span)
+            return
+        side = self._turns_back if kind == CONTACT else self._stops
+        is_least = side(self.gap, self.rates[own], self.wanted[own]) < 0
+        self.held = self.places[own] if is_least else Unary("-", self.places[own], self.when.span)
+
+    def _unless_moved(self, k: int, node: Flat) -> Flat | None:
+        """`node`, at which reset k turns back, unless other resets of the event change the rate of the wall there."""
+        g, v = self._expression(self.kinematics.evaluator.value(level_of(node))), symbols_in(self.meetings.rates)
+        if len(self.rates) == 1 or self._wall(g, self.rates[k]) != BODIES:
+            return node
+        wall = symbols_in(self._wall_of(g, self.rates[k])[0]) & v
+        others = [symbols_in(rate) for j, rate in enumerate(self.rates) if j != k]
+        return node if all(wall.isdisjoint(x) for x in others) else None
+
+    def _ride(self) -> None:
+        """Of contacts whose wall moves: rates, and what these are reset to, as they are seen from it."""
+        for k, (rate, wanted) in enumerate(zip(self.rates, self.wanted, strict=True)):
+            if self.kinds[k] == CONTACT and self._wall(self.gap, rate) != STILL:
+                wall, riding = self._wall_of(self.gap, rate)
+                self.rates[k], self.wanted[k] = rate - wall, wanted - ca.substitute(wanted, self.meetings.rates, riding)
+
+    def _wall_of(self, g: ca.SX, rate: ca.SX) -> tuple[ca.SX, ca.SX]:
+        """The rate at which g stays as it is; and all rates, where that is reset to it."""
+        v = self.meetings.rates
+        own, pace = ca.densify(ca.gradient(rate, v)), self._pace_of(g)
+        square = ca.dot(own, own)
+        wall = rate - pace * square / ca.dot(ca.gradient(pace, v), own)
+        (wall,) = ca.substitute([wall], [v], [v - own * (ca.dot(own, v) / square)])
+        return wall, v + own * ((wall - rate) / square)
+
+    def _pace_of(self, g: ca.SX) -> ca.SX:
+        symbols = self.kinematics.symbols
+        q, rates = (ca.vertcat(_NONE, *x.values()) for x in (symbols.positions, symbols.rates))
+        (arm,) = self.kinematics.algebra.arms_in_force([g])
+        return ca.jtimes(arm, ca.vertcat(q, symbols.time), ca.vertcat(self.kinematics.paced(rates.elements()), 1))
 
     def _find_alternative(self, parts: list[Flat]) -> Flat | None:
         """Where some of `parts`, which all have to be true, are alternatives: a comparison in one at which a reset would hold."""
@@ -255,16 +291,22 @@ class _Event:
         return [next((node for node, g in parts if may_rest and is_end(g, rate, wanted)), None)
                 for rate, wanted, may_rest in zip(self.rates, self.wanted, self.may_rest, strict=True)]
 
-    def _turns_back(self, g: ca.SX, rate: ca.SX, wanted: ca.SX) -> bool:
-        """By numbers: at two states, with parameters beside those that are declared."""
-        symbols, v = self.kinematics.symbols, self.meetings.rates
+    def _turns_back(self, g: ca.SX, rate: ca.SX, wanted: ca.SX) -> int:
+        """The sign of the factor between the rates of g and of what is reset; 0 where that is not turned back. By numbers: at two
+        states, with parameters beside those that are declared."""
+        v = self.meetings.rates
         if ca.depends_on(g, v):
-            return False
-        q, rates = (ca.vertcat(_NONE, *x.values()) for x in (symbols.positions, symbols.rates))
-        (arm,) = self.kinematics.algebra.arms_in_force([g])
-        pace = ca.jtimes(arm, ca.vertcat(q, symbols.time), ca.vertcat(self.kinematics.paced(rates.elements()), 1))
+            return 0
+        pace = self._pace_of(g)
         look, numbers = self._numbers_of([pace, rate, wanted, *(ca.densify(ca.gradient(x, v)) for x in (pace, rate))])
-        return all(_turns_back(look, numbers, np.random.default_rng(seed)) for seed in (3, 4))
+        first, second = (_turns_back(look, numbers, np.random.default_rng(seed)) for seed in (3, 4))
+        return first if first == second else 0
+
+    def _wall(self, g: ca.SX, rate: ca.SX) -> int:
+        """Against what a contact turns a rate back: STILL, MOVED in time, or BODIES that move as they may."""
+        slopes = [ca.densify(ca.gradient(x, self.meetings.rates)) for x in (self._pace_of(g), rate)]
+        look, numbers = self._numbers_of([self._pace_of(g), rate, *slopes])
+        return max(_wall(look, numbers, np.random.default_rng(seed)) for seed in (3, 4))
 
     def _stops(self, g: ca.SX, rate: ca.SX, wanted: ca.SX) -> int:
         """On which side of what the rate is reset to g is positive: 1 above, -1 below, 0 if it does not end there. By numbers."""
@@ -300,23 +342,34 @@ class _Event:
         return ca.Function("look", [v, ca.vertcat(q, symbols.time, *others), p], results), numbers
 
 
-def _turns_back(look: ca.Function, p: Numbers, random: "np.random.Generator") -> bool:
-    """Whether, at a random state, the rate of what is reset is that of the condition but for a factor, 0 is reset to 0, and what
-    approaches does not do so afterwards."""
+def _turns_back(look: ca.Function, p: Numbers, random: "np.random.Generator") -> int:
+    """The sign of the factor between the rates of a condition and of what is reset, where, at a random state, that is left as it
+    is at the rate of the wall, and what approaches does not do so afterwards; else 0."""
     v, known = (random.uniform(0.4, 1.6, look.numel_in(k)) for k in range(2))
 
     def at(v: Numbers) -> list[Numbers]:
         return [np.array(x).ravel() for x in look(v, known, p)]
 
     (pace,), (rate,), _, slope, own = at(v)
-    square = np.dot(own, own)
-    if not (np.isfinite([pace, rate, *slope, *own]).all() and square > 0 and np.dot(slope, slope) > 0):
-        return False
-    factor, size = np.dot(slope, own) / square, np.abs(own) @ np.abs(v) + abs(rate)
-    (still,), (turned,) = at(v - own * rate / square)[2], at(v + own * (np.sign(factor) - rate) / square)[2]
-    return bool(np.linalg.norm(slope - factor * own) <= _SAME * np.linalg.norm(slope)
-                and abs(pace - factor * rate) <= _SAME * abs(factor) * size
-                and abs(still) <= _SAME * size and turned * np.sign(factor) <= _SAME * size)
+    square, along = np.dot(own, own), float(np.dot(slope, own))
+    sizes = np.linalg.norm(slope) * np.linalg.norm(own)
+    if not (np.isfinite([pace, rate, *slope, *own]).all() and abs(along) > _SAME * sizes > 0):
+        return 0
+    still, turned = (v + own * (x - pace * square / along) / square for x in (0, np.sign(along)))
+    (_, (wall,), (left,), *_), (_, _, (back,), *_) = at(still), at(turned)
+    size = np.abs(own) @ np.abs(v) + abs(rate) + abs(wall)
+    is_turned = abs(left - wall) <= _SAME * size and (back - wall) * np.sign(along) <= _SAME * size
+    return int(np.sign(along)) if is_turned else 0
+
+
+def _wall(look: ca.Function, p: Numbers, random: "np.random.Generator") -> int:
+    """At a random state: STILL where two rates are the same but for a factor, MOVED where their slopes are, else BODIES."""
+    v, known = (random.uniform(0.4, 1.6, look.numel_in(k)) for k in range(2))
+    (pace,), (rate,), slope, own = (np.array(x).ravel() for x in look(v, known, p))
+    factor, size = np.dot(slope, own) / np.dot(own, own), np.abs(own) @ np.abs(v) + abs(rate)
+    if np.linalg.norm(slope - factor * own) > _SAME * np.linalg.norm(slope):
+        return BODIES
+    return STILL if abs(pace - factor * rate) <= _SAME * abs(factor) * size else MOVED
 
 
 def _stops(look: ca.Function, p: Numbers, random: "np.random.Generator") -> int:

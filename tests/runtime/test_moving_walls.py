@@ -1,0 +1,106 @@
+"""Contacts that resets tell of, whose walls move: bounces end there, and what rests goes along, is left behind or caught."""
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+import lagrangia as lag
+from lagrangia.native.build import find_compiler
+
+pytestmark = pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
+Write = Callable[[str], lag.Model]
+SOLVERS = ("auto", "erk", "implicit")
+AT = [0.4, 0.7, 1.2, 1.5, 2.0, 3.0]
+
+
+def falling(law: str, event: str) -> str:
+    """A block over a wall, which moves as `law` says."""
+    return f"""model Falling
+      parameter Real e = 0.5, A = 0.1, w = 3;
+      World world(gravity = {{0, -9.81}});
+      Prismatic x(a = world, along = {{0, 1}});
+      Block b(m = 1, base = world, along = {{0, 1}}, s(start = 1));
+      {"Stop stop(e = e, gap = b.s - x.s);" if not event else ""}
+    equation
+      x.s = {law};
+      {event}
+    end Falling;"""
+
+
+BOUNCE = "when b.s < x.s then reinit(b.v, x.v - e*(b.v - x.v)); end when;"
+WALLS = [
+    ("0.3*time/1[s]", BOUNCE),  # -12.83 for 0.9 at 3 s
+    ("0.001*time/1[s]", BOUNCE),
+    ("A*sin(w*time/1[s])", BOUNCE),
+    ("A*sin(w*time/1[s])", "when x.s - b.s >= 0 then reinit(der(b.s), -e*pre(b.v) + (1 + e)*der(x.s)); end when;"),
+    ("0.3*abs(time/1[s] - 0.5)", BOUNCE),
+    ("0.2*time/1[s] - 6*max(0, time/1[s] - 1.3)^2", BOUNCE),  # goes away faster than what lies on it falls
+    ("0.3*time/1[s]", "when b.s < 0.3*time/1[s] then reinit(b.v, 0.3 + e*abs(b.v - 0.3)); end when;"),
+]
+
+
+@pytest.mark.parametrize(("law", "event"), WALLS)
+def test_a_wall_that_moves_is_one_of_the_library(scene: Write, law: str, event: str) -> None:
+    """What came to rest fell through it, or there was no progress (e = 0)."""
+    wall, stop = scene(falling(law, event)), scene(falling(law, ""))
+    for given in ({"e": 0.5}, {"e": 0.0, "A": 0.2, "w": 8.0}):
+        right = stop.simulate(at=AT, solver="erk", tolerance=1e-10, parameters=given)
+        for solver in SOLVERS:
+            for tolerance in (1e-3, 1e-9):
+                run = wall.simulate(at=AT, solver=solver, tolerance=tolerance, parameters=given)
+                np.testing.assert_allclose(run["b.s"], right["b.s"], rtol=0, atol=tolerance, err_msg=f"{solver} {tolerance}")
+                np.testing.assert_allclose(run.energy.dissipated, right.energy.dissipated, rtol=0, atol=1e2*tolerance)
+
+
+@pytest.mark.parametrize("e", [0.5, 0.0])
+def test_a_wall_that_is_a_body(scene: Write, e: float) -> None:
+    """It is not reset, and so it goes on as if nothing lay on it: as one whose motion is given in time."""
+    text = """model Plate
+      parameter Real e = 0.5;
+      World world(gravity = {{0, -10}});
+      {wall}
+      Block b(m = 1, base = world, along = {{0, 1}}, s(start = 1));
+    equation
+      {law}
+      when b.s < x.s then reinit(b.v, x.v - e*(b.v - x.v)); end when;
+    end Plate;"""
+    body = "Block x(m = 2, base = world, along = {0, 1}, s(start = 0.1)); Spring k(stretch = x.s, k = 200);"
+    model = scene(text.format(wall=body, law=""))
+    right = scene(text.format(wall="Prismatic x(a = world, along = {0, 1});", law="x.s = 0.2*cos(10*time/1[s]) - 0.1;"))
+    at, given = [0.4, 0.7, 0.9, 1.3, 1.8, 2.0], {"e": e}
+    place = right.simulate(at=at, solver="erk", tolerance=1e-11, parameters=given)["b.s"]
+    for solver in SOLVERS:
+        found = model.simulate(at=at, solver=solver, tolerance=1e-10, parameters=given)["b.s"]
+        np.testing.assert_allclose(found, place, rtol=0, atol=1e-6, err_msg=solver)
+
+
+NO_WALLS = [  # resets, and what they make of the rate v: no contacts
+    ("3", lambda v: 3), ("x.v + 2", lambda v: 2.3), ("b.v + 5", lambda v: v + 5), ("x.v - 0.5*b.v", lambda v: 0.3 - 0.5*v),
+]
+
+
+@pytest.mark.parametrize(("reset", "after"), NO_WALLS)
+def test_kicks_at_a_wall_that_moves(scene: Write, reset: str, after: Callable[[float], float]) -> None:
+    model = scene(falling("0.3*time/1[s] - 2", f"when b.s < x.s then reinit(b.v, {reset}); end when;"))
+    hit = (-0.3 + np.sqrt(0.09 + 6*9.81))/9.81
+    run = model.simulate(at=[hit + 0.1], tolerance=1e-9)
+    assert run["b.s"][0] == pytest.approx(0.3*hit - 2 + 0.1*after(-9.81*hit) - 9.81*0.1**2/2, abs=1e-9)
+
+
+GONE = ["when b.s < l then reinit(b.v, 0); end when;", "when b.s < 0 then l = -5; end when;"]
+
+
+@pytest.mark.parametrize("order", [1, -1])
+def test_a_wall_that_goes_where_it_is_reached(scene: Write, order: int) -> None:
+    """Written first, it stopped what falls, once."""
+    model = scene(f"""model Gone
+      World world(gravity = {{0, -10}});
+      Block b(m = 1, base = world, along = {{0, 1}}, s(start = 1));
+      discrete Length l(start = 0);
+    equation
+      {" ".join(GONE[::order])}
+    end Gone;""")
+    for solver in SOLVERS:
+        found = model.simulate(at=[0.3, 0.5, 1.0, 1.5], solver=solver, tolerance=1e-9)["b.s"]
+        np.testing.assert_allclose(found, [0.55, -0.25, -4.0, -5.0], rtol=0, atol=1e-9, err_msg=solver)
