@@ -76,11 +76,14 @@ int lag_rest_stop(LagRun *run)
         return 0;
     int count = 0;
     for (int i = 0; i < n; ++i)
-        count += m->y[n + i] != state[n + i] && fabs(a[i]) <= run->scale.noise[i];
+        if (m->y[n + i] != state[n + i] && fabs(a[i]) <= run->scale.noise[i])
+            ++count;
+        else
+            state[n + i] = m->y[n + i];
     if (count < least)
         return 0;
     for (int i = 0; i < n; ++i)
-        if (m->y[n + i] != state[n + i] && fabs(a[i]) <= run->scale.noise[i])
+        if (m->y[n + i] != state[n + i])
             m->y[n + i] = m->carry[n + i] = 0;
     return 1;
 }

@@ -120,18 +120,3 @@ def test_what_takes_too_many_products_says_so(gimbals: tuple[Path, Derived], cap
     monkeypatch.setattr("lagrangia.paper.sheet.MOST_FORCED_PRODUCTS", 10)
     assert main(["equations", str(gimbals[0]), "--force", "--format", "sympy"]) == 2
     assert "too large even when forced: they take more than 10 products" in capsys.readouterr().err
-
-
-def test_roots_wider_than_a_page_are_squares(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """A root is not broken into lines; a length's square is."""
-    path = tmp_path / "scene.lag"
-    path.write_text("""model Roots
-  World world(gravity = {0, 0, -9.81});
-  Revolute turn(a = world), tilt(a = shift(turn.b, {0.3, 0, 0}), axis = {0, 1, 0});
-  Body b(m = 1, I = {0.1, 0.2, 0.25}, center = shift(tilt.b, {0.3, 0.1, 0}));
-  Spring s(k = 100, s_rel0 = 0.4, a = shift(world, {0.3, 0.5, 0.7}), b = shift(tilt.b, {0.4, 0.1, 0.2}));
-end Roots;""")
-    assert main(["equations", str(path)]) == 0
-    lines = capsys.readouterr().out.splitlines()
-    assert "√" not in "".join(lines) and any(x.startswith("  ℓ² = ") for x in lines) and "  ℓ ≥ 0" in lines
-    assert max(map(len, lines)) <= 130

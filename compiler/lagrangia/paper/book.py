@@ -178,8 +178,8 @@ def where(book: Book) -> list[Block]:
 
 
 def lengths(book: Book) -> list[Node]:
-    """l = sqrt(x^2 + y^2 - ...), for every root that got a name; l^2 = x^2 + y^2 - ..., l >= 0 where it would be wider than a
-    page, as roots are not broken into lines."""
+    """l = sqrt(x^2 + y^2 - ...), for every root that got a name: those of more than two terms, so that no other is wider than a
+    page. Roots are not broken into lines: where one of these would be wider, l^2 = x^2 + y^2 - ..., l >= 0."""
     found: list[Node] = []
     for base, name in book.presentation.symbols.lengths.items():
         root = equal(name, Root(inside := book.sum(base)))

@@ -165,7 +165,6 @@ Node: TypeAlias = (Name | Words | Phrase | Letter | Numeral | Product | Total | 
                    | Cases | Slope | Relation | Pieces | Listing)
 
 ZERO, ONE = Numeral(Fraction(0)), Numeral(Fraction(1))
-_HALF = Numeral(Fraction(1, 2))
 
 
 def product(items: Sequence[Node]) -> Node:
@@ -258,8 +257,6 @@ def _sum_in(node: Node) -> tuple[list[Node], Total, list[Node]] | None:
             return [], inside, [Power(Words(""), exponent)]
         case Quotient(Total() as inside, bottom) | Quotient(Bracket(Total() as inside), bottom):
             return [], inside, [Quotient(Words(""), bottom)]
-        case Root(Total() as inside):  # no root reaches over two lines
-            return [], inside, [Power(Words(""), _HALF)]
         case Apply("δ", Bracket(Total() as inside)):
             return [Name("δ")], inside, []
     return None
