@@ -29,8 +29,8 @@ enum { MOST_TRIES = 60, MOST_HALVINGS = 40, AROUND = 4 };
 void lag_looks_layout(LagLooks *s, const LagModel *model, int size, LagArena *arena)
 {
     const size_t count = (size_t)model->n_looks, of_state = count > 0 ? (size_t)size : 0;
-    s->g = lag_take(arena, (LAG_LOOKS + 1) * count);
-    s->pace = lag_take(arena, (LAG_LOOKS + 1) * count);
+    s->g = lag_take(arena, (LAG_LOOKS + 2) * count);
+    s->pace = lag_take(arena, (LAG_LOOKS + 2) * count);
     s->ahead = lag_take(arena, count);
     s->state = lag_take(arena, of_state);
     s->slope = lag_take(arena, of_state);
@@ -122,7 +122,7 @@ static Narrow close_in(LagRun *run, int i, double low, double high, int turns)
 {
     LagLooks *s = &run->looks;
     const int count = run->model->n_looks, k = (int)(low * LAG_LOOKS + 0.5);
-    double *g = s->g + (size_t)(LAG_LOOKS * count), *pace = s->pace + (size_t)(LAG_LOOKS * count); /* the end was looked at already */
+    double *g = s->g + (size_t)((LAG_LOOKS + 1) * count), *pace = s->pace + (size_t)((LAG_LOOKS + 1) * count);
     const double *all = turns ? s->pace : s->g;
     double a = all[k * count + i], b = all[(k + 1) * count + i];
     for (int round = 0; round < MOST_HALVINGS; ++round) {

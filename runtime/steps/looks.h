@@ -9,7 +9,7 @@
 #include "state/settings.h"
 
 typedef struct {
-    double *g, *pace; /* (LAG_LOOKS + 1) n_looks: along the latest step */
+    double *g, *pace; /* (LAG_LOOKS + 2) n_looks: along the latest step, and in between */
     double *ahead;    /* n_looks */
     double *state, *slope, *seen; /* size; size; LAG_SIGHTS n */
 } LagLooks;

@@ -67,6 +67,20 @@ def test_no_swing_from_rest_to_rest_passes_over_a_well() -> None:
         assert well.simulate(solver="taylor", tolerance=tolerance, at=at)["b.s"] == pytest.approx(right, abs=3 * tolerance)
 
 
+def test_the_end_of_a_step_is_looked_at_whatever_turned_before() -> None:
+    """Closing in on the first turn overwrote what the end showed, and the well after the last look was passed (15 800 tolerances)."""
+    scene = lagrangia.loads("""model Late
+      World world(gravity = {0, 0}); Block b(m = 1, base = world, s(start = 0.823257), v(start = 0.00897286));
+      Spring k(k = 4.636, stretch = b.s);
+    energy
+      potential -0.0474[J]*exp(-((b.s - 0.2736[m])/0.004959[m])^4);
+      potential -0.1654[J]*exp(-((b.s + 0.4114[m])/0.0146[m])^4);
+    end Late;""")
+    at = [0.7, 1.4]
+    right = scene.simulate(solver="erk5", tolerance=1e-12, max_step=0.002, at=at)["b.s"]
+    assert scene.simulate(solver="taylor", tolerance=1e-8, at=at)["b.s"] == pytest.approx(right, abs=9e-8)
+
+
 @pytest.mark.parametrize("force", ["(0.1[m]/b.s)^12", "(0.1/sin(b.s/1[m]))^12"])
 def test_no_step_passes_through_a_wall(force: str) -> None:
     """A repelling pole, on both sides of which the energies are the same: 2.8 m and more off, untold."""
