@@ -221,7 +221,7 @@ static LagStatus go(LagRun *run, int32_t solver, double goal, int64_t steps)
     if (status == LAG_OK && !turn_to(run, solver))
         status = lag_fail(run, LAG_NOT_FINITE, -1, 0, 0);
     while (status == LAG_OK && run->motion.t < goal && !run->guards.broken)
-        status = is_over(&run->retry) ? LAG_PAUSED : run->statistics.steps < most ? step(run) : LAG_STEP_TOO_SMALL;
+        status = is_over(&run->retry) ? LAG_PAUSED : run->statistics.steps < most ? step(run) : lag_step_give_up(run, run->statistics.worst);
     run->stiffness.is_watching = is_watching;
     run->retry.spent += run->statistics.steps - first;
     return status;
@@ -254,7 +254,7 @@ LagStatus lag_retry(LagRun *run, double goal)
             return LAG_OK;
     }
     const LagStatus status = is_over(s) ? LAG_PAUSED : go(run, before, goal, own + MANY * STEPS);
-    if (status != LAG_OUT_OF_MEMORY)
+    if (status != LAG_OUT_OF_MEMORY && failure.status != LAG_OK)
         run->failure = failure;
     s->from = NEVER;
     return status;

@@ -68,7 +68,7 @@ def test_no_swing_from_rest_to_rest_passes_over_a_well() -> None:
 
 
 def test_the_end_of_a_step_is_looked_at_whatever_turned_before() -> None:
-    """Closing in on the first turn overwrote what the end showed, and the well after the last look was passed (15 800 tolerances)."""
+    """Closing in on the first turn overwrote what the end showed: a well after the last look was passed, by 15 800 tolerances."""
     scene = lagrangia.loads("""model Late
       World world(gravity = {0, 0}); Block b(m = 1, base = world, s(start = 0.823257), v(start = 0.00897286));
       Spring k(k = 4.636, stretch = b.s);

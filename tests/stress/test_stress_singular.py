@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import lagrangia as lag
+from lagrangia.base.diagnostics import RunError
 from lagrangia.native.build import find_compiler
 
 pytestmark = pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
@@ -157,3 +158,24 @@ def test_a_stop_in_a_closed_loop(tmp_path: Path, k: float, solver: str, toleranc
     run = model.simulate(parameters={"k": k}, solver=solver, tolerance=tolerance, at=at)
     assert np.abs(run["A.phi"] - _EXACT[k]).max() < error
     assert run.statistics.tolerance_missed == 0
+
+
+def test_what_ends_where_all_choices_end_says_what_ended_it(tmp_path: Path) -> None:
+    """1 mg between 398 g and 457 t: the account opened, every other choice stopped, and the run "stopped at t = 0: ok"."""
+    path = tmp_path / "uneven.lag"
+    path.write_text("""model Uneven
+      World world(gravity = {0.05, -8.247});
+      PointMass b1(m = 0.398); Link r1(L = 0.9819434810619194, a = shift(world, {-0.553, -0.959}), b = b1.center);
+      PointMass b2(m = 1.02e-06); Link r2(L = 1.110531854563389, a = b1.center, b = b2.center);
+      PointMass b3(m = 457000.0); Link r3(L = 0.7879086241436882, a = b2.center, b = b3.center);
+    initial equation
+      b1.center.x = 0.18999999999999995; b1.center.y = -0.31699999999999995; b2.center.x = 1.149; b2.center.y = -0.877;
+      b3.center.x = 1.533; b3.center.y = -1.565;
+    end Uneven;""", encoding="utf-8")
+    model = lag.Model(path)
+    model.native = False
+    try:
+        told = " ".join(model.simulate(tolerance=1e-12, at=[0, 0.25, 0.5, 0.75, 1]).warnings)
+    except RunError as error:
+        told = str(error)
+    assert "account" in told or "the motion cannot be continued beyond t = 0.576" in told
