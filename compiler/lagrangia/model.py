@@ -8,7 +8,7 @@ from functools import cached_property, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
-from lagrangia.base.checked_values import by_name, names
+from lagrangia.base.checked_values import a_length, by_name, names
 from lagrangia.base.diagnostics import EngineWarning, Interrupted, RunError, fail
 from lagrangia.run.cache import find_scene, keep_scene
 from lagrangia.run.engines import Engine, divided, load_engine
@@ -91,11 +91,6 @@ class Model(Analysed, Swept):
         read = [Path(name) for name in (*(self.compilation.flat.read if others is None else others), *scene.notes["files"])]
         keep_scene(scene, self.path, self.model, self.structural, self.outputs, read, self.formulas)
         return scene
-
-    @property
-    def for_any_mass(self) -> bool:
-        """Whether the formulas hold whatever the masses."""
-        return self.formulas.for_any_mass
 
     @property
     def freedom(self) -> Mapping[str, Any]:
@@ -286,6 +281,10 @@ class Model(Analysed, Swept):
     @property
     def _has_numbers(self) -> bool:
         return any(p.compiled is not None and not p.locked for p in self.scene.parameters)
+
+    def sharing_reactions(self, length: float = 1.0) -> "Model":
+        """The same, reactions that the mechanics leave open by least squares, torques over this length (m)."""
+        return self._in(replace(self.formulas, least_squares=a_length(length)))
 
     def telling_reactions(self, names: Sequence[str] = (REACTION,)) -> "Model":
         """The same, or where reactions are among these quantities and a scene in space lies in a plane, the scene in space."""

@@ -266,7 +266,7 @@ def test_a_mass_is_taken_away_when_the_run_begins(scene: Write) -> None:
     model = scene(MASSLESS.format(coupler=bar))
     assert model.suited(check_values(model.scene)) is model
     assert model.suited(check_values(model.scene, {"coupler.m": 0.5})) is model
-    assert model.suited(check_values(model.scene, {"coupler.m": 1e-12})).for_any_mass
+    assert model.suited(check_values(model.scene, {"coupler.m": 1e-12})).formulas.for_any_mass
     assert "coupler.m" in (model.suited(check_values(model.scene, {"coupler.m": 0})).formulas.massless or ())
     run = model.simulate(stop=2, interval=0.1, tolerance=1e-11, parameters={"coupler.m": 0})
     pull = run["A.reaction"]

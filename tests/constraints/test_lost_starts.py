@@ -230,7 +230,7 @@ def test_an_fmu_without_a_mass_has_formulas_for_it(scene: Write, tmp_path: Path,
     monkeypatch.setattr(fmu, "export_fmus", lambda model, *_: exported.append(model))
     model.export_fmu(tmp_path / "m.fmu")
     model.export_fmu(tmp_path / "m.fmu", parameters={"coupler.m": 0})
-    assert [m.for_any_mass for m in exported] == [False, True]
+    assert [m.formulas.for_any_mass for m in exported] == [False, True]
 
 
 PRESCRIBED = """model M

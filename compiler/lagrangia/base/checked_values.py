@@ -41,6 +41,14 @@ def misfit(value: float, unit: str, minimum: float | None, maximum: float | None
     return ""
 
 
+def a_length(value: Any) -> float:
+    """In m, more than 0. Raises LagError L0702."""
+    length = a_number("length", value)
+    if not 0.0 < length < math.inf:
+        fail("L0702", f"the length must be more than 0 and finite, not {length:g}")
+    return length
+
+
 def a_count(what: str, value: Any) -> int:
     """Raises LagError L0702."""
     if not isinstance(value, bool):

@@ -9,7 +9,7 @@ from typing import Any
 from lagrangia.base.checked_values import MOST_POINTS, MOST_STARTS, a_count_within, a_frequency, a_span
 from lagrangia.base.diagnostics import RunError, fail
 from lagrangia.base.result_files import write_text
-from lagrangia.command.arguments import keep_inputs, load_asked, names_once, number, tell, view_asked
+from lagrangia.command.arguments import keep_inputs, load_asked, names_once, number, refuse_idle_sharing, tell, view_asked
 from lagrangia.model import Model
 from lagrangia.view.curves import require_format
 
@@ -22,6 +22,7 @@ def equilibrium_command(options: Namespace) -> int:
         a_count_within("number of starts", options.starts, 1, MOST_STARTS)
     _require(options.output, ".json")
     model, values = _load(options)
+    refuse_idle_sharing(model, tells_reactions=True)
     found = model.equilibrium(**values, starts=options.starts)
     if not found.found:
         raise RunError("; ".join(["no equilibrium was found: from all starts, forces stay unbalanced or it runs away",

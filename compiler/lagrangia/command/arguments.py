@@ -6,10 +6,12 @@ import sys
 from argparse import Namespace
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from math import isfinite
 from pathlib import Path
 from typing import Any
 
+from lagrangia.base.checked_values import a_length
 from lagrangia.base.cutting import cut_pair, split_list, stem
 from lagrangia.base.diagnostics import WARNINGS, fail, suggest
 from lagrangia.base.folders import kept_remarks
@@ -21,6 +23,7 @@ from lagrangia.command.input_tables import named_tables, path_of, read_input, to
 from lagrangia.compile.sources import refuse_others
 from lagrangia.language.values import read_value
 from lagrangia.model import Model
+from lagrangia.run.formulas import AS_DECLARED
 from lagrangia.run.remarks import given_remarks, input_remarks
 from lagrangia.run.request import USUAL, Request
 from lagrangia.run.simulate import Progress
@@ -39,7 +42,7 @@ def load_model(options: Namespace, given: list[tuple[str, str]], outputs: tuple[
     if names:
         known = _structural_names(options, outputs)
         structural = {name: _structural_value(value) for name, value in given if name in known}
-    model = Model(options.file, options.model, structural, outputs)
+    model = Model(options.file, options.model, structural, outputs, replace(AS_DECLARED, least_squares=_sharing(options)))
     usual = (f"{options.file.stem}.csv", f"{options.file.stem}_sweep.csv")
     written = [getattr(options, name, None) for name in ("output", "plot", "animate")]
     keep_apart([*written, *(() if written[0] is not None else usual)], model.scene.notes["files"])
@@ -47,6 +50,25 @@ def load_model(options: Namespace, given: list[tuple[str, str]], outputs: tuple[
     model = model.fitting(open_parameters(model.scene, given))
     options.made = options, model  # each other: what ends with the process is not taken apart piece by piece before
     return model
+
+
+def _sharing(options: Namespace) -> float | None:
+    """The length after --least-squares, m. Raises LagError L0702, L0706."""
+    text = getattr(options, "least_squares", None)
+    if text is None:
+        return None
+    (length,) = values_with_units([("--least-squares", text)], {"--least-squares": "m"}).values()
+    return a_length(length)
+
+
+def refuse_idle_sharing(model: Model, tells_reactions: bool = False) -> None:
+    """Raises LagError L0706 where --least-squares changes nothing; `tells_reactions`: whatever its outputs are made of."""
+    if model.formulas.least_squares is None:
+        return
+    if not (tells_reactions or model.scene.notes["tells_reactions"]):
+        fail("L0706", "--least-squares has no effect here", None, "no reactions are asked for: --reactions, or outputs")
+    if not model.freedom["repeated"]:
+        fail("L0706", "--least-squares has no effect here", None, "the mechanics leave no reaction open")
 
 
 def tell(options: Namespace, model: Model, texts: Iterable[str]) -> None:

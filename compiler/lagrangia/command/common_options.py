@@ -13,6 +13,12 @@ def add_values(parser: ArgumentParser) -> None:
         help="an input: a constant, or a table with a column time")
 
 
+def add_sharing(parser: ArgumentParser) -> None:
+    """How joints share what is not determined."""
+    parser.add_argument("--least-squares", metavar="LENGTH", help="reactions that joints share in no way of their own: those "
+                        "whose squares add up to least, torques over this length: 1, 20[cm]")
+
+
 def add_start(parser: ArgumentParser) -> None:
     """The scene, and with what values it begins."""
     add = parser.add_argument

@@ -24,7 +24,8 @@ if TYPE_CHECKING:
 _WRITTEN = ("modelica", "sympy", "latex")  # with names on paper
 _SIGNS = {"python": "Functions of t, q, v, u, p in SI units", "sympy": "Lagrange's equations: equations[k]",
           "modelica": ", fixed = true", "latex": "margin=22mm"}  # of what each writes
-_MEANT = dict.fromkeys(("fmi", "kind", "platforms", "sources", "engine", "arrays", "outputs", "info"), ("fmu",)) | {
+_MEANT = dict.fromkeys(("fmi", "kind", "platforms", "sources", "engine", "arrays", "outputs", "least_squares",
+                         "info"), ("fmu",)) | {
     "names": _WRITTEN, "components": ("modelica",)}
 
 
@@ -32,7 +33,7 @@ def _refuse_idle(options: Namespace) -> None:
     """Raises LagError L0704 for an option that would change nothing."""
     for name, targets in _MEANT.items():
         if getattr(options, name) not in (None, []) and options.to not in targets and options.to in ("fmu", *TARGETS):
-            fail("L0704", f"an export to {options.to} has no --{name}", None, f"it is for {', '.join(targets)}")
+            fail("L0704", f"an export to {options.to} has no --{name.replace('_', '-')}", None, f"it is for {', '.join(targets)}")
 
 
 def _export_components(options: Namespace) -> int:

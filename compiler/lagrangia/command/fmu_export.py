@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from lagrangia.base.diagnostics import InputWarning, RunError, fail
-from lagrangia.command.arguments import assignments, load_given, load_model, names_once
+from lagrangia.command.arguments import assignments, load_given, load_model, names_once, refuse_idle_sharing
 from lagrangia.native.build import CompilerError
 from lagrangia.run.scene import ALL_REACTIONS
 from lagrangia.view.statics import tells_reactions
@@ -27,6 +27,7 @@ def export_fmu_command(options: Namespace) -> int:
     model, parameters = load_given(options, outputs)
     if tells_reactions(model.scene):
         model = load_model(options, assignments(options.parameter, "-p"), (*outputs, ALL_REACTIONS))
+    refuse_idle_sharing(model)
     info = dict(assignments(options.info, "--info"))
     if options.output is None:
         _keep_others(model.scene.name, ("_fmi2", "_fmi3") if options.fmi == "both" else ("",))

@@ -37,6 +37,7 @@ from lagrangia.view.curves import draw
 # Options of `lag simulate` that only a model has a meaning for, and their usual values.
 _ONLY_MODELS: dict[str, tuple[Any, str]] = {"model": (None, "the FMU is one model"),
                 "reactions": (False, "what it reports is in its description: --outputs"),
+                "least_squares": (None, "lag export --to fmu has it"),
                 "solver": ("auto", "an FMU for Co-Simulation has its own, Model Exchange is integrated by CVode"),
                 "engine": ("auto", "an FMU is compiled"), "max_step": (0.0, "--interval sets the communication step"),
                 "max_steps": (0, ""), "dump": (None, "it has no phases"), "spectrum": (None, ""), "section": (None, ""),

@@ -21,7 +21,7 @@ class _Rule:
 
 _DUMPED = ("output", "plot", "plot_quantities", "spectrum", "section", "overlay", "beside", "linear", "at", "interval", "start",
            "stop", "tolerance", "initial", "input", "start_from", "solver", "engine", "max_step", "max_steps", "stats", "kind")
-_NOT_DUMPED = ("reactions", "outputs")  # but where code is made of them
+_NOT_DUMPED = ("reactions", "outputs", "least_squares")  # but where code is made of them
 _FLAGS = {"start_from": "from"}  # where an attribute is not called as its option
 
 

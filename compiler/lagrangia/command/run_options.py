@@ -3,7 +3,7 @@
 from argparse import ArgumentParser
 from pathlib import Path
 
-from lagrangia.command.common_options import add_values
+from lagrangia.command.common_options import add_sharing, add_values
 
 
 def add_simulate(parser: ArgumentParser) -> None:
@@ -22,6 +22,7 @@ def add_simulate(parser: ArgumentParser) -> None:
         help='start at rest, at the position reached from the start values; or in steady motion: "steady hinge.w=12"')
     add("--outputs", metavar="NAME,NAME,...", help="quantities to report besides coordinates, rates and outputs")
     add("--reactions", action="store_true", help="report the force and torque of every joint and tie")
+    add_sharing(parser)
     add("-o", "--output", metavar="FILE",
         help="the result (.csv, .jsonl, .parquet, .npz, .mat; - for standard output); by default NAME.csv in this folder")
     add("--stream", action="store_true", help="rows stand in the file as they come, and stay there if the run is killed")
@@ -79,6 +80,7 @@ def add_sweep(parser: ArgumentParser) -> None:
     add("--outputs", metavar="MEASURE,...",
         help="what is kept of each run: max(y), at(0.5, y), 'first_time(y > 3)', ... (lag help sweep); by default final values")
     add("-u", "--input", action="append", default=[], metavar="NAME=VALUE|FILE.csv", help="an input, the same in all runs")
+    add_sharing(parser)
     add("--start", type=float, metavar="T", help="start time in s")
     add("--stop", type=float, metavar="T", help="stop time in s")
     add("--tolerance", type=float, metavar="TOL", help="error allowed, relative to the size of each coordinate (1e-8)")

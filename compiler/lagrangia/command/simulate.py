@@ -20,6 +20,7 @@ from lagrangia.command.arguments import (
     open_parameters,
     prepare_target,
     read_inputs,
+    refuse_idle_sharing,
     start_values,
     tell_broken,
     tell_given,
@@ -64,6 +65,7 @@ def simulate_command(options: Namespace) -> int:
     if tells_reactions(model.scene) and not options.reactions:
         model = load_model(options, given, (*outputs, ALL_REACTIONS))
     model = _without_repeated(options, model, given)
+    refuse_idle_sharing(model)
     scene = model.scene
     if options.dump is not None:
         return _dump(options, model, given)

@@ -35,8 +35,8 @@ gravity with a third component, or one of the words below. Nothing is declared; 
             says so, or which line leaves the plane. Reactions have parts across it: who asks for them has the scene run in space
   loops     what is closed is found, and equations that repeat each other are left out: a planar four-bar of spatial hinges, a
             double Cardan shaft and Bricard's six-bar run as they are. lag check names such loops, and so do runs whose reactions
-            are asked for: how their joints share what they carry is not unique, and what is told is one way of it. A loop that
-            lies in a plane of its own is closed by the equations of a plane
+            are asked for: how their joints share what they carry is not unique, and what is told is one way of it, or that of
+            least squares: --least-squares 1[m]. A loop that lies in a plane of its own is closed by the equations of a plane
   rolling   RollingDisc and RollingBall on the plane of a base, which may move; Skate does not slip aside. Of one's own:
             dot(velocity_at(wheel, contact), across) = 0. lag linearize and lag modes --about start are exact while they roll:
             models/examples/bicycle.lag

@@ -3,6 +3,8 @@
 from argparse import ArgumentParser
 from pathlib import Path
 
+from lagrangia.command.common_options import add_sharing
+
 
 def _add_numbers(parser: ArgumentParser, about: bool) -> None:
     """What all analyses are told."""
@@ -21,6 +23,7 @@ def _add_numbers(parser: ArgumentParser, about: bool) -> None:
 def add_equilibrium(parser: ArgumentParser) -> None:
     """Of `lag equilibrium`."""
     _add_numbers(parser, about=False)
+    add_sharing(parser)
     parser.add_argument("--starts", type=int, metavar="N", help="from how many places it is searched (24; 1: the start alone)")
     parser.add_argument("-o", "--output", metavar="FILE", help="a file for programs (.json)")
 

@@ -179,7 +179,8 @@ def _time(seconds: float) -> str:
 
 
 def tell_shared(model: Model, row: Sequence[float], out: Any) -> None:
-    """What leaves the reactions that outputs and loads are made of one way of several: equations that repeat each other."""
+    """What leaves the reactions that outputs and loads are made of one way of several, or those of least squares: equations that
+    repeat each other."""
     if row and model.scene.notes["tells_reactions"]:
-        for told in told_shares(model.freedom["repeated"]):
+        for told in told_shares(model.freedom["repeated"], model.formulas.least_squares):
             print(f"  {told}", file=out)

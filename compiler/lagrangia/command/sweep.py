@@ -15,6 +15,7 @@ from lagrangia.command.arguments import (
     keep_foreign,
     load_model,
     read_inputs,
+    refuse_idle_sharing,
     tell,
     tell_given,
     tell_inputs,
@@ -76,6 +77,7 @@ def _prepare(options: Namespace) -> tuple[Model, Job]:
     given = dict(assignments(options.parameter, "-p"))
     single = [(name, text) for name, text in given.items() if is_single(text)]
     model = load_model(options, single, quantities(measures))
+    refuse_idle_sharing(model)
     scene = model.scene
     varied = {name: text for name, text in given.items() if name not in model.structural}
     request = asked(options, varied, dict(assignments(options.initial, "--initial")), read_inputs(options.input, scene))

@@ -3,6 +3,8 @@
 from argparse import ArgumentParser, BooleanOptionalAction
 from pathlib import Path
 
+from lagrangia.command.common_options import add_sharing
+
 
 def add_check(parser: ArgumentParser) -> None:
     """Of `lag check`."""
@@ -75,6 +77,7 @@ def add_export(parser: ArgumentParser) -> None:
     add("--sources", action=BooleanOptionalAction, help="put the C sources into an FMU, by default")
     add("--arrays", action=BooleanOptionalAction, help="vectors and matrices are arrays in FMI 3, by default; else scalars")
     add("--outputs", metavar="NAME,NAME,...", help="more outputs of an FMU")
+    add_sharing(parser)
     add("--info", action="append", default=[], metavar="NAME=TEXT", help="author, version, copyright, license of an FMU")
     add("-o", "--output", metavar="FILE", help="the file; by default the model's name in this folder (- for standard output)")
 

@@ -239,8 +239,10 @@ play, where sliders could change it, where it is final).
 --reactions reports the force and torque of every joint and tie, by Lagrange's equations of released directions
 (released_directions.py), and of a Motion what it takes: motor.reaction, a force along what it prescribes, or a torque.
 So near a dead point that rounding decides a force, it is written as NaN, and the run ends with exit code 1.
-Where constraints are redundant, those told as repeated carry nothing. Masses given
-with -p that are far apart or zero in a loop are noticed; the run then takes formulas that bear them (half as long again,
+Where constraints are redundant, what joints carry is not unique: what is told is one way of it, or, with --least-squares 1[m]
+(model.sharing_reactions(1.0) in Python), those reactions whose squares add up to least, of all joints, ties and equations,
+forces in N, torques in N.m over that length (shared_reactions.py); FMUs, sweeps, equilibria and friction have them too. Masses
+given with -p that are far apart or zero in a loop are noticed; the run then takes formulas that bear them (half as long again,
 compiled once).
 A scene that cannot move is statics: its reactions are told without being asked for.
 

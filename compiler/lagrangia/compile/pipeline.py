@@ -102,12 +102,14 @@ def _compile(syntax: "Syntax", flat: "FlatModel", outputs: tuple[str, ...], form
         from lagrangia.dynamics.joint_loads import feel_reactions
         from lagrangia.dynamics.massless import settle_massless
         from lagrangia.dynamics.motion import build_motion
+        from lagrangia.dynamics.shared_reactions import asking_for_least_squares
 
     with _timed(took, "graph, kinematics, energies"):
         kinematics, constraints = reduce_kinematics(_laid_out(flat, outputs, formulas))
         kinematics, constraints, energies = settle_massless(kinematics, constraints, build_energies(kinematics))
     with _timed(took, "motion"):
         constraints, initial = _start(kinematics, constraints, formulas.is_as_written)
+        constraints = asking_for_least_squares(kinematics, constraints, initial, formulas.least_squares)
         made_of = constraints, formulas.for_any_mass, find_partition(kinematics, constraints, initial)
         motion = feel_reactions(kinematics, constraints, build_motion(kinematics, energies, *made_of))
         hit, run = _with_impacts(kinematics, energies, motion, made_of)

@@ -72,6 +72,15 @@ class Row:
 
 
 @dataclass(frozen=True)
+class LeastSquares:
+    """That reactions which the mechanics leave open are to be those of least squares, torques over `length` (m); the places of
+    remaining rows that repeat others."""
+
+    length: float
+    dependent: tuple[int, ...]
+
+
+@dataclass(frozen=True)
 class Constraints:
     """The rows that remain to be kept while integrating, holonomic ones first."""
 
@@ -81,6 +90,7 @@ class Constraints:
     absorbed: tuple[Row, ...] = ()  # linear rows that gave a coordinate
     givers: Mapping[str, Row] = field(default_factory=dict)  # the absorbed row of each coordinate that was given up
     touching: tuple[Row, ...] = ()  # rows that only just hold, with whose slopes they are kept
+    least_squares: LeastSquares | None = None  # where that is asked for
 
     @property
     def all_rows(self) -> tuple[Row, ...]:

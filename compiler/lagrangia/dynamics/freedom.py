@@ -100,14 +100,20 @@ def _find(
         return Freedom(n, n, told, _problem(initial, worst, gaps if closes_elsewhere else least)), assembly, x
     if held is None:
         return Freedom(n, n, told, None), None, np.zeros(0)
-    q, numbers = x[:n], _Numbers(kinematics, held)
-    slopes = numbers.scaled([q, *numbers.nearby(q)])
-    ranks = [_rank(J) for J in slopes]
-    dependent = tuple(_dependent_rows(slopes[int(np.argmax(ranks))]))
+    ranks, dependent = ranks_at(kinematics, held.rows.phi, held.J, x[:n])
     repeated = dict.fromkeys((*told, *(_tell(constraints.rows[k], kinematics) for k in dependent)))
     is_rigid = bool(constraints.touching) and max(ranks) == n
     found = Freedom(n - max(ranks), n - ranks[0], tuple(repeated), None, (), dependent, (), is_rigid)
     return found, assembly, x
+
+
+def ranks_at(kinematics: Kinematics, phi: ca.SX, J: ca.SX, q: Vector) -> tuple[list[int], tuple[int, ...]]:
+    """The ranks of the slopes of all rows at an assembled position and at general ones near it, and the rows that lie in the
+    span of those before them where the rank is largest."""
+    numbers = _Numbers(kinematics, phi, J)
+    slopes = numbers.scaled([q, *numbers.nearby(q)])
+    ranks = [_rank(found) for found in slopes]
+    return ranks, tuple(_dependent_rows(slopes[int(np.argmax(ranks))]))
 
 
 def _at_the_start(found: Freedom, kinematics: Kinematics, held: ConstrainedMotion, q: Vector) -> Freedom:
@@ -153,8 +159,8 @@ def freedom_notes(freedom: Freedom) -> dict[str, Any]:
 class _Numbers:
     """Positions near an assembled one, and the slopes of all rows there."""
 
-    def __init__(self, kinematics: Kinematics, held: ConstrainedMotion) -> None:
-        self.positions = Positions(kinematics, held.rows.phi, held.J)
+    def __init__(self, kinematics: Kinematics, phi: ca.SX, J: ca.SX) -> None:
+        self.positions = Positions(kinematics, phi, J)
 
     def nearby(self, q: Vector) -> list[Vector]:
         """General positions near an assembled one: a small step along what the constraints allow, and back onto them."""

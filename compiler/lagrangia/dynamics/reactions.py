@@ -2,10 +2,11 @@
 
 A joint of the tree is released by all virtual displacements of what lies behind it: they give the force and the torque that the
 joint exerts. Where a loop is cut, the multipliers are the reaction, and what acts on the cut coordinate adds to them. Rows
-that only repeat others carry nothing: where constraints are redundant, this is one of the ways in which they can share the load.
-Only what is asked for is built.
+that only repeat others carry nothing: where constraints are redundant, this is one of the ways in which they can share the load;
+shared_reactions.py has that of least squares. Only what is asked for is built.
 """
 
+from collections.abc import Mapping, Sequence
 from typing import NoReturn
 
 import casadi as ca
@@ -16,9 +17,10 @@ from lagrangia.dynamics.bodies import Bodies
 from lagrangia.dynamics.driven_joints import force_beside_drives
 from lagrangia.dynamics.motion import Motion
 from lagrangia.dynamics.released_directions import Released, forces_of_ties
+from lagrangia.dynamics.shared_reactions import shared_by_least_squares
 from lagrangia.frames.closures import meeting_place, wrench_on_b
 from lagrangia.frames.edges import Closure, Edge
-from lagrangia.frames.joints import component_of, cuts_of, joints_of
+from lagrangia.frames.joints import component_of, cuts_of, joints_of, reaction_ports
 from lagrangia.frames.kinematics import Kinematics
 from lagrangia.language.consequences import equation_of
 from lagrangia.language.frame_attributes import REACTIONS
@@ -38,23 +40,37 @@ def build_reactions(kinematics: Kinematics, bodies: Bodies, constraints: Constra
     if constraints.touching:
         _refuse(kinematics, constraints.touching[0])
     edges, cuts = joints_of(kinematics.graph), cuts_of(kinematics.graph)
+    ports = [f"{path}.{port}" for path, port in reaction_ports(kinematics.graph).items()] if constraints.least_squares else []
+    wanted = list(dict.fromkeys((*asked, *ports)))
     ties = {frame: [row for row in constraints.all_rows if row.loop is None and row.component == component_of(frame)]
-            for frame in asked if frame not in cuts and frame not in edges}
+            for frame in wanted if frame not in cuts and frame not in edges}
     contacts = {when.component for when in kinematics.graph.model.whens}
     for frame in (frame for frame, rows in ties.items() if not rows and component_of(frame) not in contacts):
         fail("L0911", f"'{component_of(frame)}' is no joint, so it has no reaction", _asked_at(kinematics, frame))
-    sizes = {edges[frame][0].child: kinematics.geometry.size for frame in asked if frame in edges}
-    sizes |= {cuts[frame][0].coordinate: 1 for frame in asked if frame in cuts and cuts[frame][0].coordinate}
+    sizes = {edges[frame][0].child: kinematics.geometry.size for frame in wanted if frame in edges}
+    sizes |= {cuts[frame][0].coordinate: 1 for frame in wanted if frame in cuts and cuts[frame][0].coordinate}
     released = Released(kinematics, bodies, constraints, motion, sizes)
     values = forces_of_ties(kinematics, released, ties)
-    for frame in asked:
+    for frame in wanted:
         if frame in cuts:
             values[frame] = _of_cut(kinematics, constraints, *cuts[frame], frame, released)
         elif frame in edges:
             values[frame] = _of_joint(kinematics, constraints, *edges[frame], frame, released)
     forces = [_along_left_side(kinematics, constraints, released, name) for name in kinematics.forces]
     symbols = ca.vertcat(*[s for frame in asked for s in asked[frame]], *kinematics.forces.values())
-    return symbols, ca.substitute(ca.vertcat(*[values[frame] for frame in asked], *forces), kinematics.symbols.tau, ca.SX(1))
+    told = ca.vertcat(*[values[frame] for frame in asked], *forces)
+    told = shared_by_least_squares(kinematics, constraints, motion, released, [values[frame] for frame in ports],
+                                   _of_no_port(constraints, released, ports, cuts), told)
+    return symbols, ca.substitute(told, kinematics.symbols.tau, ca.SX(1))
+
+
+def _of_no_port(constraints: Constraints, released: Released, ports: Sequence[str], cuts: Mapping[str, tuple[Closure, float]]
+                ) -> ca.SX:
+    """The multipliers of rows that belong to no joint or tie among those with these ports."""
+    joints = [cut for frame, (cut, _) in cuts.items() if frame in ports]
+    ties = {component_of(frame) for frame in ports}
+    return ca.vertcat(ca.SX(0, 1), *[released.multiplier(row) for row in constraints.all_rows
+                                     if (row.component not in ties if row.loop is None else row.loop not in joints)])
 
 
 def _refuse(kinematics: Kinematics, straight: Row) -> NoReturn:

@@ -30,6 +30,8 @@ class Released:
         self, kinematics: Kinematics, bodies: Bodies, constraints: Constraints, motion: Motion, sizes: Mapping[str, int]
     ) -> None:
         self.kinematics, self.bodies, self.constraints, self.motion = kinematics, bodies, constraints, motion
+        self.open = ca.SX.sym("open", len(constraints.repeated) if constraints.least_squares else 0)
+        self.multipliers = {id(row): x for row, x in zip(constraints.repeated, self.open.elements(), strict=False)}
         given = dict.fromkeys(kinematics.dependents, 1) if constraints.absorbed else {}
         self.places, start = {}, 0
         for name, size in {**sizes, **given}.items():
@@ -43,7 +45,7 @@ class Released:
         places = [self.places[name].start for name in given]
         given_by = -ca.solve(slopes[:, places].T, residual[places]) if given else ca.SX(0, 1)
         self.forces = residual + slopes.T @ given_by if given else residual
-        self.multipliers = {id(row): given_by[k] for k, row in enumerate(constraints.absorbed)}
+        self.multipliers |= {id(row): given_by[k] for k, row in enumerate(constraints.absorbed)}
         if motion.constrained is not None:
             self.multipliers |= {id(row): motion.constrained.symbols[k] for k, row in enumerate(constraints.rows)}
 
@@ -52,7 +54,7 @@ class Released:
         return self.forces[self.places[name]]
 
     def multiplier(self, row: Row) -> ca.SX:
-        """Of any row; one that only repeats others carries nothing."""
+        """Of any row; one that only repeats others carries nothing, or, where least squares are asked for, what is `open`."""
         return self.multipliers.get(id(row), ca.SX(0))
 
     def _residual(self, free: Kinematics, shift: ca.SX, rate: ca.SX) -> ca.SX:
@@ -91,6 +93,9 @@ class Released:
             if chosen and held is not None:
                 rows = ca.vertcat(*[self.constraints.rows[k].value(free, 0) for k in chosen])
                 total += ca.jtimes(rows, moved, held.symbols[chosen], True)
+        if self.open.numel():
+            repeated = ca.vertcat(*[row.value(free, 0) for row in self.constraints.repeated])
+            total += ca.jtimes(repeated, shift, self.open, True)
         return total
 
 

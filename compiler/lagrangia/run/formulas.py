@@ -21,13 +21,15 @@ Compute = Callable[..., list[list[Any]]]  # interpret.evaluate, or evaluate_each
 class Formulas:
     """`for_any_mass`: they hold whatever the masses; `is_general`: no number is compiled in that can be set; `is_as_written`:
     with what only just holds as it is written; `massless`: the masses compiled in as 0, None for those declared so; `in_space`:
-    not by the equations of a plane in which a scene in space may lie."""
+    not by the equations of a plane in which a scene in space may lie; `least_squares`: reactions that repeated constraints share
+    are those of least squares, torques over this length (m)."""
 
     for_any_mass: bool = False
     is_general: bool = False
     is_as_written: bool = False
     massless: tuple[str, ...] | None = None
     in_space: bool = False
+    least_squares: float | None = None
 
 
 AS_DECLARED = Formulas()

@@ -228,8 +228,9 @@ class Study(Beginning):
             notes.append(f"reactions are not told: {straight[0].told} only just holds, so that nothing bounds them")
             asked = []
         if asked:
+            sharing = self.c.constraints.least_squares
             notes += told_shares(repeated_rows(self.c.kinematics, self.c.motion, self.c.constraints, self.c.initial,
-                                               self.c.functions.table))
+                                               self.c.functions.table), sharing.length if sharing else None)
         full = self.equations((), (*outputs, *asked)) if asked else e
         most = starts if starts is not None else (_FROM if self.scene.n <= _LARGE else 3)
         found, is_reached = self.all_rests(e, pace, most)

@@ -17,9 +17,11 @@ def tells_reactions(scene: Scene) -> bool:
     return is_static(scene) and not scene.notes["touching"]["told"]
 
 
-def told_shares(repeated: Iterable[str]) -> list[str]:
-    """What leaves reactions one way of several: loops and equations that repeat others, as told."""
-    return [f"the reactions are one way of several: {what}" for what in repeated]
+def told_shares(repeated: Iterable[str], length: float | None = None) -> list[str]:
+    """What leaves reactions one way of several, or those of least squares over a length (m): loops and equations that repeat
+    others, as told."""
+    way = "one way of several" if length is None else f"those of least squares, torques over {length:g} m"
+    return [f"the reactions are {way}: {what}" for what in repeated]
 
 
 def reaction_table(scene: Scene, row: Sequence[float]) -> list[str]:
