@@ -1,6 +1,6 @@
 """Peers for the accelerations of trees of rigid bodies: Pinocchio's ABA and MuJoCo's forward dynamics, called from Python.
 
-Each gets the same joints in numbers, and the weight.
+Each gets the same joints in numbers, the weight, and what else acts on the coordinates, in numbers too.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -36,6 +36,7 @@ class Tree:
     positions: "NDArray[np.float64]"  # (n,)
     rates: "NDArray[np.float64]"
     gravity: "NDArray[np.float64]"  # (3,), m/s2
+    forces: "NDArray[np.float64]"  # (n,), of springs, dampers and loads on the coordinates
 
 
 @dataclass(frozen=True)
@@ -115,7 +116,7 @@ def _pinocchio(tree: Tree) -> Peer:
 
     model, q, places = _pinocchio_model(tree)
     data, v = _pinocchio_data(model), tree.rates[places]
-    tau = np.zeros(len(places))
+    tau = tree.forces[places]
 
     def found() -> "NDArray[np.float64]":
         return _back(pin.aba(model, data, q, v, tau), places)
@@ -160,13 +161,16 @@ def _back(found: "NDArray[np.float64]", places: Sequence[int]) -> "NDArray[np.fl
 def _mujoco(tree: Tree) -> Peer:
     import mujoco
 
-    model = _mujoco_spec(tree).compile()
+    try:
+        model = _mujoco_spec(tree).compile()
+    except ValueError as error:
+        raise Unfit(f"it refuses the model: {str(error).splitlines()[0]}") from None
     data, places = mujoco.MjData(model), [0] * tree.size
     for k, joint in enumerate(tree.joints):
         made, at = model.joint(f"j{k}"), _positions(tree, joint)
         data.qpos[made.qposadr[0] : made.qposadr[0] + len(at)] = at
         places[made.dofadr[0] : made.dofadr[0] + len(joint.coordinates)] = joint.coordinates
-    data.qvel[:] = tree.rates[places]
+    data.qvel[:], data.qfrc_applied[:] = tree.rates[places], tree.forces[places]
 
     def found() -> "NDArray[np.float64]":
         mujoco.mj_forward(model, data)

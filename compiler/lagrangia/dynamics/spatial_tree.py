@@ -117,12 +117,10 @@ class SpatialBodies:
             loads[joint] = added(loads.get(joint, [0.0] * 6), load)
         return Granted(loads, self._on_coordinates(forces))
 
-    def field(self, energies: Energies) -> tuple[Sequence[Scalar], bool]:
-        """The acceleration with which all bodies fall, (3,), and whether forces are left beside it."""
+    def field(self, energies: Energies) -> tuple[Sequence[Scalar], Forces | None]:
+        """The acceleration with which all bodies fall, (3,), and the forces beside it; None where these have no place."""
         forces = find_forces(self.kinematics, energies)
-        field, left = self._without_field(forces) if forces is not None else (STILL, Forces({}, {}))
-        acting = [x for wrench in left.on_frames.values() for x in wrench] + list(left.on_coordinates.values())
-        return field, forces is None or not is_nothing(acting)
+        return (STILL, None) if forces is None else self._without_field(forces)
 
     def _yield_to(self, forces: Forces, loads: dict[int, Vector], drift: Drift | None, base: Sequence[Scalar]) -> ca.SX:
         for joint, load in self.on_carriers(forces)[0].items():
