@@ -115,3 +115,45 @@ def test_the_force_of_what_follows_time_alone_is_that_on_what_it_moves(scene: Wr
                   "output Force F = constraint_force(x); "
                   "equation x = 1[m/s2]*time^2; x = b.s; end M;")
     assert model.simulate(at=[0, 0.5])["F"] == pytest.approx([4, 4], abs=1e-12)
+
+
+DRIVEN = """model M
+  {world}
+  Revolute crank(a = world), wheel(a = shift(world, {{0.5, 0}}));
+  Prismatic slide(a = crank.b, along = {{1, 0.5}}), rider(a = slide.b, along = {{0, 1}});
+  Body fly(m = 1, I = {I}, center = shift(crank.b, {{0.1, 0}})), load(m = 1, I = {I}, center = wheel.b),
+    a(m = 1, I = {I}, center = slide.b), b(m = 1, I = {I}, center = rider.b);
+  output Force F[2] = {{crank.reaction[1], slide.reaction[2]}};
+  output Torque T[2] = {{crank.reaction_torque{z}, wheel.reaction_torque{z}}};
+equation
+  crank.phi = 4[rad/s]*time - 0.5;
+  wheel.phi = sin(crank.phi) + crank.phi^2/2;
+  slide.s = 2[m/s]*time;
+  rider.s = 0.1[m]*sin(slide.s/1[m]);
+end M;"""
+
+
+def test_driven_joints_in_space_have_the_reactions_of_the_plane(scene: Write) -> None:
+    """Where a drive's coordinate is tied to others, too: gravity that points out of the plane adds nothing in it."""
+    plane = scene(DRIVEN.format(world="", I="0.02", z=""))
+    space = scene(DRIVEN.format(world="World world(gravity = {0, -9.81, 3});", I="{0.02, 0.02, 0.02}", z="[3]"))
+    runs = [model.simulate(at=[0.1, 0.3], tolerance=1e-11) for model in (plane, space)]
+    for name in ("F", "T"):
+        np.testing.assert_allclose(runs[1][name], runs[0][name], rtol=0, atol=1e-9)
+
+
+def test_a_pendulum_on_a_driven_shaft_rests_in_its_frame(scene: Write) -> None:
+    """cos(phi) = g/(w^2 l); the bearing holds the ball on its circle: m w^2 r and m g."""
+    model = scene("""model M
+      parameter AngularVelocity w = 6;
+      World world(gravity = {0, 0, -9.81});
+      Revolute shaft(a = world, axis = {0, 0, 1}), swing(a = shaft.b, axis = {0, 1, 0}, phi(start = -1));
+      PointMass ball(m = 1, center = shift(swing.b, {0, 0, -0.5}));
+    equation
+      shaft.phi = w*time;
+    end M;""")
+    (rest,) = model.equilibrium(starts=1).found
+    phi = rest.position["swing.phi"]
+    assert np.cos(phi) == pytest.approx(9.81 / 36 / 0.5, abs=1e-12)
+    assert rest.reactions["shaft.reaction[1]"] == pytest.approx(36 * 0.5 * np.sin(phi), abs=1e-11)
+    assert rest.reactions["shaft.reaction[3]"] == pytest.approx(9.81, abs=1e-12)

@@ -5,6 +5,8 @@ coordinate to others (a Geneva wheel, a cam, a gear written with angles) acts on
 their frames: else the drive and the load it carries would cancel in the reaction of the joint.
 """
 
+from collections.abc import Sequence
+
 import casadi as ca
 
 from lagrangia.algebra.duals import Scalar
@@ -12,10 +14,9 @@ from lagrangia.constraints.rows import Constraints, Row
 from lagrangia.dynamics.released_directions import Released
 from lagrangia.frames.edges import Edge
 from lagrangia.frames.evaluation import Evaluator, Value
-from lagrangia.frames.kinematics import Kinematics
+from lagrangia.frames.kinematics import Kinematics, displacement
 from lagrangia.language.flat import Equation
 from lagrangia.language.mentions import leaves
-from lagrangia.language.space_limits import refuse_in_space
 from lagrangia.language.tree import FrameRef, Ref
 
 
@@ -28,6 +29,8 @@ def force_beside_drives(kinematics: Kinematics, constraints: Constraints, releas
         if not any(named == {name} for _, named in rows.values()):
             continue
         ties = [row for row, named in rows.values() if named != {name}]
+        if not ties:
+            continue
         force = -sum((released.multiplier(row) * _slope(kinematics, row, name) for row in ties), ca.SX(0))
         total += force * _direction(kinematics, edge, name)
     return total
@@ -43,14 +46,20 @@ def _named(kinematics: Kinematics, equation: Equation) -> set[str]:
 
 
 class _Nudged:
-    """Leaves of an evaluator in which one coordinate is displaced, and nothing follows it."""
+    """Leaves of an evaluator in which one coordinate has a displacement and a rate of its own, and nothing follows it."""
 
-    def __init__(self, kinematics: Kinematics, name: str, shift: ca.SX) -> None:
-        self.kinematics, self.name, self.shift = kinematics, name, shift
+    def __init__(self, kinematics: Kinematics, name: str) -> None:
+        self.kinematics, self.name = kinematics, name
+        self.symbols = kinematics.algebra.index.displacements.new(2)
 
     def symbol(self, name: str, level: int) -> Value | None:
         value = self.kinematics.symbol(name, level)
-        return value + self.shift if name == self.name else value
+        return value + displacement(tuple(self.symbols.elements()), level) if name == self.name else value
+
+    def slopes(self, values: Sequence[Scalar], which: int) -> list[ca.SX]:
+        """Of these by the displacement (0) or the rate (1), where both are 0."""
+        found = [ca.gradient(ca.SX(value), self.symbols[which]) for value in values]
+        return [ca.substitute(slope, self.symbols, ca.SX.zeros(2)) for slope in found]
 
     def time(self, level: int) -> Scalar:
         return self.kinematics.time(level)
@@ -62,17 +71,16 @@ class _Nudged:
 def _slope(kinematics: Kinematics, row: Row, name: str) -> ca.SX:
     """Of a row, along one coordinate."""
     assert row.equation is not None
-    shift = kinematics.algebra.index.displacements.new(1)
-    value = Evaluator(kinematics.graph.model, kinematics.algebra, _Nudged(kinematics, name, shift)).value
+    nudged = _Nudged(kinematics, name)
+    value = Evaluator(kinematics.graph.model, kinematics.algebra, nudged).value
     left, right = (value(side) for side in (row.equation.left, row.equation.right))
     gap = left[row.part] - right[row.part] if isinstance(left, tuple) else left - right
-    return ca.substitute(ca.gradient(ca.SX(gap), shift), shift, 0)
+    return nudged.slopes([gap], 0)[0]
 
 
 def _direction(kinematics: Kinematics, edge: Edge, name: str) -> ca.SX:
     """The force and torque on the edge's child that do the work of a unit force on the coordinate, when the parent rests."""
-    refuse_in_space(kinematics.graph.model, "drives", edge.span)
-    shift = kinematics.algebra.index.displacements.new(1)
-    evaluator = Evaluator(kinematics.graph.model, kinematics.algebra, _Nudged(kinematics, name, shift))
-    pose = kinematics.follow(edge, kinematics.pose(edge.parent, 0), 0, evaluator)
-    return kinematics.geometry.unit_load([ca.substitute(ca.gradient(ca.SX(part), shift), shift, 0) for part in pose.place])
+    nudged = _Nudged(kinematics, name)
+    evaluator = Evaluator(kinematics.graph.model, kinematics.algebra, nudged)
+    pose = kinematics.follow(edge, kinematics.pose(edge.parent, 1), 1, evaluator)
+    return kinematics.geometry.unit_load(nudged.slopes(pose.twist, 1))

@@ -10,7 +10,6 @@ from lagrangia.language.tree import Call, Flat, FrameRef
 # What is refused, and what can be done instead.
 NOT_YET: Mapping[str, tuple[str, str]] = {
     "events": ("events and contacts of frames", "events of coordinates are there: when hinge.phi < 0 then ..."),
-    "drives": ("reactions of joints that are driven", "the force of the drive is there: constraint_force(x)"),
     "massless": ("places without mass beside torques on attitudes", "give what moves there a mass"),
     "probes": ("responses to frames that are moved", "of inputs and of prescribed coordinates they are there"),
 }
