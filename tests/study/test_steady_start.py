@@ -133,6 +133,14 @@ def test_flyballs_on_links_rise_with_the_speed() -> None:
         assert np.abs(np.cos(run["arm.phi"]) - cosine).max() < 1e-10 and np.abs(np.array(run["shaft.w"]) - w).max() < 1e-9
 
 
+def test_a_motor_that_drives_flyballs_on_links_has_its_current() -> None:
+    """V = R i + k w and k i = load: the current is a first-order state, from which the run begins as well."""
+    text = SLEEVE.replace("equation", "DCMotor motor(a = world, b = shaft.b, V = 12, R = 1, k = 0.5, L = 0.01);\nequation", 1)
+    text = text.replace("end Watt;", "energy\n  work -2[N.m] on shaft.phi;\nend Watt;")
+    run = lag.loads(text).simulate(at=[0.0, 0.01, 0.5], from_={"shaft.w": 16.0}, tolerance=1e-10)
+    assert np.abs(np.array(run["motor.i"]) - 4).max() < 1e-9 and np.abs(np.array(run["shaft.w"]) - 16).max() < 1e-9
+
+
 @pytest.mark.parametrize(("spin", "yaw"), [(8.0, 1.5), (-8.0, 3.0), (8.0, 0.0)])
 def test_a_disc_rolls_round_a_circle(spin: float, yaw: float) -> None:
     """Angular momentum about the centre and the force where it touches: A, C, m, r at a lean from the vertical."""

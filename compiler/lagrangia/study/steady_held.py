@@ -229,6 +229,8 @@ def steady_held(model: Any, parameters: Any, guesses: "Mapping[str, float]", inp
     for is_wide in (False, True):
         found, x, missed = SteadyHeld(study, given, is_wide).solved()
         if not (left := found.told_of(x, missed)):
-            return found.study.point(x.q, x.v), x.v
+            states, inner = study.scene.signals, study.scene.inner
+            point = {states.get(name, name): value for name, value in found.study.point(x.q, x.v).items()}
+            return {name: value for name, value in point.items() if name not in inner}, x.v
         wrong = wrong or left
     raise RunError(f"there is no such steady motion near the start values: {wrong}")
