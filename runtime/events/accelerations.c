@@ -103,13 +103,37 @@ static int call_abreast(LagRun *run, const double *const *in, double *const *out
     return wide || (lag_present(&model->regular) && !is_whole);
 }
 
+/* Whether the cheap way fails at all of eight states, by the doubt of each. */
+static int fails_everywhere(const double *doubt)
+{
+    int fails = 1;
+    for (int i = 0; i < LAG_ABREAST; ++i)
+        fails &= doubt[i] != 0;
+    return fails;
+}
+
+/* The same; where the cheap way fails at all eight, the other one at once, if it serves eight: one state after another would go that
+ * way, too. */
+static int call_abreast_again(LagRun *run, const double *const *in, double *const *out, double *work)
+{
+    const int is_checked = call_abreast(run, in, out, work), has_other = !run->model->wide || run->model->wide_whole;
+    if (is_checked <= 0 || !has_other || !fails_everywhere(out[2]))
+        return is_checked;
+    run->doubtful = DOUBTFUL_FOR + 1;
+    const int is_checked_now = call_abreast(run, in, out, work);
+    if (is_checked_now > 0 && fails_everywhere(out[2])) /* of angles beyond what wide sines bear */
+        run->doubtful = 0;
+    return is_checked_now;
+}
+
 /* Powers lie behind accelerations. */
 int lag_accelerations_abreast(LagRun *run, const double *t, const double *q, const double *v, const double *u, double *const *out,
                               double *work)
 {
     const LagModel *model = run->model;
     const double *in[] = {t, q, v, u, run->d, run->c};
-    const int is_checked = run->careful || run->switches.is_live || run->sliding.count > 0 ? -1 : call_abreast(run, in, out, work);
+    const int is_single = run->careful || run->switches.is_live || run->sliding.count > 0;
+    const int is_checked = is_single ? -1 : call_abreast_again(run, in, out, work);
     if (is_checked < 0)
         return 0;
     double each[LAG_ABREAST] = {0};

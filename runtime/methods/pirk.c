@@ -2,8 +2,8 @@
  * registers that hold as many numbers, and takes about as long as one evaluation (wide.h). P.J. van der Houwen, B.P. Sommeijer, J.
  * Comput. Appl. Math. 29 (1990): parallel iterated Runge-Kutta methods.
  *
- * The polynomial of the step before foresees the stages; that of a rejected step those of a shorter one, in two or three sweeps. What is
- * inside a step is found when somebody looks (pirk_dense.c): so rows do not change steps.
+ * The polynomial of the step before foresees the stages; that of a rejected step those of a shorter one, in two or three sweeps,
+ * unless its sweeps ran away. What is inside a step is found when somebody looks (pirk_dense.c): so rows do not change steps.
  *
  * Coefficients of the accelerations by Legendre polynomials tell the error: they fall like powers, and those of degree 16 and more
  * are what a step leaves out.
@@ -342,13 +342,16 @@ static double iterate(LagPirk *s, LagMotion *m, const double *y, double h, int *
         const double moved = distance(s, m, s->a, s->tried);
         if (k > 0)
             nearer = before > 0 ? lag_max(LEAST, moved / before) : LEAST;
+        s->foresees = nearer < 1;
         if (k > 0 && before > TOLD) {
             s->contraction = nearer;
             s->per = h;
         }
         const int is_slow = nearer > SLOW;
-        if ((nearer < 1 && moved * nearer < CONVERGED * (1 - nearer)) || (is_slow && is_noise(s, m, moved)))
+        if ((nearer < 1 && moved * nearer < CONVERGED * (1 - nearer)) || (is_slow && is_noise(s, m, moved))) {
+            s->foresees = 1;
             return estimate(s, m, h, worst);
+        }
         if (k == EARLY && (error = estimate(s, m, h, worst)) > HOPELESS)
             return error;
         if (k >= PATIENT && is_slow)
@@ -389,9 +392,11 @@ static double attempt(void *self, LagMotion *m, double t_new, const LagScale *sc
     }
     displacement(s, m, m->y, h, m->sum);
     lag_motion_add(m, m->sum);
-    lag_swap(&s->a, &s->known);
-    s->begin = m->t;
-    s->length = h;
+    if (s->foresees) {
+        lag_swap(&s->a, &s->known);
+        s->begin = m->t;
+        s->length = h;
+    }
     /* towards singular positions of loops all series fall slowly: these are for lag_attempts_leave */
     const int is_doubtful = s->is_doubtful && run->model->n_multipliers == 0;
     if (error <= 1 && (run->model->may_be_narrow || run->model->n_looks > 0 || is_doubtful))

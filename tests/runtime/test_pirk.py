@@ -111,6 +111,17 @@ def test_rows_that_repeat_each_other_are_evaluated_abreast() -> None:
     assert model.engine.model.struct.wide_whole and not planar.engine.model.struct.wide_whole
 
 
+@pytest.mark.parametrize("tolerance", [1e-4, 1e-5, 1e-6])
+def test_sweeps_that_ran_away_foresee_nothing(tolerance: float) -> None:
+    """Bricard's six-bar: after a step far too long shorter ones began with what its sweeps had come to, and their sweeps
+    ran away the farther the shorter they were, until Runge-Kutta steps took over."""
+    model = lag.load(EXAMPLES / "bricard.lag")
+    model.native = False
+    run, known = (model.simulate(at=[0, 2], tolerance=x, solver=solver) for x, solver in ((tolerance, "auto"), (1e-12, "erk9")))
+    assert run.statistics.steps_by[Solver.PIRK] == run.statistics.steps
+    assert run.rows[-1, 1:7] == pytest.approx(known.rows[-1, 1:7], abs=tolerance)
+
+
 @pytest.mark.parametrize(("name", "stop", "sizes"), [
     ("double_pendulum", 2, {}), ("pendulum", 10, {}), ("spring_pendulum", 5, {}), ("chain", 1, {"n": 17}), ("four_bar", 2, {}),
     ("andrews_squeezer", 0.03, {}), ("suspended_bar", 5, {}), ("slider_crank", 1, {})])
