@@ -65,14 +65,14 @@ static void layout(void *self, const LagMotion *motion, LagArena *arena)
 static double cost_of(const LagModel *model, int order)
 {
     if (model->jet_pitch > 1)
-        return STEP + model->n_jets * (EACH + PASSING * order);
+        return STEP + model->n_weighed * (EACH + PASSING * order);
     const double products = 0.5 * order * order * model->n_products;
-    return STEP + JET * order * model->n_jets + PRODUCT * products + CROWDED * lag_max(products - MANY, 0);
+    return STEP + JET * order * model->n_weighed + PRODUCT * products + CROWDED * lag_max(products - MANY, 0);
 }
 
 static double cost_of_eight(const LagModel *model, int order)
 {
-    return EIGHT + EIGHT_JETS * order * model->n_jets + EIGHT_PRODUCTS * order * order * model->n_products;
+    return EIGHT + EIGHT_JETS * order * model->n_weighed + EIGHT_PRODUCTS * order * order * model->n_products;
 }
 
 typedef double (*Cost)(const LagModel *model, int order);

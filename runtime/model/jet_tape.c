@@ -94,6 +94,8 @@ static void run_first(const LagModel *model, const Place *p, const double *sine,
         case LAG_JET_SCALE: *w = N(2) * X(3); break;
         case LAG_JET_OVER_NUMBER: *w = X(2) / N(3); break;
         case LAG_JET_IF: *w = N(2) != 0 ? X(3) : 0; break;
+        case LAG_JET_FIRST_AND: *w = X(2) * X(3) + X(4); break;
+        case LAG_JET_OVER_REST: *w = X(2) / (N(4) - N(5) * (X(3) * X(3))); break;
         case LAG_JET_PRODUCT: *w = X(2) * X(3); break;
         case LAG_JET_SQUARE: *w = X(2) * X(2); break;
         case LAG_JET_QUOTIENT: *w = X(2) / X(3); break;
@@ -107,6 +109,7 @@ static void run_first(const LagModel *model, const Place *p, const double *sine,
         case LAG_JET_ANGLE: *w = atan2(X(2), X(3)); break;
         case LAG_JET_PRODUCT_AND: *w = X(2) * X(3) + X(4); break;
         case LAG_JET_PRODUCT_FROM: *w = X(4) - X(2) * X(3); break;
+        case LAG_JET_LOWER: *w = 0; break;
         default: *w = NAN; break;
         }
     }
@@ -130,25 +133,25 @@ static void run_later(const LagModel *model, const Place *p, int k)
         case LAG_JET_TWICE: *w = 2 * X(2); break;
         case LAG_JET_ADD: *w = X(2) + X(3); break;
         case LAG_JET_SUB: *w = X(2) - X(3); break;
-        case LAG_JET_ADD_NUMBER:
-        case LAG_JET_SUB_NUMBER: *w = X(2); break;
+        case LAG_JET_ADD_NUMBER: case LAG_JET_SUB_NUMBER: *w = X(2); break;
         case LAG_JET_NUMBER_SUB: *w = -X(3); break;
         case LAG_JET_SCALE: *w = N(2) * X(3); break;
         case LAG_JET_OVER_NUMBER: *w = X(2) / N(3); break;
         case LAG_JET_IF: *w = N(2) != 0 ? X(3) : 0; break;
+        case LAG_JET_FIRST_AND: *w = *JET(2) * X(3) + X(4); break;
+        case LAG_JET_OVER_REST: *w = X(2) * (1 / (N(4) - N(5) * (*JET(3) * *JET(3)))); break;
         case LAG_JET_PRODUCT: *w = sums->product(JET(2), JET(3)); break;
         case LAG_JET_SQUARE: *w = sums->square(JET(2)); break;
         case LAG_JET_QUOTIENT: *w = (X(2) - sums->inner(JET(3), JET(1))) * (1 / *JET(3)); break;
         case LAG_JET_NUMBER_OVER: *w = sums->inner(JET(3), JET(1)) * (-1 / *JET(3)); break;
         case LAG_JET_SQRT: *w = (X(2) - sums->between(JET(1))) * (0.5 / *JET(1)); break;
         case LAG_JET_POWER: *w = lag_jet_power(JET(2), JET(1), N(3), k); break;
-        case LAG_JET_INTEGRAL:
-        case LAG_JET_SINE: *w = sums->inner(JET(3), JET(4)) * share; break;
-        case LAG_JET_MINUS_INTEGRAL:
-        case LAG_JET_COSINE: *w = sums->inner(JET(3), JET(4)) * -share; break;
+        case LAG_JET_INTEGRAL: case LAG_JET_SINE: *w = sums->inner(JET(3), JET(4)) * share; break;
+        case LAG_JET_MINUS_INTEGRAL: case LAG_JET_COSINE: *w = sums->inner(JET(3), JET(4)) * -share; break;
         case LAG_JET_ANGLE: *w = (sums->inner(JET(4), JET(6)) - sums->inner(JET(5), JET(7))) * share; break;
         case LAG_JET_PRODUCT_AND: *w = sums->product(JET(2), JET(3)) + X(4); break;
         case LAG_JET_PRODUCT_FROM: *w = X(4) - sums->product(JET(2), JET(3)); break;
+        case LAG_JET_LOWER: *w = sums->inner(JET(2), JET(3)); break;
         default: *w = NAN; break;
         }
     }

@@ -13,12 +13,15 @@
 typedef enum {
     LAG_JET_NUMBER, LAG_JET_DERIVATIVE, LAG_JET_NEG, LAG_JET_TWICE, LAG_JET_ADD, LAG_JET_SUB,
     LAG_JET_ADD_NUMBER, LAG_JET_SUB_NUMBER, LAG_JET_NUMBER_SUB, LAG_JET_SCALE, LAG_JET_OVER_NUMBER, LAG_JET_IF,
+    LAG_JET_FIRST_AND, /* a, b, c: a_0 b + c */
+    LAG_JET_OVER_REST, /* a, c, n, m: a/(n - m c_0^2) */
     /* from here on there are sums of products */
     LAG_JET_PRODUCT, LAG_JET_SQUARE, LAG_JET_QUOTIENT, LAG_JET_NUMBER_OVER, LAG_JET_SQRT, LAG_JET_POWER,
     LAG_JET_INTEGRAL, LAG_JET_MINUS_INTEGRAL, /* u, du/dt, slope, function: w' = slope u' or its negative */
     LAG_JET_SINE, LAG_JET_COSINE,             /* u, du/dt, slope, angle: likewise */
     LAG_JET_ANGLE,                            /* a, b, da/dt, db/dt, b/(a^2 + b^2), a/(a^2 + b^2): atan2(a, b) */
     LAG_JET_PRODUCT_AND, LAG_JET_PRODUCT_FROM, /* a, b, c: a b + c, and c - a b */
+    LAG_JET_LOWER,                             /* a, b: what the lower coefficients of b add to a b */
     LAG_JET_COUNT
 } LagJetOp;
 

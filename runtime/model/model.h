@@ -201,6 +201,7 @@ struct LagModel {
     int n_jets;            /* 0: there are no series */
     int jet_pitch;         /* distance between the coefficients of a jet: 1, or n_jets and more where they lie order by order */
     int n_products;        /* sums of products among the jets: their cost grows with the order */
+    int n_weighed;         /* jets by which costs are weighed: n_jets, and what was left out of them since */
     int series_rhs_cost;   /* of one evaluation of rhs, in tenths of a nanosecond of some machine */
     const int *jet_places; /* n + n_power: the jets of accelerations and powers; n_power in a long state: of powers */
     int is_long_state;     /* jets lie order by order, and accelerations are not kept: the rates of one order more tell them */

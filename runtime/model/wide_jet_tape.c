@@ -17,7 +17,9 @@ static const int *code_end(const LagModel *model) { return model->jet_code + LAG
 static int sums_of(const int *i, int *pairs)
 {
     switch (i[0]) {
-    case LAG_JET_PRODUCT: case LAG_JET_PRODUCT_AND: case LAG_JET_PRODUCT_FROM: pairs[0] = i[2], pairs[1] = i[3]; return 1;
+    case LAG_JET_PRODUCT: case LAG_JET_PRODUCT_AND: case LAG_JET_PRODUCT_FROM: case LAG_JET_LOWER:
+        pairs[0] = i[2], pairs[1] = i[3];
+        return 1;
     case LAG_JET_SQUARE: pairs[0] = pairs[1] = i[2]; return 1;
     case LAG_JET_QUOTIENT:
     case LAG_JET_NUMBER_OVER: pairs[0] = i[3], pairs[1] = i[1]; return 1;
@@ -95,18 +97,20 @@ static void run_first(LagWideSeries *s)
         case LAG_JET_SCALE: EACH(N(2) * X(3));
         case LAG_JET_OVER_NUMBER: EACH(X(2) / N(3));
         case LAG_JET_IF: EACH(LAG_WIDE_SELECT(N(2) != zero, X(3), zero));
+        case LAG_JET_FIRST_AND: EACH(X(2) * X(3) + X(4));
+        case LAG_JET_OVER_REST: EACH(X(2) / (N(4) - N(5) * (X(3) * X(3))));
         case LAG_JET_PRODUCT: EACH(X(2) * X(3));
         case LAG_JET_SQUARE: EACH(X(2) * X(2));
         case LAG_JET_QUOTIENT: EACH(X(2) / X(3));
         case LAG_JET_NUMBER_OVER: EACH(N(2) / X(3));
         case LAG_JET_SQRT: EACH_ALONE(sqrt(x[k]));
         case LAG_JET_POWER: EACH_ALONE(pow(x[k], numbers[i[3] * LAG_ABREAST + k]));
-        case LAG_JET_INTEGRAL:
-        case LAG_JET_MINUS_INTEGRAL: values_of(i[5], x, w); break;
+        case LAG_JET_INTEGRAL: case LAG_JET_MINUS_INTEGRAL: values_of(i[5], x, w); break;
         case LAG_JET_SINE: values_of(LAG_OP_SIN, x, w); break;
         case LAG_JET_COSINE: values_of(LAG_OP_COS, x, w); break;
         case LAG_JET_PRODUCT_AND: EACH(X(2) * X(3) + X(4));
         case LAG_JET_PRODUCT_FROM: EACH(X(4) - X(2) * X(3));
+        case LAG_JET_LOWER: EACH(zero);
         case LAG_JET_ANGLE: EACH_ALONE(atan2(x[k], line[i[3] * LAG_ABREAST + k]));
         default: EACH(LAG_WIDE_OF((double)NAN));
         }
@@ -190,15 +194,13 @@ static void sum_all(LagWideSeries *s, int k)
 
 static void run_order(LagWideSeries *s, int k)
 {
-    const LagModel *model = s->model;
     const LagWide zero = LAG_WIDE_OF(0), one = LAG_WIDE_OF(1), two = LAG_WIDE_OF(2), half = LAG_WIDE_OF(0.5);
     const LagWide order = LAG_WIDE_OF((double)k), share = LAG_WIDE_OF(1.0 / k);
     const double *numbers = s->numbers, *between = s->between;
     double *const line = s->line, *const jets = s->jets;
-    int pairs[4];
-    for (const int *i = model->jet_code; i < code_end(model); i += LAG_JET_FIELDS) {
+    for (const int *i = s->model->jet_code; i < code_end(s->model); i += LAG_JET_FIELDS) {
         double *w = line + (size_t)i[1] * LAG_ABREAST;
-        double *kept = i[1] < model->n_jets ? jets + (size_t)i[1] * LAG_WIDE_JET + (size_t)k * LAG_ABREAST : w;
+        double *kept = i[1] < s->model->n_jets ? jets + (size_t)i[1] * LAG_WIDE_JET + (size_t)k * LAG_ABREAST : w;
         switch (i[0]) {
         case LAG_JET_NUMBER: EACH(zero);
         case LAG_JET_DERIVATIVE: EACH(order * X(2));
@@ -206,12 +208,13 @@ static void run_order(LagWideSeries *s, int k)
         case LAG_JET_TWICE: EACH(two * X(2));
         case LAG_JET_ADD: EACH(X(2) + X(3));
         case LAG_JET_SUB: EACH(X(2) - X(3));
-        case LAG_JET_ADD_NUMBER:
-        case LAG_JET_SUB_NUMBER: EACH(X(2));
+        case LAG_JET_ADD_NUMBER: case LAG_JET_SUB_NUMBER: EACH(X(2));
         case LAG_JET_NUMBER_SUB: EACH(-X(3));
         case LAG_JET_SCALE: EACH(N(2) * X(3));
         case LAG_JET_OVER_NUMBER: EACH(X(2) / N(3));
         case LAG_JET_IF: EACH(LAG_WIDE_SELECT(N(2) != zero, X(3), zero));
+        case LAG_JET_FIRST_AND: EACH(LAG_WIDE_FUSED(FIRST(2), X(3), X(4)));
+        case LAG_JET_OVER_REST: EACH(X(2) * (one / (N(4) - N(5) * (FIRST(3) * FIRST(3)))));
         case LAG_JET_PRODUCT: EACH(PRODUCT(2, 3));
         case LAG_JET_SQUARE: EACH(lag_wide_square(BETWEEN(0), JET(2), X(2), k));
         case LAG_JET_QUOTIENT: EACH((X(2) - INNER(0, 3, 1)) * (one / FIRST(3)));
@@ -222,10 +225,11 @@ static void run_order(LagWideSeries *s, int k)
         case LAG_JET_MINUS_INTEGRAL: case LAG_JET_COSINE: EACH(INNER(0, 3, 4) * -share);
         case LAG_JET_PRODUCT_AND: EACH(PRODUCT_AND(2, 3, 4));
         case LAG_JET_PRODUCT_FROM: EACH(PRODUCT_FROM(2, 3, 4));
+        case LAG_JET_LOWER: EACH(INNER(0, 2, 3));
         case LAG_JET_ANGLE: EACH((INNER(0, 4, 6) - INNER(1, 5, 7)) * share);
         default: EACH(LAG_WIDE_OF((double)NAN));
         }
-        between += sums_of(i, pairs) * LAG_ABREAST;
+        between += sums_of(i, (int[4]){0}) * LAG_ABREAST;
     }
 }
 

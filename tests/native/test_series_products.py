@@ -9,7 +9,7 @@ import pytest
 
 import lagrangia as lag
 from lagrangia.native.series import find_series
-from lagrangia.native.series_products import in_factors, in_squares, late_last, with_numbers_inside
+from lagrangia.native.series_products import in_factors, in_squares, late_last, with_numbers_inside, without_quotients
 from lagrangia.native.series_writer import OPERANDS, Instruction, Writer
 from lagrangia.native.tapes import JetOp, Tape
 
@@ -71,6 +71,53 @@ def test_common_factors_are_taken_out() -> None:
     assert [i.op for i in after if i.op >= JetOp.PRODUCT] == [JetOp.PRODUCT]
 
 
-def test_a_double_pendulum_sums_twelve_products() -> None:
-    """14 before factors were shared; three of both are squares."""
-    assert products(find_series(lag.load(EXAMPLES / "double_pendulum.lag").scene.tapes["rhs"]).instructions) == 12
+@pytest.mark.parametrize(("scene", "sums"), [("double_pendulum", 10), ("cart_pole", 7)])
+def test_what_elimination_leaves_has_no_quotient(scene: str, sums: int) -> None:
+    """n w = e + c (a + m c w) in place of w = (e + a c)/(n - m c^2): 12 and 9 sums with the quotient, 14 and 9 before."""
+    instructions = find_series(lag.load(EXAMPLES / f"{scene}.lag").scene.tapes["rhs"]).instructions
+    assert JetOp.QUOTIENT not in [i.op for i in instructions]
+    assert products(instructions) == sums
+
+
+CASES = {"e + c a": (True, True), "e, and c w is asked for": (False, True), "c a alone": (True, False)}
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_coupled_recurrences_give_the_quotient(case: str) -> None:
+    """Coefficients of w = (e + c a)/(3 - 2 c^2) and of -1.5 c w to order 9, by both."""
+    has_own, has_rest = CASES[case]
+    writer = Writer(Tape([1], [1], 0, [], []), n_jets=KNOWN)
+    two, three, less = (writer.literal(value).place for value in (2.0, 3.0, -1.5))
+    square = writer.jet(JetOp.SCALE, two, writer.jet(JetOp.SQUARE, 0))
+    product = writer.jet(JetOp.PRODUCT, 1, 0) if has_own else None
+    top = product if not has_rest else writer.jet(JetOp.SUB, 2, product) if product else writer.jet(JetOp.NEG, 2)
+    w = writer.jet(JetOp.QUOTIENT, top, writer.jet(JetOp.NUMBER_SUB, three, square))
+    again = writer.jet(JetOp.PRODUCT, w, writer.jet(JetOp.SCALE, less, 0))
+    found = [w.slot, again.slot]
+    after = without_quotients(writer, writer.instructions, found)
+    assert JetOp.QUOTIENT not in [i.op for i in after] and again.slot in [i.out for i in after]
+    assert coefficients(writer, after, found) == pytest.approx(coefficients(writer, writer.instructions, found), rel=1e-11)
+
+
+def coefficients(writer: Writer, instructions: Sequence[Instruction], found: Sequence[int], orders: int = 10) -> list[float]:
+    """Of jets, order by order; those that are known are 1/(2 + slot + k)."""
+    jets = {slot: [1 / (2 + slot + k) for k in range(orders)] for slot in range(KNOWN)}
+    jets |= {i.out: [0.0] * orders for i in instructions}
+    number = [value for _, value, _ in writer.numbers]
+
+    def total(a: int, b: int, first: int, k: int) -> float:
+        return sum(jets[a][j] * jets[b][k - j] for j in range(first, k + 1))
+
+    rules: Mapping[JetOp, Callable[..., float]] = {
+        JetOp.NEG: lambda k, a: -jets[a][k], JetOp.ADD: lambda k, a, b: jets[a][k] + jets[b][k],
+        JetOp.SUB: lambda k, a, b: jets[a][k] - jets[b][k], JetOp.SCALE: lambda k, n, a: number[n] * jets[a][k],
+        JetOp.NUMBER_SUB: lambda k, n, a: (number[n] if k == 0 else 0) - jets[a][k], JetOp.SQUARE: lambda k, a: total(a, a, 0, k),
+        JetOp.PRODUCT: lambda k, a, b: total(a, b, 0, k),
+        JetOp.QUOTIENT: lambda k, a, b: (jets[a][k] - total(b, w_of[a, b], 1, k)) / jets[b][0],
+        JetOp.LOWER: lambda k, a, b: total(a, b, 1, k), JetOp.FIRST_AND: lambda k, a, b, c: jets[a][0] * jets[b][k] + jets[c][k],
+        JetOp.OVER_REST: lambda k, a, c, n, m: jets[a][k] / (number[n] - number[m] * jets[c][0] ** 2)}
+    w_of = {i.operands: i.out for i in instructions if i.op is JetOp.QUOTIENT}
+    for k in range(orders):
+        for i in instructions:
+            jets[i.out][k] = rules[i.op](k, *i.operands)
+    return [x for slot in found for x in jets[slot]]

@@ -11,7 +11,7 @@ from array import array
 from collections.abc import Iterable, Mapping, Sequence
 
 from lagrangia.base.records import dataclass
-from lagrangia.native.series_products import in_factors, in_squares, late_last, with_numbers_inside
+from lagrangia.native.series_products import in_factors, in_squares, late_last, with_numbers_inside, without_quotients
 from lagrangia.native.series_writer import (
     INPUTS,
     MOST_OPERANDS,
@@ -39,8 +39,8 @@ class Series:
     """The first `known` jets are t, q, v and u. `kept` is the place in memory of each jet whose lower orders are asked for again;
     `pitch` is the distance between the coefficients of a jet. `accelerations` and `powers` are slots, and `attitudes` are the
     places of attitudes among the coordinates, whose quaternions are the last known jets. `n_products` are sums of products,
-    which grow with the order, as they were before factors were shared: choices weigh costs by them. Accelerations of a long
-    state without products are not kept: the jets of v tell them.
+    which grow with the order, as they were before factors were shared, and `n_weighed` jets that are kept, as they were with
+    quotients: choices weigh costs by both. Accelerations of a long state without products are not kept: the jets of v tell them.
     `numbers` are instructions of a tape: operation and operands, which are places of others; a constant has its value.
     `may_hide`: exponentials of what moves stand in the equations, which can be so faint that no coefficient tells of them, and
     large within a step: exp(-(s/w)^2), or tanh(s/w), which is constant but near 0."""
@@ -54,6 +54,7 @@ class Series:
     kept: Mapping[int, int]
     pitch: int
     n_products: int
+    n_weighed: int
     n_angles: int
     is_long_state: bool
     may_hide: bool
@@ -68,7 +69,7 @@ class Series:
     def sizes(self) -> dict[str, int]:
         """Integers of LagModel."""
         return {"n_jets": len(self.kept), "jet_pitch": self.pitch, "n_products": self.n_products,
-                "is_long_state": int(self.is_long_state), "series_may_hide": int(self.may_hide)}
+                "n_weighed": self.n_weighed, "is_long_state": int(self.is_long_state), "series_may_hide": int(self.may_hide)}
 
     def as_tape(self, in_sizes: Sequence[int]) -> "tuple[dict[str, int], dict[str, tuple[int, ...]], Tape]":
         """What runs without a compiler: more integers of LagModel, lists of it, and the function of d and c, whose sizes are
@@ -120,17 +121,19 @@ def find_series(tape: Tape, attitudes: Sequence[int] = ()) -> Series:
     plain = _asked_for(in_squares(writer.instructions, found), found)
     shared = _asked_for(in_factors(writer, plain, found), found)
     early = frozenset(range(known)).difference(range(1 + n, 1 + 2 * n))
-    written = late_last(with_numbers_inside(writer, shared, found), found, early)
+    inside = with_numbers_inside(writer, shared, found)
+    coupled = _asked_for(without_quotients(writer, inside, found), found)
+    written = late_last(coupled, found, early)
     instructions = tuple(map(_alone, written) if writer.n_angles == 1 else written)
     products = sum(i.op in _PRODUCTS for i in plain)
     if not turned and orders_apart(products, len(instructions)) == 0:
         raise NoSeriesError(f"its {products} products of series would take longer to compile than they save")
     is_long = products == 0 and n >= LONG
-    kept = _kept(instructions, known, found[n:] if is_long else found)
+    kept, weighed = (_kept(each, known, found[n:] if is_long else found) for each in (instructions, inside))
     pitch = 1 if products else -(-len(kept) // 4) * 4
     n_angles = writer.n_angles if writer.n_angles > 1 else 0
     return Series(instructions, tuple(writer.numbers), known, tuple(found[:n]), tuple(found[n:]), tuple(attitudes[::2]), kept,
-                  pitch, products, n_angles, is_long, writer.may_hide)
+                  pitch, products, len(weighed), n_angles, is_long, writer.may_hide)
 
 
 def orders_apart(products: int, statements: int) -> int:

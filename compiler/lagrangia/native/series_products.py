@@ -178,12 +178,100 @@ def _added(writer: Writer, terms: Sequence[_Term], free: Iterator[int]) -> tuple
     return written, _Term(total, (), ordered[0].is_less)
 
 
+# ------------------------------------------------------------ what elimination leaves
+
+
+@dataclass(frozen=True)
+class _Quotient:
+    """w = (e + c a)/(n - m c^2): of two equations that c couples, what is left when one is eliminated. `numbers` are m, `beside`
+    is a and `rest` is e, as terms; `gone` are jets that stand in it alone."""
+
+    c: int
+    n: int
+    numbers: tuple[int, ...]
+    beside: tuple[_Term, ...]
+    rest: tuple[_Term, ...]
+    gone: frozenset[int]
+
+
+def without_quotients(writer: Writer, instructions: Sequence[Instruction], found: Sequence[int]) -> list[Instruction]:
+    """w = (e + c a)/(n - m c^2) as n w = e + c r, r = a + m c w, whose latest coefficients follow from lower ones of w and r: two
+    sums in place of those of the quotient, c^2, c a and, where it is asked for, c w. `found` are asked for, too."""
+    sums = _Sums(writer, {i.out: i for i in instructions}, times_asked(instructions, found))
+    free = count(1 + max((i.out for i in instructions), default=0))
+    anew: dict[int, list[Instruction]] = {}
+    gone: set[int] = set()
+    for i in instructions:
+        quotient = _eliminated(sums, i) if i.op is JetOp.QUOTIENT else None
+        if quotient is None:
+            continue
+        again = [other for other in instructions if other.op is JetOp.PRODUCT
+                 and {sums.scaled(x).jet for x in other.operands} == {i.out, quotient.c}]
+        if not quotient.beside and not again:
+            continue
+        anew[i.out], coupled = _coupled(writer, quotient, i.out, free)
+        gone |= quotient.gone
+        for other in again:
+            numbers = tuple(x for jet in other.operands for x in sums.scaled(jet).numbers)
+            anew[other.out] = [Instruction(JetOp.SCALE, other.out, (_multiplied(writer, numbers), coupled))]
+    return [x for i in instructions for x in anew.get(i.out, () if i.out in gone else (i,))]
+
+
+def _eliminated(sums: _Sums, i: Instruction) -> _Quotient | None:
+    """A quotient as such a one, if it is."""
+    top, below = i.operands
+    if not sums.is_own(below, frozenset((JetOp.NUMBER_SUB,))):
+        return None
+    n, less = sums.makers[below].operands
+    squares, chain = sums.terms(less) if sums.is_own(less, _LINEAR) else ([_Term(less)], set[int]())
+    if len(squares) != 1 or squares[0].is_less or not sums.is_own(squares[0].jet, frozenset((JetOp.SQUARE,))):
+        return None
+    square = squares[0]
+    c = sums.makers[square.jet].operands[0]
+    terms, passed = sums.terms(top) if sums.is_own(top, _LINEAR) else ([_Term(top)], set[int]())
+    ways = [(term, sums.factors(term)) for term in terms]
+    beside = tuple(way[c] for _, way in ways if c in way)
+    products = {term.jet for term, way in ways if c in way}
+    return _Quotient(c, n, square.numbers, beside, tuple(term for term, way in ways if c not in way),
+                     frozenset({below, square.jet, *chain, *passed, *products}))
+
+
+def _multiplied(writer: Writer, numbers: tuple[int, ...]) -> int:
+    return writer.multiplied(numbers or (writer.literal(1.0).place,))
+
+
+def _coupled(writer: Writer, q: _Quotient, out: int, free: Iterator[int]) -> tuple[list[Instruction], int]:
+    """What makes the jet `out` of the quotient, and that of c times it."""
+    written: list[Instruction] = []
+
+    def added(terms: Sequence[_Term]) -> int:
+        pieces, total = _added(writer, terms, free)
+        written.extend(pieces)
+        return made(JetOp.NEG, total.jet) if total.is_less else total.jet
+
+    def made(op: JetOp, *operands: int, jet: int | None = None) -> int:
+        written.append(Instruction(op, next(free) if jet is None else jet, operands))
+        return written[-1].out
+
+    beside = (_Term(added(q.beside)),) if q.beside else ()
+    lower, all_r = made(JetOp.LOWER, q.c, out), next(free)
+    known = added([*q.rest, _Term(made(JetOp.LOWER, q.c, all_r))])
+    r = added([*beside, _Term(lower, q.numbers)])
+    factor = _multiplied(writer, q.numbers)
+    made(JetOp.OVER_REST, made(JetOp.FIRST_AND, q.c, r, known), q.c, q.n, factor, jet=out)
+    product = made(JetOp.FIRST_AND, q.c, out, lower)
+    scaled = made(JetOp.SCALE, factor, product, jet=None if beside else all_r)
+    if beside:
+        made(JetOp.ADD, beside[0].jet, scaled, jet=all_r)
+    return written, product
+
+
 # ------------------------------------------------------------ what waits for the rates
 
 _SUM, _ROUND = 4, 8  # cycles of a processor that an addition or multiplication takes, and two that wait for each other
 _EARLY = -10 * _ROUND  # positions follow from the rates of the order before
 _ONE = frozenset((JetOp.NEG, JetOp.TWICE, JetOp.ADD, JetOp.SUB, JetOp.ADD_NUMBER, JetOp.SUB_NUMBER, JetOp.NUMBER_SUB, JetOp.SCALE,
-                  JetOp.OVER_NUMBER, JetOp.IF, JetOp.DERIVATIVE, JetOp.SQUARE))
+                  JetOp.OVER_NUMBER, JetOp.IF, JetOp.DERIVATIVE, JetOp.SQUARE, JetOp.FIRST_AND, JetOp.OVER_REST))
 
 
 def with_numbers_inside(writer: Writer, instructions: Sequence[Instruction], found: Sequence[int]) -> list[Instruction]:

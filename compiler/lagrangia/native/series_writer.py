@@ -17,7 +17,8 @@ OPERANDS: Mapping[JetOp, str] = {
     JetOp.ADD_NUMBER: "jn", JetOp.SUB_NUMBER: "jn", JetOp.NUMBER_SUB: "nj", JetOp.SCALE: "nj", JetOp.OVER_NUMBER: "jn",
     JetOp.IF: "nj", JetOp.PRODUCT: "JJ", JetOp.SQUARE: "J", JetOp.QUOTIENT: "jJ", JetOp.NUMBER_OVER: "nJ", JetOp.SQRT: "j",
     JetOp.POWER: "Jn", JetOp.INTEGRAL: "jJJo", JetOp.MINUS_INTEGRAL: "jJJo", JetOp.SINE: "jJJc", JetOp.COSINE: "jJJc",
-    JetOp.ANGLE: "jjJJJJ", JetOp.PRODUCT_AND: "JJj", JetOp.PRODUCT_FROM: "JJj",
+    JetOp.ANGLE: "jjJJJJ", JetOp.PRODUCT_AND: "JJj", JetOp.PRODUCT_FROM: "JJj", JetOp.FIRST_AND: "Jjj", JetOp.OVER_REST: "jJnn",
+    JetOp.LOWER: "JJ",
 }
 
 

@@ -77,19 +77,22 @@ class JetOp(IntEnum):
     SCALE = 9
     OVER_NUMBER = 10
     IF = 11
-    PRODUCT = 12
-    SQUARE = 13
-    QUOTIENT = 14
-    NUMBER_OVER = 15
-    SQRT = 16
-    POWER = 17
-    INTEGRAL = 18
-    MINUS_INTEGRAL = 19
-    SINE = 20
-    COSINE = 21
-    ANGLE = 22
-    PRODUCT_AND = 23
-    PRODUCT_FROM = 24
+    FIRST_AND = 12
+    OVER_REST = 13
+    PRODUCT = 14
+    SQUARE = 15
+    QUOTIENT = 16
+    NUMBER_OVER = 17
+    SQRT = 18
+    POWER = 19
+    INTEGRAL = 20
+    MINUS_INTEGRAL = 21
+    SINE = 22
+    COSINE = 23
+    ANGLE = 24
+    PRODUCT_AND = 25
+    PRODUCT_FROM = 26
+    LOWER = 27
 
 
 # Too faint, perhaps, to tell of themselves where they are large a little later.

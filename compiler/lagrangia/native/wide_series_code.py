@@ -19,7 +19,8 @@ _FIRST: Mapping[JetOp, str] = {
     JetOp.SUB: "{xa} - {xb}", JetOp.ADD_NUMBER: "{xa} + {b}", JetOp.SUB_NUMBER: "{xa} - {b}", JetOp.NUMBER_SUB: "{a} - {xb}",
     JetOp.SCALE: "{a} * {xb}", JetOp.OVER_NUMBER: "{xa} / {b}", JetOp.IF: "LAG_WIDE_SELECT({a} != zero, {xb}, zero)",
     JetOp.PRODUCT: "{xa} * {xb}", JetOp.SQUARE: "{xa} * {xa}", JetOp.QUOTIENT: "{xa} / {xb}", JetOp.NUMBER_OVER: "{a} / {xb}",
-    JetOp.PRODUCT_AND: "{xa} * {xb} + {xc}", JetOp.PRODUCT_FROM: "{xc} - {xa} * {xb}",
+    JetOp.PRODUCT_AND: "{xa} * {xb} + {xc}", JetOp.PRODUCT_FROM: "{xc} - {xa} * {xb}", JetOp.FIRST_AND: "{xa} * {xb} + {xc}",
+    JetOp.OVER_REST: "{xa} / ({c} - {d} * ({xb} * {xb}))", JetOp.LOWER: "zero",
 }
 _INNER = "LAG_WIDE_INNER(s{s}, {xb}, {fc}) * "
 _LATER: Mapping[JetOp, str] = {
@@ -35,14 +36,17 @@ _LATER: Mapping[JetOp, str] = {
     JetOp.PRODUCT_AND: "LAG_WIDE_PRODUCT(s{s} + {xc}, {fa}, {xa}, {fb}, {xb})",
     JetOp.PRODUCT_FROM: "LAG_WIDE_PRODUCT({xc} - s{s}, -{fa}, -{xa}, {fb}, {xb})",
     JetOp.ANGLE: "(LAG_WIDE_INNER(s{s}, {xc}, {fe}) - LAG_WIDE_INNER(s{t}, {xd}, {ff})) * share",
+    JetOp.FIRST_AND: "LAG_WIDE_FUSED({fa}, {xb}, {xc})", JetOp.OVER_REST: "{xa} * i{i}",
+    JetOp.LOWER: "LAG_WIDE_INNER(s{s}, {xa}, {fb})",
 }
 # What is multiplied in every order, and is the same in all.
-_INVERSE: Mapping[JetOp, str] = {JetOp.QUOTIENT: "one / {fb}", JetOp.NUMBER_OVER: "one / {fb}", JetOp.SQRT: "half / {fw}"}
+_INVERSE: Mapping[JetOp, str] = {JetOp.QUOTIENT: "one / {fb}", JetOp.NUMBER_OVER: "one / {fb}", JetOp.SQRT: "half / {fw}",
+                               JetOp.OVER_REST: "one / ({c} - {d} * ({fb} * {fb}))"}
 # The jets whose products are summed, by the letters of operands; w is the result.
 _SUMS: Mapping[JetOp, tuple[str, ...]] = {
     JetOp.PRODUCT: ("ab",), JetOp.SQUARE: ("aa",), JetOp.QUOTIENT: ("bw",), JetOp.NUMBER_OVER: ("bw",), JetOp.SQRT: ("ww",),
     JetOp.INTEGRAL: ("bc",), JetOp.MINUS_INTEGRAL: ("bc",), JetOp.SINE: ("bc",), JetOp.COSINE: ("bc",), JetOp.ANGLE: ("ce", "df"),
-    JetOp.PRODUCT_AND: ("ab",), JetOp.PRODUCT_FROM: ("ab",),
+    JetOp.PRODUCT_AND: ("ab",), JetOp.PRODUCT_FROM: ("ab",), JetOp.LOWER: ("ab",),
 }
 
 
@@ -68,7 +72,7 @@ def write_wide_series(series: Series, expression: Callable[[int, str, str], str]
 
 _ORDERS = (
     "static void wide_orders(int first, int end, const double *numbers, double *jets)", "{",
-    "    LagWide inverse[INVERSES];", "    int k = first;", "    wide_inverses(jets, inverse);",
+    "    LagWide inverse[INVERSES];", "    int k = first;", "    wide_inverses(numbers, jets, inverse);",
     "    for (; k + 1 < end; k += 2)", "        wide_two(k, numbers, jets, inverse);",
     "    if (k < end)", "        wide_one(k, numbers, jets, inverse);", "}", "")
 
@@ -152,8 +156,9 @@ def _later(series: Series, numbers: Mapping[int, str], head: Sequence[str]) -> l
     first = series.known - 4 * len(series.attitudes)
     statements += [f"lag_wide_jet_turn(JET({first + 4 * m}), JET({1 + n + place}), k);"
                    for m, place in enumerate(series.attitudes)]
-    return [f"enum {{ INVERSES = {max(len(inverses), 1)} }};", "static void wide_inverses(const double *jets, LagWide *i)", "{",
-            *_indented([head[0], "(void)jets; (void)i; (void)zero; (void)one; (void)two; (void)half;",
+    return [f"enum {{ INVERSES = {max(len(inverses), 1)} }};",
+            "static void wide_inverses(const double *numbers, const double *jets, LagWide *i)", "{",
+            *_indented([*head, "(void)jets; (void)i;",
                         *(f"i[{m}] = {text};" for m, text in enumerate(inverses))]), "}", "",
             *_by_orders(pairs, [*head, "(void)i;"], statements)]
 

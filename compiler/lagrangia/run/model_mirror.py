@@ -112,7 +112,7 @@ class ModelMirror(c.Structure):
         ("island", Ints),
         ("islands", c.c_void_p),
         *((name, FunctionMirror) for name in FUNCTIONS),
-        *((name, c.c_int) for name in ("n_jets", "jet_pitch", "n_products", "series_rhs_cost")),
+        *((name, c.c_int) for name in ("n_jets", "jet_pitch", "n_products", "n_weighed", "series_rhs_cost")),
         ("jet_places", Ints),
         ("is_long_state", c.c_int),
         ("series_may_hide", c.c_int),
