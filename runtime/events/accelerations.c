@@ -29,7 +29,7 @@ static void set_switches(LagRun *run, double t, const double *q, const double *v
         lag_switches_set(run, t, q, v);
 }
 
-static int evaluate(LagRun *run, const LagFunction *function, const double *const *in, double *const *out)
+static inline int evaluate(LagRun *run, const LagFunction *function, const double *const *in, double *const *out)
 {
     if (lag_call(function, in, out, run->work) != 0)
         return 0;
@@ -37,7 +37,7 @@ static int evaluate(LagRun *run, const LagFunction *function, const double *cons
 }
 
 /* With the multipliers. */
-static int whole(LagRun *run, double t, const double *q, const double *v, double *a, double *power)
+static inline int whole(LagRun *run, double t, const double *q, const double *v, double *a, double *power)
 {
     const double *in[] = {&t, q, v, run->u, run->d, run->c};
     double *out[] = {a, power, run->multipliers};
@@ -47,7 +47,7 @@ static int whole(LagRun *run, double t, const double *q, const double *v, double
 }
 
 /* Where the cheap way failed it is left alone for a while: constraints that repeat each other do so for good. */
-static int accelerations(LagRun *run, double t, const double *q, const double *v, double *a, double *power)
+static inline int accelerations(LagRun *run, double t, const double *q, const double *v, double *a, double *power)
 {
     const LagModel *model = run->model;
     const double *in[] = {&t, q, v, run->u, run->d, run->c};
@@ -65,7 +65,7 @@ static int accelerations(LagRun *run, double t, const double *q, const double *v
 typedef int (*Way)(LagRun *run, double t, const double *q, const double *v, double *a, double *power);
 
 /* With the shares of what slides. */
-static int sliding(LagRun *run, Way way, double t, const double *q, const double *v, double *a, double *power)
+static inline int sliding(LagRun *run, Way way, double t, const double *q, const double *v, double *a, double *power)
 {
     for (int tries = 0; way(run, t, q, v, a, power); ++tries) {
         const LagShares shares = run->sliding.count > 0 ? lag_sliding_correct(run, tries, t, q, v, a) : LAG_SHARES_KEPT;

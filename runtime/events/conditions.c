@@ -18,15 +18,15 @@ static void look_at(LagRun *run, double t, const double *y, double *g, double *r
     double *slope = run->switches.slope;
     const int is_held = run->sliding.count == 0 || lag_motion_slope(&run->motion, t, y, y + n, slope);
     lag_conditions_by(run, t, y, y + n, slope + n, g, rate);
-    lag_sliding_margins(run, is_held, g);
+    if (run->sliding.count > 0)
+        lag_sliding_margins(run, is_held, g);
 }
 
-/* Of contact k: the event comes where its gap has closed and all else holds; while something rests, it is over where all else fails. */
-static void set_contact(LagRun *run, int k, double *g, double *rate)
+/* Of contact k, by its condition, its gap and whether something rests: the event comes where its gap has closed and all else holds; while
+ * something rests, it is over where all else fails. */
+static void set_contact(int i, int gap, int rests, double *g, double *rate)
 {
-    const LagModel *model = run->model;
-    const int i = lag_when(model, k), gap = lag_gap(model, k);
-    if (run->switches.slides[lag_contact(model, k)]) {
+    if (rests) {
         g[i] = -g[i];
         rate[i] = -rate[i];
     } else if (g[gap] < g[i]) {
@@ -44,16 +44,17 @@ static void put_far(const LagSwitches *s, int i, double *g, double *rate)
 /* Conditions that are not asked for, which none but events have where switches are live. */
 static void set_far(LagRun *run, double *g, double *rate)
 {
-    LagSwitches *s = &run->switches;
+    const LagSwitches *s = &run->switches;
     const LagModel *model = run->model;
-    const int first = lag_when(model, 0);
+    const int whens = model->n_whens, all = model->n_switches, first = lag_when(model, 0), gaps = lag_gap(model, 0);
+    const int *slides = s->slides, *has_contact = run->impacts.has_contact;
     for (int i = 0; i < first && s->is_live; ++i)
         put_far(s, i, g, rate);
-    for (int k = 0; k < model->n_whens; ++k)
-        if (run->impacts.has_contact[k])
-            set_contact(run, k, g, rate);
-    for (int i = lag_gap(model, 0); i < model->n_switches; ++i)
-        if (!s->slides[i])
+    for (int k = 0; k < whens; ++k)
+        if (has_contact[k])
+            set_contact(first + k, gaps + k, slides[lag_contact(model, k)], g, rate);
+    for (int i = gaps; i < all; ++i)
+        if (!slides[i])
             put_far(s, i, g, rate);
 }
 

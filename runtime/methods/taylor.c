@@ -358,12 +358,17 @@ static int needs_live_switches(const LagRun *run, int in_vain, double wrong)
 static int top_of(const LagTaylor *s, const LagModel *model, double *jets)
 {
     const int n = model->n, pitch = model->jet_pitch;
-    const int least = model->is_long_state ? s->order : lag_taylor_top_of_turned(model, jets, s->order);
-    for (int k = s->order; k > 1 && k > least; --k)
-        for (int i = 0; i < 2 * n + model->n_power; ++i)
-            if ((i < 2 * n ? lag_taylor_jet(model, jets, 1 + i)[k * pitch] : power_jet(model, jets, i - 2 * n)[(k - 1) * pitch]) != 0)
-                return k;
-    return least > 1 ? least : 1;
+    int top = model->is_long_state ? s->order : lag_taylor_top_of_turned(model, jets, s->order);
+    top = top > 1 ? top : 1;
+    for (int i = 0; i < 2 * n + model->n_power; ++i) {
+        const int is_power = i >= 2 * n; /* whose integral counts, of an order more */
+        const double *c = is_power ? power_jet(model, jets, i - 2 * n) : lag_taylor_jet(model, jets, 1 + i);
+        int k = s->order;
+        while (k > top && c[(k - is_power) * pitch] == 0)
+            --k;
+        top = k > top ? k : top;
+    }
+    return top;
 }
 
 /* Leaves to others all that comes, or, where it was asked for and something is held, some steps: friction begins where loads are 0. */

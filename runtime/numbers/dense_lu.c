@@ -5,6 +5,8 @@
 
 #include "numbers/extremes.h"
 
+static const double SMALLEST = 1e-300, LARGEST = 1e300; /* whose inverses are numbers */
+
 void lag_dense_lu_layout(LagDenseLu *lu, int size, int is_complex, LagArena *arena)
 {
     const size_t n = (size_t)size;
@@ -134,9 +136,23 @@ static void eliminate(LagDenseLu *lu, int r, int k)
     }
 }
 
+/* One real number, with its digits as they are among others. Returns 0 where it may be dependent. */
+static int invert_one(LagDenseLu *lu)
+{
+    const double size = fabs(lu->re[0]);
+    if (lu->size != 1 || lu->im || lu->apart > 0 || !(size > SMALLEST && size < LARGEST))
+        return 0;
+    lu->scale[0] = 1 / size;
+    lu->re[0] = 1 / lu->re[0];
+    lu->pivot[0] = 0;
+    return 1;
+}
+
 void lag_dense_lu_factor(LagDenseLu *lu)
 {
     int r = 0;
+    if (invert_one(lu))
+        return;
     scale_rows(lu);
     for (int k = 0; k < lu->size; ++k) {
         double size;
@@ -155,6 +171,10 @@ void lag_dense_lu_solve(const LagDenseLu *lu, double *re, double *im)
 {
     const int n = lu->size;
     int r = 0;
+    if (n == 1 && !im) {
+        re[0] = lu->pivot[0] < 0 ? 0 : re[0] * lu->re[0];
+        return;
+    }
     for (int k = 0; k < n; ++k) {
         if (lu->pivot[k] < 0)
             continue;

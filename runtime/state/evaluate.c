@@ -1,17 +1,6 @@
 #include "state/evaluate.h"
 
-#include <string.h>
-
 #include "model/function.h"
-
-/* 0 * x is 0 for finite x and NaN for others: one sum tells. */
-int lag_all_finite(const double *x, int n)
-{
-    double probe = 0;
-    for (int i = 0; i < n; ++i)
-        probe += 0 * x[i];
-    return probe == 0;
-}
 
 const LagFunction *lag_usual_rhs(const LagModel *model) { return lag_present(&model->regular) ? &model->regular : &model->rhs; }
 

@@ -15,7 +15,13 @@ void lag_conditions_by(LagRun *run, double t, const double *q, const double *v, 
 
 void lag_energies(LagRun *run, double t, const double *y, double *energies);
 
-/* Whether all of x[n] are numbers. */
-int lag_all_finite(const double *x, int n);
+/* Whether all of x[n] are numbers: 0 * x is 0 for finite x and NaN for others, and one sum tells. */
+static inline int lag_all_finite(const double *x, int n)
+{
+    double probe = 0;
+    for (int i = 0; i < n; ++i)
+        probe += 0 * x[i];
+    return probe == 0;
+}
 
 #endif

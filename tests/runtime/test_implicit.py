@@ -152,6 +152,12 @@ def solve_dense(library: ctypes.CDLL, matrix: np.ndarray, b: np.ndarray) -> np.n
     return x + 1j * y if np.iscomplexobj(matrix) else x
 
 
+def test_one_number_is_solved_with_the_digits_that_it_has_beside_another(elimination: ctypes.CDLL) -> None:
+    for a in (3.0, -7e-11, 1e305, 1e-310, 0.0):
+        pair = solve_dense(elimination, np.diag([a, 1.0]), np.array([0.1, 1.0]))
+        np.testing.assert_array_equal(solve_dense(elimination, np.array([[a]]), np.array([0.1])), pair[:1])
+
+
 def solve_sparse(library: ctypes.CDLL, sparsity: ca.Sparsity, matrices: list[np.ndarray], b: np.ndarray) -> np.ndarray:
     """One solution a matrix; all have the same pattern, and the factors of the first serve the others."""
     reflectors, upper, _, order = sparsity.qr_sparse(True)
