@@ -7,7 +7,8 @@ is factored as L D L^T with -E in place of 0, E a small diagonal, and one step o
 E no pivot can vanish: where constraints repeat each other, or a mechanism passes a singular position, the multipliers stay
 bounded and J x = b is kept as far as it can be. Where M itself is singular (massless links in a loop) J^T W J is added to it,
 which changes nothing on the motions that the constraints allow; W is the mass of the coordinates in a row, by the row's own
-scale, so that a light mechanism beside a heavy one keeps its digits. Away from such places E and the refinement, a quarter of all
+scale, so that a light mechanism beside a heavy one keeps its digits. Refinement knows M without it: beside the W of a heavy body
+that it is tied to the inertia of a light one is rounded. Away from such places E and the refinement, a quarter of all
 operations, can be left out: `doubt` tells where not. Each multiplier is eliminated after all its coordinates:
 after all coordinates at all where M is sparse (rounding at singular positions is least then), as soon as may be where J^T W J
 has filled M in. Source: Vanderbei, Symmetric quasi-definite matrices (1995); Golub and Van Loan, section 3.5.
@@ -65,8 +66,9 @@ class KKT:
         found = self._backsolve(ca.vertcat(top, b))
         if refine:
             x, multipliers = found[:n, :], found[n:, :]
-            rest = ca.vertcat(top - self.M @ x - self.J.T @ multipliers, b - self.J @ x)
-            found = found + self._backsolve(rest)
+            missed = b - self.J @ x
+            forces = multipliers if self.weight is None else multipliers - self.weight * missed
+            found = found + self._backsolve(ca.vertcat(a - self.M @ x - self.J.T @ forces, missed))
         return found[:n, :], found[n:, :]
 
     def least(self, b: ca.SX) -> ca.SX:
@@ -90,17 +92,17 @@ class KKT:
 def factor(M: ca.SX, J: ca.SX, is_singular: bool, is_regular: bool = False, small: float = SMALL) -> KKT:
     """M may be singular where `is_singular`; it must be positive definite on the kernel of J. Without E where `is_regular`."""
     n = M.size1()
-    weight = None
+    weight, augmented = None, M
     if is_singular:
         squares = ca.densify((J * J) @ ca.SX.ones(n))
         weight = _masses(M, J) / squares
-        M = M + J.T @ (ca.diag(weight) @ J)
-    E = ca.SX.zeros(J.size1()) if is_regular else small * ((J * J) @ (1 / diagonal_of(M)))
+        augmented = M + J.T @ (ca.diag(weight) @ J)
+    E = ca.SX.zeros(J.size1()) if is_regular else small * ((J * J) @ (1 / diagonal_of(augmented)))
     if small == SMALL_IN_SPACE and not is_regular:
         least = LEAST * ca.sum1(E)
         E = ca.vertcat(ca.SX(0, 1), *[x if x.is_zero() else x + least for x in ca.vertsplit(ca.densify(E))])
-    K = ca.blockcat([[M, J.T], [J, -ca.diag(E)]])
-    order = (_front if is_singular else _levels)(M.sparsity(), J.sparsity())
+    K = ca.blockcat([[augmented, J.T], [J, -ca.diag(E)]])
+    order = (_front if is_singular else _levels)(augmented.sparsity(), J.sparsity())
     D, upper, _ = ca.ldl(K[list(order), list(order)], False)
     return KKT(M, J, weight, order, D, upper, small)
 
