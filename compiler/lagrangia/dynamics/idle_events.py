@@ -13,6 +13,7 @@ from lagrangia.algebra.with_casadi import operations_in
 from lagrangia.base.diagnostics import LIBRARY, Diagnostic, Report
 from lagrangia.constraints.parameters import parameter_symbols, usual_parameters
 from lagrangia.constraints.rows import Constraints
+from lagrangia.dynamics.collisions import Meeting
 from lagrangia.dynamics.impacts import Impacts
 from lagrangia.frames.kinematics import Kinematics
 
@@ -24,7 +25,7 @@ _SMOOTH = frozenset({ca.OP_CONST, ca.OP_INPUT, ca.OP_OUTPUT, ca.OP_ADD, ca.OP_SU
 
 def find_idle_events(kinematics: Kinematics, constraints: Constraints, impacts: Impacts, told: Iterable[Diagnostic]) -> Report:
     """L0224 for events of people's own whose gap or condition is a number, but where `told` speaks of them; and for those that
-    would be contacts, but for an `or`."""
+    would be contacts, but for an `or`, or for impulses that are not between what meets."""
     report, known = Report(), {warning.span for warning in told}
     whens = [(k, when) for k, when in enumerate(kinematics.graph.model.whens)
              if when.span not in known and not when.span.source.name.startswith(LIBRARY)]
@@ -40,6 +41,14 @@ def find_idle_events(kinematics: Kinematics, constraints: Constraints, impacts: 
             report.warning("L0224", f"'{end.span.text}' holds nothing here: beside `or` it is no contact, and the event comes "
                            "where the whole condition comes true, not again while it stays so", end.span.within(when.span),
                            f"give each alternative a `when` of its own: when {end.span.text} then ... end when")
+        if (met := impacts.collisions[k]) is not None and met[1] != Meeting.BETWEEN:
+            text = met[0].span.text
+            report.warning("L0224", f"where '{text}', what is set is an impulse between those that meet for the masses as they "
+                           "are declared, and is taken for one" if met[1] == Meeting.AS_DECLARED else
+                           f"where '{text}' these turn back, but by no impulse between them: when their bounces have ended "
+                           "nothing keeps them from going on", met[0].span.within(when.span),
+                           "write it with their masses by name, so that m1*v1 + m2*v2 is the same before and after; or of the "
+                           "gap, which takes care of that: when gap < 0 then reinit(der(gap), -e*der(gap))")
     return report
 
 

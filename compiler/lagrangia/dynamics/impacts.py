@@ -6,7 +6,8 @@ impulses are found together.
 
 A condition is positive where it is true: g = b - a of a < b. A reset is that of a contact where der(g) = k (der(x) - w), with the
 rate w of a wall, and what approaches is turned back or stopped: der(x) = w - e (der(x) - w). What rests there is kept from g > 0
-by a force along -g, or on x alone where other bodies are the wall: these are not reset.
+by a force along -g, or on x alone where other bodies are the wall: these are not reset. Where all that meet there are reset as
+an impulse between them does it, that is the reset of der(g) (collisions.py).
 
 A rate that is reset to where its condition ends (a pawl, a freewheel: when v < 0 then reinit(v, 0)) may go one way, and is kept
 there by a force on x that only pushes.
@@ -25,7 +26,8 @@ from lagrangia.algebra.scalars import symbols_in
 from lagrangia.algebra.with_casadi import operations_in
 from lagrangia.base.diagnostics import fail
 from lagrangia.base.records import dataclass
-from lagrangia.constraints.parameters import parameter_symbols, usual_parameters
+from lagrangia.constraints.parameters import default_parameters, parameter_symbols, parameters_of, usual_parameters
+from lagrangia.dynamics.collisions import Meeting, look_at_meeting, shares_of
 from lagrangia.dynamics.energies import Load, paced
 from lagrangia.dynamics.levels import EDGE, JUMPS, Levels, Meetings, Steps, level_of_parts
 from lagrangia.frames.evaluation import scalars_of
@@ -49,6 +51,8 @@ from lagrangia.language.tree import Binary, Flat, Number, Unary
 KICK, CONTACT, ONE_WAY = range(3)  # LAG_KICK, ...
 STILL, MOVED, BODIES = range(3)  # walls
 _SAME = 1e-9  # relative difference of what is the same but for rounding
+_SOME = range(3, 9)  # seeds of random states, in all branches that time may decide on
+_SPREAD = 15  # 0.4 to 1.6 become times of 1e-6 s to 1100 s
 _NONE = ca.SX(0, 1)
 Numbers = NDArray[np.float64]
 
@@ -71,6 +75,7 @@ class Impacts:
     loads: tuple[Load, ...] = ()
     pressing: Mapping[int, tuple[ca.SX, ca.SX]] = field(default_factory=dict)  # of what rests, by their events: forces, impulses
     alternatives: tuple[Flat | None, ...] = ()  # (w,): beside `or`, a comparison that would be a contact, or go one way, without
+    collisions: tuple[tuple[Flat, Meeting] | None, ...] = ()  # (w,): a comparison at which all that meet are turned back, and how
 
     def may_hide(self, t: ca.SX) -> bool:
         """Whether conditions may come and go however slow the motion is: with time, or where they jump."""
@@ -93,13 +98,14 @@ class Impacts:
                      for x in self.loads)
 
 
-def find_impacts(kinematics: Kinematics) -> Impacts:
-    """Raises LagError L0225 for a condition that never comes true, or for what is no rate, L0226, L0230, L0303, L0501."""
+def find_impacts(kinematics: Kinematics, kinetic: ca.SX | None = None) -> Impacts:
+    """`kinetic`: the energy, where no constraint gives impulses of its own, so that collisions are known. Raises LagError L0225
+    for a condition that never comes true, or for what is no rate, L0226, L0230, L0303, L0501."""
     whens = kinematics.graph.model.whens
     if not whens:
         return Impacts()
     steps = Steps(kinematics)
-    found = [_Event(kinematics, when, steps) for when in whens]
+    found = [_Event(kinematics, when, steps, kinetic) for when in whens]
     kept = [event.kept_position for event in found]
     for asked in contact_forces_in(kinematics.graph.model):
         event = contact_of(kept, asked.arguments[0])
@@ -123,7 +129,7 @@ def find_impacts(kinematics: Kinematics) -> Impacts:
     known = _find_known(kinematics, rates, wanted)
     alternatives = tuple(event.alternative for event in found)
     return Impacts(conditions, gaps, arms, rates, wanted, forces, impulses, flags, one_way, on_level, known, tuple(loads),
-                   pressing, alternatives)
+                   pressing, alternatives, tuple(event.collision for event in found))
 
 
 def _find_known(kinematics: Kinematics, rates: ca.SX, wanted: ca.SX) -> tuple[bool, ...]:
@@ -141,8 +147,8 @@ def _find_known(kinematics: Kinematics, rates: ca.SX, wanted: ca.SX) -> tuple[bo
 class _Event:
     """One `when`, evaluated."""
 
-    def __init__(self, kinematics: Kinematics, when: When, steps: Steps) -> None:
-        self.kinematics, self.when, self.steps = kinematics, when, steps
+    def __init__(self, kinematics: Kinematics, when: When, steps: Steps, kinetic: ca.SX | None) -> None:
+        self.kinematics, self.when, self.steps, self.kinetic = kinematics, when, steps, kinetic
         model = kinematics.graph.model
         self.condition = without_not(when.condition)
         self.moving = ca.vertcat(kinematics.symbols.time, kinematics.algebra.state, *kinematics.symbols.held.values())
@@ -161,6 +167,9 @@ class _Event:
         self.held: Flat | None = None
         parts = list(parts_of(self.condition))
         contacts = [x and self._unless_moved(k, x) for k, x in enumerate(self._find_all(self._turns_back, parts))]
+        self.collision = None if any(contacts) else self._find_collision(parts)
+        if self.collision is not None and self.collision[1] != Meeting.BACK:
+            kept, contacts = None, self._strike(self.collision[0])
         limits = [] if any(contacts) else self._find_all(self._stops, parts)
         kind, found = (ONE_WAY, limits) if any(limits) else (CONTACT, contacts)
         chosen = next((x for x in (found[kept] if kept is not None else None, *found) if x is not None), None)
@@ -263,6 +272,39 @@ class _Event:
                 wall, riding = self._wall_of(self.gap, rate)
                 self.rates[k], self.wanted[k] = rate - wall, wanted - ca.substitute(wanted, self.meetings.rates, riding)
 
+    def _find_collision(self, parts: list[Flat]) -> tuple[Flat, Meeting] | None:
+        """The comparison at which several that are reset are turned back together, and how."""
+        if self.kinetic is None or sum(self.may_rest) < 2:
+            return None
+        found = ((x, self._meeting(x)) for x in parts if _is_comparison(x))
+        return next(((x, meeting) for x, meeting in found if meeting != Meeting.NONE), None)
+
+    def _meeting(self, node: Flat) -> Meeting:
+        v, moving = self.meetings.rates, np.flatnonzero(self.may_rest)
+        g = self._expression(self.kinematics.evaluator.value(level_of(node)))
+        if ca.depends_on(g, v) or self.kinetic is None:
+            return Meeting.NONE
+        pace, rates, wanted = self._pace_of(g), *(ca.vertcat(*(x[k] for k in moving)) for x in (self.rates, self.wanted))
+        look, numbers = self._numbers_of([pace, rates, wanted, *map(ca.densify, (
+            ca.gradient(pace, v), ca.jacobian(rates, v), ca.hessian(self.kinetic, v)[0]))])
+        p, declared = default_parameters(self.kinematics)
+        bound = ca.Function("bound", [p], [parameters_of(self.kinematics, p)])(numbers)
+        general, own = (min(look_at_meeting(look, np.array(x).ravel(), np.random.default_rng(seed)) for seed in (3, 4))
+                        for x in (bound, declared))
+        return Meeting.AS_DECLARED if own > general else general
+
+    def _strike(self, node: Flat) -> list[Flat | None]:
+        """The reset of the rate of the gap in the place of those of what meets there; returns of each reset whether it is one."""
+        moving, others = ([k for k, x in enumerate(self.may_rest) if x == is_moving] for is_moving in (True, False))
+        pace = self._pace_of(self._expression(self.kinematics.evaluator.value(level_of(node))))
+        rates, wanted = (ca.vertcat(*(x[k] for k in moving)) for x in (self.rates, self.wanted))
+        after = pace + ca.dot(shares_of(pace, rates, self.meetings.rates), wanted - rates)
+        kept = [x for reset, x in zip(self.when.resets, self.positions, strict=True) if reset.is_kept]
+        self.positions, self.places = [level_of(node), *kept], [level_of(node), *(self.places[k] for k in others)]
+        self.rates, self.wanted = [pace, *(self.rates[k] for k in others)], [after, *(self.wanted[k] for k in others)]
+        self.may_rest = [True] + [False] * len(others)
+        return [node] + [None] * len(others)
+
     def _wall_of(self, g: ca.SX, rate: ca.SX) -> tuple[ca.SX, ca.SX]:
         """The rate at which g stays as it is; and all rates, where that is reset to it."""
         v = self.meetings.rates
@@ -299,14 +341,14 @@ class _Event:
             return 0
         pace = self._pace_of(g)
         look, numbers = self._numbers_of([pace, rate, wanted, *(ca.densify(ca.gradient(x, v)) for x in (pace, rate))])
-        first, second = (_turns_back(look, numbers, np.random.default_rng(seed)) for seed in (3, 4))
-        return first if first == second else 0
+        found = {_turns_back(look, numbers, np.random.default_rng(seed)) for seed in _SOME}
+        return found.pop() if len(found) == 1 else 0
 
     def _wall(self, g: ca.SX, rate: ca.SX) -> int:
         """Against what a contact turns a rate back: STILL, MOVED in time, or BODIES that move as they may."""
         slopes = [ca.densify(ca.gradient(x, self.meetings.rates)) for x in (self._pace_of(g), rate)]
-        look, numbers = self._numbers_of([self._pace_of(g), rate, *slopes])
-        return max(_wall(look, numbers, np.random.default_rng(seed)) for seed in (3, 4))
+        look, numbers = self._numbers_of([self._pace_of(g), rate, *slopes], _SPREAD)
+        return max(_wall(look, numbers, np.random.default_rng(seed)) for seed in _SOME)
 
     def _stops(self, g: ca.SX, rate: ca.SX, wanted: ca.SX) -> int:
         """On which side of what the rate is reset to g is positive: 1 above, -1 below, 0 if it does not end there. By numbers."""
@@ -332,14 +374,16 @@ class _Event:
                      f"to keep '{text}' from going on, set it to the value at which it is to stay: reinit({text}, 0)",
                      "a collision is told by a distance: when gap < 0 then reinit(der(gap), -e*pre(der(gap)))")
 
-    def _numbers_of(self, results: list[ca.SX]) -> tuple[ca.Function, Numbers]:
-        """Of rates, all else that moves or is given, as discrete variables are, and parameters; and the parameters."""
+    def _numbers_of(self, results: list[ca.SX], spread: int = 1) -> tuple[ca.Function, Numbers]:
+        """Of rates, all else that moves or is given, as discrete variables are, and parameters; and the parameters. Modes
+        are what they are at the time, of which a number about 1 is the root, of the degree `spread`."""
         symbols, v = self.kinematics.symbols, self.meetings.rates
         q = ca.vertcat(_NONE, *symbols.positions.values())
         p, numbers = usual_parameters(self.kinematics)
         known = ca.vertcat(q, v, symbols.time, p)
-        others = [x for x in ca.symvar(ca.vertcat(*results)) if not ca.depends_on(x, known)]
-        return ca.Function("look", [v, ca.vertcat(q, symbols.time, *others), p], results), numbers
+        found = ca.substitute(self.kinematics.algebra.with_modes(results), [symbols.time], [symbols.time**spread])
+        others = [x for x in ca.symvar(ca.veccat(*found)) if not ca.depends_on(x, known)]
+        return ca.Function("look", [v, ca.vertcat(q, symbols.time, *others), p], found), numbers
 
 
 def _turns_back(look: ca.Function, p: Numbers, random: "np.random.Generator") -> int:
@@ -366,6 +410,8 @@ def _wall(look: ca.Function, p: Numbers, random: "np.random.Generator") -> int:
     """At a random state: STILL where two rates are the same but for a factor, MOVED where their slopes are, else BODIES."""
     v, known = (random.uniform(0.4, 1.6, look.numel_in(k)) for k in range(2))
     (pace,), (rate,), slope, own = (np.array(x).ravel() for x in look(v, known, p))
+    if not np.isfinite([pace, rate, *slope, *own]).all():
+        return STILL
     factor, size = np.dot(slope, own) / np.dot(own, own), np.abs(own) @ np.abs(v) + abs(rate)
     if np.linalg.norm(slope - factor * own) > _SAME * np.linalg.norm(slope):
         return BODIES
