@@ -214,6 +214,7 @@ static int account_by_run(LagInstance *s, double *sum, int *is_same)
     const int64_t events = run->statistics.events;
     int done = 0;
     lag_switches_keep(run, s->switches);
+    memcpy(s->modes, run->d, (size_t)run->model->n_modes * sizeof *run->d);
     stand_at(s, s->vital.last_time, lag_instance_plain(s, s->last));
     run->segment_over = 0;
     run->impacts.coarse = 0; /* errors are ours */
@@ -224,6 +225,8 @@ static int account_by_run(LagInstance *s, double *sum, int *is_same)
     sum[0] = account[0];
     sum[1] = account[1];
     run->guards.is_idle = 0;
+    if (run->model->n_pieces > 0 && run->statistics.events != events) /* by inputs as they were foreseen */
+        memcpy(run->d, s->modes, (size_t)run->model->n_modes * sizeof *run->d);
     stand_at(s, s->vital.t, lag_instance_projected(s, s->vital.t, s->x));
     run->impacts.coarse = coarse;
     *is_same = lag_switches_resume(run, s->switches);

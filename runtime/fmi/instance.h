@@ -98,6 +98,7 @@ struct LagInstance {
     double *scratch, *projected; /* not saved */
     double *plain, *told;    /* 2 n, states: the same state as the run has it, and as importers have it */
     double *indicators, *switches; /* n_switches; the latter: what is held */
+    double *modes;                 /* n_modes, likewise */
     double *row, *mask, *table, *directions, *work;
     LagDenseLu held;         /* how the rates of what is held depend on its shares */
     double *held_rates;      /* as many as can be held */

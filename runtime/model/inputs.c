@@ -7,6 +7,7 @@
 #include <string.h>
 
 static const double ROUNDING = 1e-9; /* of the size of an input */
+static const double APART = 0.1; /* s: who tells rates of times so far apart, and what is between by straight lines, is off by their changes */
 
 static int ascending(const double *times, int rows)
 {
@@ -118,11 +119,11 @@ static double value_of(const double *piece, double t)
     return piece[1] + x * (piece[2] + x * (piece[3] + x * piece[4]));
 }
 
-/* How far the rates of both let it be moved in the time between them. */
+/* How far the rates of both let it be moved in the time between them, as exactly as importers know them. */
 static double explained(const double *before, const double *after, double t)
 {
-    const double h = fabs(t - before[0]);
-    return h * (fabs(before[2]) + fabs(after[2]) + h * (fabs(before[3]) + fabs(after[3])));
+    const double h = fabs(t - before[0]), apart = h > APART ? h : APART;
+    return h * (fabs(before[2]) + fabs(after[2]) + apart * (fabs(before[3]) + fabs(after[3])));
 }
 
 int lag_inputs_jump(const LagInputs *inputs, const double *before, const double *after, double t, int is_new, double *jump)

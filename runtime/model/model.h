@@ -164,8 +164,8 @@ struct LagModel {
     LagFunction start;      /* p                    -> q, v            guesses */
     LagFunction initial;    /* q, v, p              -> g, dg/d(q, v)   where initial_pattern says; of q, v, p, u where inputs decide */
     LagFunction momentum;   /* q, v, p              -> M v             at the start; absent: start values have no mass */
-    LagFunction events;     /* p                    -> a, b            event arguments a + b t */
-    LagFunction modes;      /* t, p                 -> d */
+    LagFunction events;     /* p, d                 -> a, b            event arguments a + b t; of d pieces of inputs alone */
+    LagFunction modes;      /* t, p, d              -> d               of the first d pieces of inputs alone */
     LagFunction rhs;        /* t, q, v, u, d, c     -> a, power, lambda */
     LagFunction outputs;    /* t, q, v, a, lambda, u, d, c -> y */
     LagFunction energies;   /* t, q, v, u, d, c     -> {T, V, H}       H - H(0) + dissipated - work = 0; inputs in them are pieces */

@@ -40,6 +40,7 @@ static void layout_vectors(LagRun *run, LagArena *arena)
     run->u_slope = lag_take(arena, LAG_N_U(model));
     run->d = lag_take(arena, (size_t)(model->n_modes + model->n_switches + model->n_resets + model->n_rests));
     run->d_before = lag_take(arena, (size_t)model->n_modes);
+    run->d_given = lag_take(arena, (size_t)model->n_modes);
     run->event_a = lag_take(arena, events);
     run->event_b = lag_take(arena, events);
     lag_sampling_layout(run, arena);
@@ -166,7 +167,7 @@ void lag_run_set_lost(LagRun *run, const double *given)
 /* Events and hoisted values follow from the parameters. */
 static void apply_parameters(LagRun *run)
 {
-    const double *in[] = {run->p};
+    const double *in[] = {run->p, run->d_given};
     double *events[] = {run->event_a, run->event_b};
     lag_call(&run->model->hoist, in, &run->c, run->work);
     lag_call(&run->model->events, in, events, run->work);

@@ -49,7 +49,7 @@ static void declared(LagRun *run, int mode)
 
 static void declare_all(LagRun *run)
 {
-    const double *in[] = {&run->settings.t_start, run->p};
+    const double *in[] = {&run->settings.t_start, run->p, run->d_given};
     lag_call(&run->model->modes, in, &run->d, run->work);
     for (int i = 0; i < run->model->n_attitudes; ++i)
         declared(run, lag_attitude_mode(run->model->attitudes, i));

@@ -31,16 +31,29 @@ static double middle(double t, double t_event, double t_stop)
     return isfinite(end) ? t + (end - t) / 2 : t + fmax(1, fabs(t));
 }
 
+/* Events that follow inputs, which have no corner before this time. */
+static void foresee(LagRun *run, double corner)
+{
+    const double *in[] = {run->p, run->d_given};
+    double *out[] = {run->event_a, run->event_b};
+    if (run->model->n_pieces == 0)
+        return;
+    lag_inputs_enter(&run->inputs, middle(run->motion.t, corner, run->settings.t_stop));
+    lag_inputs_read(&run->inputs, run->d_given);
+    lag_call(&run->model->events, in, out, run->work);
+}
+
 void lag_segment_enter(LagRun *run)
 {
     const LagModel *model = run->model;
     const double t = run->motion.t;
-    const double scheduled = lag_schedule_next(model, run->event_a, run->event_b, t);
     const double corner = lag_inputs_next(&run->inputs, t + lag_time_resolution(t));
+    foresee(run, corner);
+    const double scheduled = lag_schedule_next(model, run->event_a, run->event_b, t);
     run->segment_end = lag_delays_enter(run, fmin(scheduled, corner));
     run->segment_over = 0;
     const double inside = middle(t, run->segment_end, run->settings.t_stop);
-    const double *in[] = {&inside, run->p};
+    const double *in[] = {&inside, run->p, run->d_given};
     run->inputs_version = run->inputs.version;
     lag_inputs_enter(&run->inputs, inside);
     for (int i = 0; i < model->n_modes; ++i)

@@ -2,6 +2,8 @@
 
 import importlib.util
 import itertools
+import math
+from collections.abc import Callable
 from pathlib import Path
 
 import fmpy
@@ -267,3 +269,74 @@ def test_what_is_refused(tmp_path: Path) -> None:
         scene.equations()
     with pytest.raises(lag.LagError, match="'cubic' or 'monotone'"):
         lag.slopes([0, 1], [0, 1], "rough")
+
+
+SLIDER = ("model M input Real u; parameter Real c = 0.2; {}PointMass p(m = 1, center = r.b); "
+          "{}annotation(experiment(StopTime = 4)); end M;")
+ON_A_FRAME = ("Frame f = shift(world, {{{}*1[m], 0}}); Prismatic r(a = f); ", "")
+ON_A_SLIDER = ("Prismatic x(a = world), r(a = x.b); ", "equation x.s = {}*1[m]; ")
+TIMES, GIVEN = [0.0, 0.7, 1.3, 2.0, 3.1, 4.0], [-0.8, 0.9, -0.7, 0.6, -0.5, 0.7]
+BENDS: dict[str, Callable[[np.ndarray, np.ndarray], np.ndarray]] = {
+    "max(0, u - c)": lambda u, _: np.maximum(0, u - 0.2),
+    "max(-0.5, min(0.5, u))": lambda u, _: np.clip(u, -0.5, 0.5),
+    "abs(u - 0.3*time/1[s])": lambda u, t: abs(u - 0.3 * t),
+    "abs(u^2 - 0.25)": lambda u, _: abs(u * u - 0.25),
+    "abs(exp(u) - 1)": lambda u, _: abs(np.exp(u) - 1),
+    "(if u < 0 then -u elseif u < 0.3 then 0 else u - 0.3)": lambda u, _: np.where(u < 0, -u, np.maximum(0, u - 0.3)),
+}
+
+
+@pytest.mark.parametrize("law", BENDS)
+def test_what_slides_on_a_support_does_not_mind_where_its_input_bends(law: str, tmp_path: Path) -> None:
+    """It goes on as the support began, whatever this does."""
+    at, begin = np.linspace(0, 4, 14), np.array([0.0, 1e-4, 2e-4])
+    x, first = (BENDS[law](np.interp(t, TIMES, GIVEN), t) for t in (at, begin))
+    wanted = x[0] + (-3 * first[0] + 4 * first[1] - first[2]) / 2e-4 * at - x
+    for (support, equation), solver in ((ON_A_FRAME, "auto"), (ON_A_SLIDER, "erk"), (ON_A_FRAME, "implicit")):
+        text = SLIDER.format(support.format(law), equation.format(law))
+        run = model(tmp_path, text).simulate(at=at, inputs=(TIMES, {"u": GIVEN}), solver=solver, tolerance=1e-9)
+        np.testing.assert_allclose(run["r.s"], wanted, rtol=0, atol=1e-6, err_msg=solver)
+
+
+def test_cubic_inputs_bend_supports_where_they_pass_a_level(tmp_path: Path) -> None:
+    """Rows tell rates, too: three times in the second part, as t^3 - 0.16 t does."""
+    t, tilt = np.array([-1.0, -0.5, 0.5, 1.0]), 0.16
+    rows = {"u": t**3 - tilt * t, "der(u)": 3 * t**2 - tilt}
+    at = np.linspace(0, 2, 21)
+    wanted = abs(at - 1) * abs((at - 1) ** 2 - tilt)
+    scene = model(tmp_path, SLIDER.format(ON_A_FRAME[0].format("abs(u)"), ""))
+    run = scene.simulate(at=at, inputs=(t + 1, rows), tolerance=1e-10)
+    np.testing.assert_allclose(run["r.s"], wanted[0] + (3 - tilt) * -at - wanted, rtol=0, atol=1e-8)
+    found = scene.simulate_many(parameters={"p.m": [1.0, 2.0]}, outputs=["final(r.s)"], stop=2, inputs=(t + 1, rows),
+                                tolerance=1e-10)
+    np.testing.assert_allclose(found["final(r.s)"], run["r.s"][-1], rtol=0, atol=1e-8)
+
+
+def test_a_step_that_an_input_sets_strikes_dampers_as_one_in_time_does(tmp_path: Path) -> None:
+    text = ("model M input Real u; World world(gravity = {{0, 0}}); "
+            "Frame road = shift(world, {{0, 0.05*(if {} then 1 else 0)*1[m]}}); "
+            "Block b(m = 2, base = world, along = {{0, 1}}); AxialSpring s(a = road, b = b.center, k = 300, along = {{0, 1}}); "
+            "AxialDamper d(a = road, b = b.center, c = 5, along = {{0, 1}}); output Real U = u; end M;")
+    scenes = (model(tmp_path, text.format(when)) for when in ("u > -0.4", "time > 0.6"))
+    driven, timed = (scene.simulate(at=[0.5, 0.7, 2], inputs=([0, 2], {"u": [-1, 1]}), tolerance=1e-10) for scene in scenes)
+    np.testing.assert_allclose(driven["b.s"], timed["b.s"], rtol=0, atol=1e-9)
+
+
+@pytest.mark.parametrize(("version", "kind"), [*zip(VERSIONS, reversed(KINDS), strict=True)])
+def test_fmus_know_where_inputs_bend_supports(version: str, kind: str, tmp_path: Path) -> None:
+    """Told the input and its rates between communication points; in Model Exchange by an event indicator."""
+    t, u = np.linspace(0, STOP, 101), np.polynomial.Polynomial([-0.3, 0.7, -0.1])
+    model(tmp_path, SLIDER.format(ON_A_FRAME[0].format("abs(u)"), ""))
+    rows = [*zip(t, u(t), u.deriv()(t), u.deriv(2)(t), strict=True)]
+    signals = np.array(rows, dtype=[(name, float) for name in ("time", "u", "der(u)", "der(u,2)")])
+    run = fmpy.simulate_fmu(str(unpacked(tmp_path / "scene.lag", version)), fmi_type=kind, stop_time=STOP, step_size=0.02,
+                            output_interval=0.02, input=signals, relative_tolerance=1e-10, output=["r.s"])
+    assert run["r.s"][-1] == pytest.approx(0.3 - 0.7 * STOP - abs(u(STOP)), abs=1e-9 if kind == "CoSimulation" else 1e-5)
+
+
+def test_inputs_that_bend_supports_at_unknown_times_are_refused(tmp_path: Path) -> None:
+    """Smooth where it is 0, it is not."""
+    with pytest.raises(lag.LagError, match="L0914"):
+        model(tmp_path, SLIDER.format(ON_A_FRAME[0].format("max(0, sin(u))"), "")).simulate(inputs={"u": 1})
+    run = model(tmp_path, SLIDER.format(ON_A_FRAME[0].format("max(0, sin(u))^2"), "")).simulate(inputs={"u": 1}, at=[1])
+    assert run["p.center.x"][0] == pytest.approx(math.sin(1) ** 2, abs=1e-9)

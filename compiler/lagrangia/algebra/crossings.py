@@ -23,7 +23,8 @@ class Crossing:
     """Where a + b t, or a + b t + s floor(c + d t), crosses levels; or where one of several such lines does; or a wave 0."""
 
     number: int  # of all that says the same
-    value: ca.SX  # in time and parameters alone
+    value: ca.SX  # in time, parameters and inputs alone
+    in_pieces: ca.SX | None  # the same in pieces of these inputs, where there are any
     lines: Sequence[Line]
     jumps: Sequence[ca.SX] = ()  # c + d t
     phases: Sequence[ca.SX] = ()  # whole numbers where waves are 0
@@ -46,14 +47,16 @@ def find_crossing(value: ca.SX, time: ca.SX, modes: Sequence[Mode], numbering: N
                   ) -> Crossing | None:
     """Of a value in which these modes stand; `may_wave`: its lines may be sines, parabolas and such, of which only crossings of 0
     are known. None where crossings cannot be computed, or there are none."""
-    number, floors = numbering.number(value), [mode for mode in modes if not mode.is_relation]
-    if not modes and ca.depends_on(value, time) and is_straight(value):
-        return Crossing(number, value, [(value, None)], is_straight=True)
+    number, places = numbering.number(value), [mode.symbol for mode in modes if mode.of_input is not None and mode.column == 0]
+    pieces, modes = [mode for mode in modes if mode.of_input is not None], [mode for mode in modes if mode.of_input is None]
+    floors = [mode for mode in modes if not mode.is_relation]
+    if not modes and not pieces and ca.depends_on(value, time) and is_straight(value):
+        return Crossing(number, value, None, [(value, None)], is_straight=True)
     if len(floors) > 1 or any(mode.is_filled_in or mode.value.op() != ca.OP_FLOOR for mode in floors):
         return None
     floor = floors[0].symbol if floors else None
     lines, phases = list[Line](), list[ca.SX]()
-    instants = Instants(time, numbering, is_straight, lambda x: _phases_of(x, time, numbering))
+    instants = Instants(time, numbering, is_straight, lambda x: _phases_of(x, time, numbering), places)
     for x in _lines_of(value, [mode.symbol for mode in modes if mode.is_relation], numbering) or [value]:
         line = _line(x, time, floor)
         if not is_straight(line[0]):
@@ -67,8 +70,14 @@ def find_crossing(value: ca.SX, time: ca.SX, modes: Sequence[Mode], numbering: N
         lines += [line] if ca.depends_on(x, time) or line[1] is not None else []
     if not lines and not phases:
         return None
-    known = ca.substitute([value], [mode.symbol for mode in modes], [mode.value for mode in modes])[0] if modes else value
-    return Crossing(number, known, lines, floors[0].arguments if floors else (), phases)
+    known = _with(value, modes, [mode.in_time for mode in modes])
+    by_inputs = _with(_with(value, modes, [mode.value for mode in modes]), pieces, [mode.value for mode in pieces])
+    in_pieces = known if symbols_in(known) != symbols_in(by_inputs) else None
+    return Crossing(number, by_inputs, in_pieces, lines, floors[0].arguments if floors else (), phases)
+
+
+def _with(value: ca.SX, modes: Sequence[Mode], values: Sequence[ca.SX]) -> ca.SX:
+    return as_expression(ca.substitute([value], [mode.symbol for mode in modes], list(values))[0] if modes else value)
 
 
 def _line(x: ca.SX, time: ca.SX, floor: ca.SX | None) -> Line:

@@ -47,8 +47,10 @@ class Algebra(Protocol):
     def note_length(self, x: Scalar) -> None:
         """|x| is a length: it hardly ever is 0, unlike what else has a corner there."""
 
-    def compare(self, operator: str, a: Scalar, b: Scalar) -> Scalar:
-        """1 where a < b, or another operator, holds; else 0."""
+    def compare(self, operator: str, a: Scalar, b: Scalar, of_rates: bool = False) -> Scalar:
+        """1 where a < b, or another operator, holds; else 0. `of_rates`: it decides about rates, which may jump there."""
+    def side(self, x: Scalar) -> Scalar:
+        """The sign of x, which decides about rates."""
     def choose(self, condition: Scalar, then: Scalar, otherwise: Scalar) -> Scalar:
         """One of two values, by a condition."""
     def logic(self, operator: str, *conditions: Scalar) -> Scalar:
@@ -231,7 +233,7 @@ class DualAlgebra:
             return self.base.call(function, *arguments)
         values, rates = [value_of(a) for a in arguments], [rate_of(a) for a in arguments]
         if function in ("fmin", "fmax"):
-            first = self.base.compare("<" if function == "fmin" else ">", *values)
+            first = self.base.compare("<" if function == "fmin" else ">", values[0], values[1], True)
             return Dual(self.base.call(function, *values), self.base.choose(first, *rates))
         value = self.base.call(function, *values)
         partials = _PARTIALS[function](self.base, value, *values)
@@ -240,9 +242,13 @@ class DualAlgebra:
             total = plus(total, times(slope() if not is_zero(rate) else 0.0, rate))
         return Dual(value, total)
 
-    def compare(self, operator: str, a: Scalar, b: Scalar) -> Scalar:
+    def compare(self, operator: str, a: Scalar, b: Scalar, of_rates: bool = False) -> Scalar:
         """Of values: between its jumps a condition does not move."""
-        return self.base.compare(operator, value_of(a), value_of(b))
+        return self.base.compare(operator, value_of(a), value_of(b), True)
+
+    def side(self, x: Scalar) -> Scalar:
+        """Of the value: it does not move."""
+        return self.base.side(value_of(x))
 
     def choose(self, condition: Scalar, then: Scalar, otherwise: Scalar) -> Scalar:
         """The value and the rate of the one that is chosen."""
@@ -281,7 +287,7 @@ class GlidingAlgebra(DualAlgebra):
         found = super().call(function, *arguments)
         return self._gliding(value_of(found), rate_of(found)) if function in ("floor", "ceil") else found
 
-    def compare(self, operator: str, a: Scalar, b: Scalar) -> Scalar:
+    def compare(self, operator: str, a: Scalar, b: Scalar, of_rates: bool = False) -> Scalar:
         """The condition, with the rate that its modes have."""
         return self._gliding(super().compare(operator, a, b), 0.0)
 
@@ -326,7 +332,7 @@ _PARTIALS: Mapping[str, Callable[..., list[Callable[[], Scalar]]]] = {
     "log": lambda g, f, x: [lambda: 1 / x],
     "log10": lambda g, f, x: [lambda: 1 / (x * g.call("log", g.number(10.0)))],
     "sqrt": lambda g, f, x: [lambda: g.number(0.5) / f],
-    "abs": lambda g, f, x: [lambda: g.call("sign", x)],
+    "abs": lambda g, f, x: [lambda: g.side(x)],
     "sign": lambda g, f, x: [lambda: 0.0],
     "floor": lambda g, f, x: [lambda: 0.0],
     "ceil": lambda g, f, x: [lambda: 0.0],

@@ -1,16 +1,20 @@
-"""When what is no straight line of time is 0, in closed form: parabolas, and what can be turned round step by step.
+"""When what is no straight line of time is 0, in closed form: polynomials up to cubic ones, as inputs are
+between two rows, and what can be turned round step by step.
 
 exp(u) = y where u = log(y), u^2 = y where u is either root, and so on down to a straight line u = a + b t. Where there is no
 such time, as that of u^2 = -1, a time is told at which nothing happens, or one that is no number or infinite, which never comes.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
+from itertools import accumulate
 
 import casadi as ca
 
 from lagrangia.algebra.numbering import Numbering
+from lagrangia.algebra.scalars import symbols_in
 from lagrangia.base.records import dataclass
 
+_CORRECTIONS = 3
 Found = tuple[list[ca.SX], list[ca.SX]]  # straight lines that are 0 there, and phases that are whole numbers there
 Waves = Callable[[ca.SX], list[ca.SX]]  # phases of a wave; nothing of all else
 
@@ -36,6 +40,7 @@ class Instants:
     numbering: Numbering
     is_straight: Callable[[ca.SX], bool]
     phases_of: Waves
+    places: Sequence[ca.SX] = ()  # from which pieces of inputs count time
 
     def of(self, x: ca.SX, y: ca.SX) -> Found | None:
         """Where x = y, which time does not change; None where that is not known. What time does not change is never there."""
@@ -46,8 +51,8 @@ class Instants:
         if phases := self.phases_of(x - y):
             return ([], phases) if all(map(self.is_straight, phases)) else None
         bend = ca.jacobian(ca.jacobian(x, self.time), self.time)
-        if self.is_straight(bend) and not ca.depends_on(bend, self.time):
-            return [self.time - t for t in self._of_parabola(x, y, bend / 2)], []
+        if self.is_straight(bend) and not ca.depends_on(ca.jacobian(bend, self.time), self.time):
+            return [self.time - t for t in self._of_polynomial(x - y, ca.depends_on(bend, self.time))], []
         if x.n_dep() == 1:
             return self._all([(x.dep(0), u) for u in _INVERSES[x.op()](y)]) if x.op() in _INVERSES else None
         return self._of_two(x, y) if x.n_dep() == 2 else None
@@ -61,11 +66,17 @@ class Instants:
             lines, phases = lines + found[0], phases + found[1]
         return lines, phases
 
-    def _of_parabola(self, x: ca.SX, y: ca.SX, a: ca.SX) -> list[ca.SX]:
-        """a t^2 + b t + c = 0, without differences of what is nearly the same."""
-        b, c = (ca.substitute(value, self.time, ca.SX(0)) for value in (ca.jacobian(x, self.time), x - y))
+    def _of_polynomial(self, x: ca.SX, is_cubic: bool) -> list[ca.SX]:
+        """Of a parabola, or of what may be a parabola or a cubic one: some of these times mean nothing."""
+        known = symbols_in(x)
+        begin = next((place for place in self.places if place.__hash__() in known), ca.SX(0))
+        slopes = accumulate(range(1, 4), lambda of, k: ca.jacobian(of, self.time) / k, initial=x)
+        c, b, a, third = (ca.substitute(slope, self.time, begin) for slope in slopes)
         half = -(b + ca.if_else(b < 0, -1, 1) * _root(b * b - 4 * a * c)) / 2
-        return [half / a, c / half]
+        found = [half / a, c / half]
+        if is_cubic:
+            found = [_closer(t, c, b, a, third) for t in (*found, *_roots_of_cubic(c / third, b / third, a / third))]
+        return [begin + t for t in found]
 
     def _of_two(self, x: ca.SX, y: ca.SX) -> Found | None:
         first, second = x.dep(0), x.dep(1)
@@ -91,3 +102,21 @@ class Instants:
             if square.op() == ca.OP_SQ and self.numbering.number(square.dep(0)) == self.numbering.number(u):
                 return self._all([(u, ca.if_else(y < 0, -1, 1) * ca.fabs(y) ** (1 / 3))])
         return None
+
+
+def _roots_of_cubic(c: ca.SX, b: ca.SX, a: ca.SX) -> list[ca.SX]:
+    """Of t^3 + a t^2 + b t + c, by Cardano where there is one, and by Vieta where there are three; both are told."""
+    shift = a / 3
+    p, q = b / 3 - shift**2, shift**3 - shift * b / 2 + c / 2
+    w = -q - ca.if_else(q < 0, -1, 1) * _root(q * q + p * p * p)
+    single = ca.if_else(w < 0, -1, 1) * ca.fabs(w) ** (1 / 3)
+    size = _root(-p)
+    angle = ca.acos(ca.fmax(ca.fmin(-q / size**3, 1), -1)) / 3
+    return [single - p / single - shift, *(2 * size * ca.cos(angle - 2 * ca.pi * k / 3) - shift for k in range(3))]
+
+
+def _closer(t: ca.SX, c: ca.SX, b: ca.SX, a: ca.SX, third: ca.SX) -> ca.SX:
+    """By Newton, where closed forms lose digits: a cubic one may be a parabola but for rounding."""
+    for _ in range(_CORRECTIONS):
+        t -= (c + t * (b + t * (a + t * third))) / (b + t * (2 * a + t * 3 * third))
+    return t

@@ -34,6 +34,7 @@ class Mode:
     of_input: tuple[int, int, int] | None = None  # the places of one and of its first two rates among the inputs, or -1
 
     of_sampler: tuple[int, int] | None = None  # whose instants change it, and its rank there; its formula is then its first value
+    in_pieces: ca.SX | None = None  # its formula by what inputs are in time, where they move: by pieces of theirs
     of_attitude: str = ""  # whose reference it is a part of: it moves with the steps, from its formula on
 
     @cached_property
@@ -74,6 +75,11 @@ class Mode:
             return as_expression(self.use.pieces[self.column])
         assert self.formula is not None
         return self.formula
+
+    @property
+    def in_time(self) -> ca.SX:
+        """The same of time, parameters and pieces of inputs."""
+        return self.value if self.in_pieces is None else self.in_pieces
 
     @property
     def written(self) -> ca.SX:

@@ -101,7 +101,7 @@ class CasadiAlgebra:
         symbols = symbols_in(x)
         return self.changing.isdisjoint(symbols) and symbols_in(self.time).isdisjoint(symbols)
 
-    def compare(self, operator: str, a: Scalar, b: Scalar) -> Scalar:
+    def compare(self, operator: str, a: Scalar, b: Scalar, of_rates: bool = False) -> Scalar:
         """Of numbers 0 or 1; a mode where time decides, else CasADi's condition."""
         self.index.asked.add("choice")
         a, b = self._at_rest(a), self._at_rest(b)
@@ -109,7 +109,7 @@ class CasadiAlgebra:
             return float(_COMPARE[operator](a, b))
         if isinstance(b, float | int) and (chosen := _chosen(a)) is not None:  # as the choice says: it changes with that alone
             condition, *numbers = chosen
-            here, there = (self.compare(operator, x, b) for x in numbers)
+            here, there = (self.compare(operator, x, b, of_rates) for x in numbers)
             if isinstance(here, float) and isinstance(there, float):
                 return here if here == there else condition if here else self.logic("not", condition)
             return self.logic("or", self.logic("and", condition, here),
@@ -119,13 +119,23 @@ class CasadiAlgebra:
         if operator in ("==", "<>") and is_zero(b) and isinstance(a, ca.SX):
             a = _without_sign(a)
         difference = a - b
-        crossing = self._crossing(difference) if operator not in ("==", "<>") else None
+        crossing = self._crossing(difference, of_rates) if operator not in ("==", "<>") else None
         return as_expression(_COMPARE[operator](a, b)) if crossing is None else self._relation(operator, crossing)
 
     def _relation(self, operator: str, crossing: Crossing) -> ca.SX:
         """The mode that says on which side of 0 it is."""
         arguments, kinds = crossing.events([0.0])
-        return self._mode((operator, crossing.number), _COMPARE[operator](crossing.value, 0), arguments, kinds)
+        told, told_in_pieces = (None if x is None else as_expression(_COMPARE[operator](x, 0))
+                                for x in (crossing.value, crossing.in_pieces))
+        return self._mode((operator, crossing.number), told, arguments, kinds, in_pieces=told_in_pieces)
+
+    def side(self, x: Scalar) -> Scalar:
+        """The sign of x; of modes where time decides."""
+        crossing = self._crossing(self._at_rest(x), may_wave=True)
+        return self.call("sign", x) if crossing is None else self._sign(crossing)
+
+    def _sign(self, crossing: Crossing) -> ca.SX:
+        return as_expression(self._relation(">", crossing) - self._relation("<", crossing))
 
     def choose(self, condition: Scalar, then: Scalar, otherwise: Scalar) -> Scalar:
         """The sum of both, each of which is 0 where the condition says so."""
@@ -151,10 +161,9 @@ class CasadiAlgebra:
                 return None
             if op in RELATIONS:
                 return as_expression(self._relation(RELATIONS[op], crossing))
-            is_first = self._relation("<" if op == ca.OP_FMIN else ">", crossing)
             if op in (ca.OP_FMIN, ca.OP_FMAX):
-                return as_expression(self.choose(is_first, a, b))
-            sign = is_first - self._relation("<", crossing)
+                return as_expression(self.choose(self._relation("<" if op == ca.OP_FMIN else ">", crossing), a, b))
+            sign = self._sign(crossing)
             return as_expression(sign if op == ca.OP_SIGN else sign * a)
 
         is_bent = any(not _ARMS.isdisjoint(operations_in(x)) for x in expressions)
@@ -270,6 +279,9 @@ class CasadiAlgebra:
         hashes = symbols_in(value)
         if not hashes.isdisjoint(self._moving) or not hashes.isdisjoint(self.index.references):
             return None
+        if may_wave and not hashes.isdisjoint(symbols_in(self.time)):  # of several bends, one within the other
+            (value,) = self.arms_in_force([value])
+            hashes = symbols_in(value)
         modes = [] if hashes.isdisjoint(self.index.hashes) else [mode for mode in self.index.modes if mode.hash in hashes]
         return find_crossing(value, self.time, modes, self.index.numbering, self._is_straight, may_wave)
 
@@ -287,11 +299,11 @@ class CasadiAlgebra:
 
     def _mode(self, key: Hashable, value: ca.SX | None, arguments: Sequence[ca.SX], kinds: Sequence[int],
               use: TableUse | None = None, column: int = 0, of_input: tuple[int, int, int] | None = None,
-              of_sampler: tuple[int, int] | None = None) -> ca.SX:
+              of_sampler: tuple[int, int] | None = None, in_pieces: ca.SX | None = None) -> ca.SX:
         if key not in self.index.symbols:
             made = self.index.symbols[key] = make_symbol(f"d_{len(self.modes)}")
             self.index.hashes.add(made.__hash__())
-            mode = Mode(made, value, arguments, kinds, use, column, of_input, of_sampler)
+            mode = Mode(made, value, arguments, kinds, use, column, of_input, of_sampler, in_pieces)
             self.modes.append(mode)
             self.index.modes.append(mode)
         return self.index.symbols[key]

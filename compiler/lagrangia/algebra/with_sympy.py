@@ -54,9 +54,13 @@ class SympyAlgebra:
             self.sizes.append(sp.sympify(arguments[0]) ** (1 if function == "sqrt" else 2))
         return _FUNCTIONS[function](*(sp.sympify(a) for a in arguments))
 
-    def compare(self, operator: str, a: Scalar, b: Scalar) -> Scalar:
+    def compare(self, operator: str, a: Scalar, b: Scalar, of_rates: bool = False) -> Scalar:
         """SymPy's relation."""
         return _COMPARE[operator](sp.sympify(a), sp.sympify(b))
+
+    def side(self, x: Scalar) -> Scalar:
+        """SymPy's sign."""
+        return self.call("sign", x)
 
     def choose(self, condition: Scalar, then: Scalar, otherwise: Scalar) -> Scalar:
         """A Piecewise of both."""

@@ -134,7 +134,7 @@ def _slope(model: Model, p: Any, inputs: Any, middle: float) -> ca.Function:
     """The accelerations that our own run time evaluates, as they are between two events."""
     table, n = model.compilation.functions.table, model.scene.n
     t, y = ca.SX.sym("t"), ca.SX.sym("y", 2 * n)
-    d = table["modes"](middle, p) if "modes" in table else ca.DM(0, 1)
+    d = table["modes"](middle, p, 0) if "modes" in table else ca.DM(0, 1)
     u = ca.DM(list(inputs)) if len(inputs) else ca.DM(0, 1)
     a = live("rhs", table)(t, y[:n], y[n:], u, d, table["hoist"](p))[0]
     return ca.Function("slope", [t, y], [ca.cse(ca.densify(ca.vertcat(y[n:], a)))], ["t", "y"], ["dy"])

@@ -31,7 +31,7 @@ from lagrangia.dynamics.constrained_motion import ConstrainedMotion, RegularMoti
 from lagrangia.dynamics.delaying import Delaying, find_delaying
 from lagrangia.dynamics.guarding import NOT_GUARDED, Guarding, find_guarding
 from lagrangia.dynamics.hamilton import Hamilton
-from lagrangia.dynamics.impulses import find_kick
+from lagrangia.dynamics.impulses import bends_by_inputs, find_kick
 from lagrangia.dynamics.jacobians import Jacobian, build_jacobian
 from lagrangia.dynamics.joint_loads import settled
 from lagrangia.dynamics.motion import Motion
@@ -86,7 +86,7 @@ def build_functions(
     jacobian = build_jacobian(kinematics, made, is_implicit)
     flow = [hamilton.velocity, hamilton.force] if hamilton else []
     sampling, delaying, kick = find_sampling(kinematics), find_delaying(kinematics), find_kick(kinematics, motion)
-    switches = find_switches(motion, delaying.values)
+    switches = find_switches(motion, delaying.values, bends_by_inputs(kinematics))
     found, hoisted = _hoisted(settled(motion, switches, {
         "rhs": switches.hold([made.acceleration, power, multipliers]), "energies": [energy],
         "outputs": switches.hold([y, guarding.values]),
@@ -150,7 +150,8 @@ def build_island_functions(kinematics: Kinematics, motion: Motion) -> Functions:
     motion = without_negative_inertia(kinematics, motion)
     power, modes = _power(motion, motion.source_power), kinematics.algebra.modes
     (_, multipliers), jacobian = _multipliers(motion), build_jacobian(kinematics, motion)
-    kick, switches = find_kick(kinematics, motion), find_switches(motion)
+    kick = find_kick(kinematics, motion)
+    switches = find_switches(motion, None, bends_by_inputs(kinematics))
     found, hoisted = _hoisted({
         "rhs": switches.hold([motion.acceleration, power, multipliers]), **_constrained(motion, ca.SX(0, 1), switches),
         "jacobian": switches.hold(jacobian.values), "kick": [kick.rates],

@@ -53,14 +53,14 @@ def events_of(modes: list[Mode]) -> list[tuple[ca.SX, int]]:
 
 
 def mode_functions(motion: Motion, modes: list[Mode]) -> dict[str, ca.Function]:
-    """Modes at a time, and the arguments a + b t whose crossings are events."""
+    """Modes at a time, and the arguments a + b t whose crossings are events; `d`: pieces of inputs, which both may follow."""
     if not modes:
         return {}
-    t, p = motion.t, motion.p
+    t, p, d = motion.t, motion.p, ca.vertcat(*[mode.symbol for mode in modes])
     arguments = ca.vertcat(ca.SX(0, 1), *[argument for argument, _ in events_of(modes)])
     slopes, offsets = ca.densify(ca.jtimes(arguments, t, ca.SX(1))), ca.substitute(arguments, t, ca.SX(0))
+    values = ca.vertcat(*[ca.SX(0) if mode.is_filled_in else mode.in_time for mode in modes])
     return {
-        "events": ca.Function("events", [p], [offsets, slopes], ["p"], ["a", "b"]),
-        "modes": ca.Function("modes", [t, p], [ca.vertcat(*[ca.SX(0) if mode.is_filled_in else mode.value for mode in modes])],
-                             ["t", "p"], ["d"])
+        "events": ca.Function("events", [p, d], [offsets, slopes], ["p", "d"], ["a", "b"]),
+        "modes": ca.Function("modes", [t, p, d], [values], ["t", "p", "pieces"], ["d"])
     }

@@ -16,7 +16,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from lagrangia.algebra.modes import RELATIONS
+from lagrangia.algebra.modes import RELATIONS, Mode
 from lagrangia.algebra.numbering import rebuilt
 from lagrangia.algebra.scalars import Expression, as_expression
 from lagrangia.base.diagnostics import fail
@@ -30,6 +30,7 @@ from lagrangia.frames.kinematics import Kinematics
 
 _FIRST_KNOTS = 50  # of a table of steps
 _BESIDE = 1e-9  # s
+_DRAWS, _PARABOLA = 8, (2.0, 1.0, 0.2, 0.0)  # coefficients of inputs, of as many tries
 _HORIZON = 20.0  # s: of runs that do not say when they end
 _ROUNDING = 1e-14  # of the largest of what is carried
 _NOTHING = 1e-6  # of the size of its terms: an impulse that is rounding
@@ -81,26 +82,39 @@ def _refuse_untold(kinematics: Kinematics, momentum: ca.SX, rows: ca.SX) -> None
     if not _may_bend_in_time(kinematics) or not ca.depends_on(moved, time):
         return
     rebuilt([moved], algebra.index.numbering, note)
-    if any(_jumps_with(kinematics, g, moved) for g in found):
+    others = [mode for mode in algebra.modes if mode.of_input is None]
+    known = ca.substitute(found, [mode.symbol for mode in others], [mode.in_time for mode in others]) if others else found
+    if any(_jumps_with(kinematics, *driven) for g in known for driven in _driven(kinematics, g, moved)):
         fail("L0914", "not supported yet: a support or a prescribed coordinate whose rate jumps at a time that is not known "
              "beforehand", kinematics.graph.model.span, "straight lines, parabolas, powers, exponentials and sines of time "
-             "tell when they are 0, as in max(0, (time/1[s])^2 - 1) or abs(sin(2*time/1[s])); "
+             "tell when they are 0, as in max(0, (time/1[s])^2 - 1) or abs(sin(2*time/1[s])), "
+             "and powers and exponentials of an input; "
              "others as branches of time: if time < 1 then ... else ...")
 
 
-def _jumps_with(kinematics: Kinematics, g: ca.SX, moved: ca.SX) -> bool:
+def _driven(kinematics: Kinematics, *asked: ca.SX) -> Iterator[list[ca.SX]]:
+    """What is asked and what modes are, by inputs that go one way or the other, where there are such: by known parabolas."""
+    modes, start = kinematics.algebra.modes, kinematics.graph.model.experiment.start
+    pieces = [mode for mode in modes if mode.of_input is not None]
+    values = ca.vertcat(*[mode.symbol if mode.of_input is not None else mode.in_time for mode in modes])
+    known, rng = [*asked, values], np.random.default_rng(3)
+    for _ in range(_DRAWS if pieces and ca.depends_on(ca.vertcat(*known), ca.vertcat(*[mode.symbol for mode in pieces])) else 1):
+        numbers = [start if mode.column == 0 else rng.uniform(-1, 1) * _PARABOLA[mode.column - 1] for mode in pieces]
+        yield ca.substitute(known, [mode.symbol for mode in pieces], [ca.SX(x) for x in numbers]) if pieces else known
+
+
+def _jumps_with(kinematics: Kinematics, g: ca.SX, moved: ca.SX, in_force: ca.SX) -> bool:
     """Whether something else than modes tell jumps where g passes 0 in the first 20 s, or until the run ends, with parameters and
     positions like any others."""
     p, numbers = usual_parameters(kinematics)
     modes, run = kinematics.algebra.mode_symbols, kinematics.graph.model.experiment
-    (g,), in_force = kinematics.algebra.with_modes([g]), ca.vertcat(*[mode.value for mode in kinematics.algebra.modes])
     known = ca.vertcat(kinematics.symbols.time, p, modes)
     others = ca.vertcat(ca.SX(0, 1), *[x for x in ca.symvar(ca.vertcat(g, moved, in_force)) if not ca.depends_on(known, x)])
     rest = np.random.default_rng(2).uniform(0.3, 1.7, others.numel())
     told, carried = (ca.Function("look", [kinematics.symbols.time, p, modes, others], [x]) for x in (g, moved))
     segment = ca.Function("segment", [kinematics.symbols.time, p, others], [in_force])
     times = np.linspace(run.start + 2 * _BESIDE, run.stop if run.ends else run.start + _HORIZON, 4001)
-    for place in _roots(lambda t: float(told(t, numbers, 0, rest)), times):
+    for place in _roots(lambda t: told(t, numbers, 0, rest), times):
         told_there = segment(place - _BESIDE, numbers, rest) if modes.numel() else 0
         before, after = (np.array(carried(t, numbers, told_there, rest)) for t in (place - _BESIDE, place + _BESIDE))
         sizes = np.maximum(np.abs(before), np.abs(after))
@@ -109,16 +123,15 @@ def _jumps_with(kinematics: Kinematics, g: ca.SX, moved: ca.SX) -> bool:
     return False
 
 
-def _roots(of: Callable[[float], float], times: NDArray[np.float64]) -> Iterator[float]:
+def _roots(of: Callable[[object], ca.DM], times: NDArray[np.float64]) -> Iterator[float]:
     """Where a function passes 0 between two of these times, once, to within a part of _BESIDE."""
-    values = [of(t) for t in times]
-    for k in range(1, len(times)):
-        low, high = float(times[k - 1]), float(times[k])
-        while (values[k - 1] < 0) != (values[k] < 0) and high - low > _BESIDE / 4:
+    below = np.array(of(times[np.newaxis])).ravel() < 0
+    for k in np.flatnonzero(below[1:] != below[:-1]):
+        low, high = float(times[k]), float(times[k + 1])
+        while high - low > _BESIDE / 4:
             middle = (low + high) / 2
-            low, high = (middle, high) if (of(middle) < 0) == (values[k - 1] < 0) else (low, middle)
-        if (values[k - 1] < 0) != (values[k] < 0):
-            yield high
+            low, high = (middle, high) if (float(of(middle)) < 0) == below[k] else (low, middle)
+        yield high
 
 
 def _jumping(kinematics: Kinematics) -> ca.SX:
@@ -149,6 +162,12 @@ def find_kick(kinematics: Kinematics, motion: Motion) -> Kick:
     return Kick(ca.densify(rates), before)
 
 
+def bends_by_inputs(kinematics: Kinematics) -> list[ca.SX]:
+    """What passes 0 where rates jump as inputs go: importers of FMUs may set them otherwise than was foreseen."""
+    conditions = [mode.in_pieces for mode in kinematics.algebra.modes if mode.in_pieces is not None]
+    return list({x.__hash__(): as_expression(x.dep(0) - x.dep(1)) for x in conditions}.values())
+
+
 def _impulse_of_dampers(kinematics: Kinematics, q: ca.SX, v: ca.SX, modes: ca.SX, before: ca.SX) -> ca.SX | None:
     """Of supports that jump, (n,): the forces per pace of modes, the mean of before and after. None where there is none."""
     places = [ca.SX(dependent.constant[0]) for dependent in kinematics.dependents.values()]
@@ -168,11 +187,18 @@ def _impulse_of_dampers(kinematics: Kinematics, q: ca.SX, v: ca.SX, modes: ca.SX
 def _acts(kinematics: Kinematics, impulse: ca.SX, size: ca.SX, modes: ca.SX, before: ca.SX) -> bool:
     """Whether there is an impulse at some event, with parameters and positions like any others: ramps go on where they were.
     It is compared with its `size`, that of its terms, there and at a time when all modes change at once."""
+    arguments = ca.vertcat(ca.SX(0, 1), *[argument for mode in _telling(kinematics) for argument in mode.arguments])
+    return any(_acts_where(kinematics, impulse, size, modes, before, *driven) for driven in _driven(kinematics, arguments))
+
+
+def _acts_where(kinematics: Kinematics, impulse: ca.SX, size: ca.SX, modes: ca.SX, before: ca.SX, arguments: ca.SX, values: ca.SX
+                ) -> bool:
+    """The same, where events are those of these arguments."""
     t, (p, numbers) = kinematics.symbols.time, usual_parameters(kinematics)
-    times = [*_event_times(kinematics, p, numbers)]
+    times = [*_event_times(kinematics, arguments, p, numbers)]
     if not times:
         return False
-    in_force = ca.Function("modes", [t, p], [ca.vertcat(*[mode.value for mode in kinematics.algebra.modes])])
+    in_force = ca.Function("modes", [t, p], [values])
     known = ca.vertcat(t, p, modes, before)
     others = ca.vertcat(ca.SX(0, 1), *[x for x in ca.symvar(ca.vertcat(impulse, size)) if not ca.depends_on(known, x)])
     strike = ca.Function("strike", [t, p, modes, before, others], [impulse, size])
@@ -190,14 +216,20 @@ def _acts(kinematics: Kinematics, impulse: ca.SX, size: ca.SX, modes: ca.SX, bef
     return False
 
 
-def _event_times(kinematics: Kinematics, p: ca.SX, numbers: NDArray[np.float64]) -> Iterator[float]:
+def _telling(kinematics: Kinematics) -> list[Mode]:
+    """Modes whose events may be jumps, but for those of tables."""
+    return [mode for mode in kinematics.algebra.modes if mode.use is None]
+
+
+def _event_times(kinematics: Kinematics, arguments: ca.SX, p: ca.SX, numbers: NDArray[np.float64]) -> Iterator[float]:
     """Of each condition that crosses zero, three of each that crosses integers, and the first knots of tables of steps: others do
     not jump."""
-    modes = [mode for mode in kinematics.algebra.modes if mode.use is None]
-    arguments = [event for mode in modes for event in mode.events]
-    values = ca.Function("arguments", [kinematics.symbols.time, p], [ca.vertcat(*[argument for argument, _ in arguments])])
+    kinds = [kind for mode in _telling(kinematics) for kind in mode.kinds]
+    values = ca.Function("arguments", [kinematics.symbols.time, p], [arguments])
     start, later = (np.array(values(moment, numbers)).ravel() for moment in (0.0, 1.0))
-    for (_, kind), a, slope in zip(arguments, start, later - start, strict=True):
+    for kind, a, slope in zip(kinds, start, later - start, strict=True):
+        if not np.isfinite(slope):
+            continue
         levels = range(math.ceil(a), math.ceil(a) + 3) if kind else (0,)
         yield from (float((level - a) / slope) for level in levels if slope)
     steps = {id(mode.use): mode.use for mode in kinematics.algebra.modes if mode.use is not None and mode.use.table.degree == 0}

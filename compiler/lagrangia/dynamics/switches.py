@@ -124,14 +124,15 @@ def sign_of(x: ca.SX, numbering: Numbering) -> Pair:
     return first, second
 
 
-def find_switches(motion: Motion, late: ca.SX | None = None) -> Switches:
+def find_switches(motion: Motion, late: ca.SX | None = None, bends: Sequence[ca.SX] = ()) -> Switches:
     """Those of the conditions in the forces, and in what acts `late`, that the state decides, or time in a way that is not known
-    beforehand; behind them those of events, the gaps of those that are contacts (or rates that go one way), and the rates of
+    beforehand, and `bends` of inputs;
+    behind them those of events, the gaps of those that are contacts (or rates that go one way), and the rates of
     these, which are kept at 0 where something rests."""
     numbering, events = Numbering(), motion.impacts.conditions
     others = _bent_rows(motion) + ([late] if late is not None and late.numel() else [])
     may_have = not motion.operations.union(*map(operations_in, others)).isdisjoint(_BENT | {ca.OP_SQRT})
-    if not may_have and not events.numel():
+    if not may_have and not events.numel() and not bends:
         return Switches()
     signs = {sign_of(x, numbering) for x in motion.lengths}
     known = motion.unsolved or motion
@@ -139,6 +140,7 @@ def find_switches(motion: Motion, late: ca.SX | None = None) -> Switches:
     movers = ca.vertcat(motion.t, motion.q, motion.v, motion.u, reactions)
     found, rests, cones = conditions_in([known.h, *laws, *others], movers, motion.v, numbering,
                                         (known.stepped, _between_events(known)))
+    found = {sign_of(g, numbering): as_expression(g) for g in bends} | found
     found = found | {pair: g for pair, g in _kinks_of(motion, numbering).items() if pair not in found}
     aliases = _other_shapes(known, found, movers, numbering)
     if not found and not events.numel():

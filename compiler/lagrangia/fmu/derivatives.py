@@ -25,6 +25,7 @@ from lagrangia.compile.pipeline import Compilation
 from lagrangia.compile.told_positions import told_positions
 from lagrangia.constraints.parameters import all_parameters
 from lagrangia.dynamics.delaying import find_delaying
+from lagrangia.dynamics.impulses import bends_by_inputs
 from lagrangia.dynamics.joint_loads import settled
 from lagrangia.dynamics.switches import find_switches
 from lagrangia.fmu.factors import DEPENDENT, factor_kinds
@@ -78,7 +79,7 @@ def _equations(compilation: Compilation, outputs: tuple[str, ...],
     symbols, (a, y, place, steer) = state_space(kinematics, made, compilation.constraints, outputs)
     t, q, v, *given = symbols
     told = told_positions(kinematics)
-    switches = find_switches(motion, find_delaying(kinematics).values)
+    switches = find_switches(motion, find_delaying(kinematics).values, bends_by_inputs(kinematics))
     found = settled(motion, switches, {"held": switches.hold([a, y]), "switches": [switches.values, switches.rates]})
     (a, y), (_, rates) = found["held"], found["switches"]
     shares = ca.vertcat(switches.symbols, motion.impacts.impulses) if switches.symbols.numel() else ca.SX(0, 1)

@@ -58,7 +58,7 @@ class Beginning:
         """References of attitudes as parameters say, (attitudes, 4)."""
         if not self.turned.names:
             return np.zeros((0, 4))
-        modes = self.c.functions.table["modes"](self.scene.start, self.p).full().ravel()
+        modes = self.c.functions.table["modes"](self.scene.start, self.p, 0).full().ravel()
         return self.turned.declared(modes, self.scene.patterns["attitudes"][1::2])
 
     @property

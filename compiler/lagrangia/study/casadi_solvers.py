@@ -9,6 +9,7 @@ import math
 import time
 from array import array
 from collections.abc import Callable, Iterator, Sequence
+from itertools import pairwise
 from typing import Any
 
 import casadi as ca
@@ -110,11 +111,11 @@ class _Run:
     def _declared_modes(self) -> np.ndarray:
         """Modes at the start, where references of attitudes are as parameters say."""
         table = self.compilation.functions.table
-        return np.array(table["modes"](self.experiment.start, self.p)).ravel() if "modes" in table else np.zeros(0)
+        return np.array(table["modes"](self.experiment.start, self.p, 0)).ravel() if "modes" in table else np.zeros(0)
 
     def rows(self, progress: Progress, watch: Callable[[Progress], None] | None) -> Iterator[Sequence[float]]:
         begin = time.perf_counter()
-        corners = switching_times(self.compilation, self.experiment, self.p, self.values.input_times)
+        corners = switching_times(self.compilation, self.experiment, self.p, self.inputs)
         now = self.experiment.start
         for times in self.experiment.times():
             for target, wanted in segments(now, times, corners):
@@ -167,14 +168,13 @@ class _Run:
         if "modes" not in table:
             return ca.DM(0, 1)
         middle = 0.5 * (now + target)
-        found, (a, b) = np.array(table["modes"](middle, self.p)).ravel(), table["events"](self.p)
+        given = _given(self.compilation, self.inputs, middle)
+        found, (a, b) = np.array(table["modes"](middle, self.p, given)).ravel(), table["events"](self.p, given)
         lookups, kinds = self.compilation.functions.patterns["lookups"], self.compilation.functions.event_kinds
         for event, first in zip(lookups[::2], lookups[1::2], strict=True):
             piece = self.compilation.scene.tables[kinds[event] - 2].piece(float(a[event] + b[event] * middle))
             found[first : first + len(piece)] = piece
-        for first, piece in self.inputs.pieces_within(middle):
-            found[first : first + len(piece)] = piece
-        return ca.DM(found)
+        return ca.DM(np.where(given != 0, given, found))
 
     def _advance_noticing(self, now: float, target: float, wanted: list[float]) -> np.ndarray:
         """Ctrl-C within an integrator, which says then that the right-hand side has failed, stays Ctrl-C."""
@@ -248,26 +248,39 @@ class _Run:
 
 
 def switching_times(
-    compilation: Compilation, experiment: Experiment, p: np.ndarray, input_times: Sequence[float] = (0.0,)
+    compilation: Compilation, experiment: Experiment, p: np.ndarray, inputs: InputTable | None = None
 ) -> list[float]:
     """Times at which the equations jump or bend, inside the experiment; p are all parameters."""
     begin, end = experiment.start, experiment.stop
-    found = set(input_times) if len(input_times) > 1 else set()
-    table = compilation.functions.table
-    if "events" in table:
-        a, b = (np.array(x).ravel() for x in table["events"](p))
-        for offset, slope, kind in zip(a, b, compilation.functions.event_kinds, strict=True):
-            if slope == 0:
-                continue
-            if kind == 0:
-                found.add(-offset / slope)
-            elif kind > 1:
-                ends = sorted((offset + slope * begin, offset + slope * end))
-                found |= {(x - offset) / slope for x in compilation.scene.tables[kind - 2].between(*ends)}
-            else:
-                ends = sorted((offset + slope * begin, offset + slope * end))
-                found |= {(k - offset) / slope for k in range(math.ceil(ends[0]), math.floor(ends[1]) + 1)}
-    return sorted(t for t in found if begin < t < end)
+    rows = [float(t) for t in inputs.times if begin < t < end] if inputs is not None and len(inputs.times) > 1 else []
+    found, table = set(rows), compilation.functions.table
+    bounds = [begin, *sorted(found), end] if "pieces" in compilation.functions.patterns else [begin, end]
+    for first, last in pairwise(bounds) if "events" in table else []:
+        a, b = (np.array(x).ravel() for x in table["events"](p, _given(compilation, inputs, 0.5 * (first + last))))
+        found |= {t for t in _crossings(compilation, a, b, first, last) if first < t < last}
+    return sorted(found)
+
+
+def _given(compilation: Compilation, inputs: InputTable | None, middle: float) -> np.ndarray:
+    """Modes of which those are filled in that are pieces of inputs."""
+    found = np.zeros(len(compilation.kinematics.algebra.modes))
+    for first, piece in inputs.pieces_within(middle) if inputs is not None else []:
+        found[first : first + len(piece)] = piece
+    return found
+
+
+def _crossings(compilation: Compilation, a: np.ndarray, b: np.ndarray, begin: float, end: float) -> Iterator[float]:
+    """Where arguments a + b t of events cross what their kinds say, and perhaps beyond the ends."""
+    for offset, slope, kind in zip(a, b, compilation.functions.event_kinds, strict=True):
+        ends = sorted((offset + slope * begin, offset + slope * end))
+        if slope == 0 or not np.isfinite(offset):
+            continue
+        if kind == 0:
+            yield -offset / slope
+        elif kind > 1:
+            yield from ((x - offset) / slope for x in compilation.scene.tables[kind - 2].between(*ends))
+        else:
+            yield from ((k - offset) / slope for k in range(math.ceil(ends[0]), math.floor(ends[1]) + 1))
 
 
 def segments(now: float, times: list[float], corners: list[float]) -> Iterator[tuple[float, list[float]]]:
