@@ -182,7 +182,10 @@ class _Starts:
         self.lost_v = ca.vertcat(*[ca.SX.sym(c.rate_name) for c in self.lost])
         self.report = Report()
         self.sums = VanishingSums(kinematics)
-        self.moving = ca.vertcat(kinematics.algebra.state, kinematics.symbols.time)
+        symbols = kinematics.symbols
+        self.moving = ca.vertcat(kinematics.algebra.state, symbols.time)
+        self.state = ca.vertcat(*symbols.positions.values(), *symbols.rates.values())
+        self.accelerations = ca.vertcat(ca.SX(0, 1), *symbols.accelerations.values())
         # q in 0 .. n-1, v in n .. 2n-1
         self.values: list[Scalar] = [0.0] * (2 * self.n)
         self.fixed: dict[int, Span | None] = {}
@@ -238,8 +241,8 @@ class _Starts:
             return ()
         p, defaults = default_parameters(self.kinematics)
         guesses = ca.vertcat(*self.values[:kept], *self.values[self.n : self.n + kept])
-        slopes = ca.densify(ca.jacobian(ca.vertcat(*[x for x, _ in self.residuals]), self._state()))
-        (slopes,) = with_declared_inputs(self.kinematics, ca.substitute([slopes], [self._state()], [guesses]))
+        slopes = ca.densify(ca.jacobian(ca.vertcat(*[x for x, _ in self.residuals]), self.state))
+        (slopes,) = with_declared_inputs(self.kinematics, ca.substitute([slopes], [self.state], [guesses]))
         sizes = ca.evalf(ca.substitute(slopes, p, ca.SX(defaults))).full()
         named = [(f"'{name}'", x) for name, x in symbols.positions.items()]
         named += [(f"'der({name})'", x) for name, x in symbols.rates.items()]
@@ -269,7 +272,7 @@ class _Starts:
                 self.residuals.append((told - read, span))
                 if self._freedom(slot) == FREE:
                     guesses = self.values[:kept] + self.values[self.n : self.n + kept]
-                    known = ca.substitute([read], [self._state()], [ca.vertcat(*guesses)])
+                    known = ca.substitute([read], [self.state], [ca.vertcat(*guesses)])
                     (self.values[slot],) = with_declared_inputs(self.kinematics, known)
 
     def _rest(self, span: Span) -> None:
@@ -333,15 +336,14 @@ class _Starts:
 
     def _gap(self, gap: ca.SX, span: Span) -> None:
         """Of a side of an equation from the other."""
-        accelerations = ca.vertcat(ca.SX(0, 1), *self.kinematics.symbols.accelerations.values())
         if ca.depends_on(gap, input_symbols(self.kinematics)) and not self.kinematics.graph.model.moving_inputs:
             self.report.error("L0904", "not supported yet: an input in an initial equation", span,
                               "name a parameter: the value of an input is known when the run begins")
             return
-        if ca.depends_on(gap, accelerations):
+        if ca.depends_on(gap, self.accelerations):
             self.steady.append((self._at_start(gap), span))
             return
-        if not ca.depends_on(gap, self._state()):
+        if not ca.depends_on(gap, self.state):
             self.report.error("L0603", "this initial equation says nothing about positions or velocities", span,
                               "name a coordinate, its rate or a place: hinge.phi = 0.5; der(hinge.phi) = 2;")
         self.residuals.append((self._at_start(gap), span))
@@ -372,10 +374,6 @@ class _Starts:
         variable = self.kinematics.graph.model.variables[name]
         of = rate_of(variable)
         return [self.n + self.number[of]] if of in self.number else None
-
-    def _state(self) -> ca.SX:
-        symbols = self.kinematics.symbols
-        return ca.vertcat(*symbols.positions.values(), *symbols.rates.values())
 
     def _moves(self, value: Value) -> bool:
         return isinstance(value, ca.SX) and ca.depends_on(value, self.moving)
