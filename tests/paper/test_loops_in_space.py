@@ -41,3 +41,17 @@ def test_a_four_bar_in_a_tilted_plane_is_written_in_space(tmp_path: Path) -> Non
 def test_angles_of_a_ball_joint_that_closes_a_loop_are_refused(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["equations", "--angles", "zxz", str(EXAMPLES / "spatial_four_bar.lag")]) == WRONG
     assert "equations by angles of a loop that a ball joint closes ('far.S')" in capsys.readouterr().err
+
+
+def test_a_loop_that_lies_in_a_plane_is_written_without_ones(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Axes along z were met by axes across them in decimals, whose squares add up to 1 by rounding: - 1 sin(...)."""
+    scene = tmp_path / "four.lag"
+    scene.write_text("""model Four
+      World world(gravity = {0, -9.81, 3});
+      Revolute O(a = world, phi(start = 40[deg], fixed = true)), C(a = shift(world, {1, 0}), phi(start = 75[deg]));
+      Revolute A(a = crank.b), B(a = coupler.b, b = rocker.b);
+      Bar crank(m = 1, L = 0.4, a = O.b), coupler(m = 2, L = 1, a = A.b), rocker(m = 1.5, L = 0.8, a = C.b);
+    end Four;""")
+    assert main(["equations", str(scene)]) == 0
+    told = capsys.readouterr().out
+    assert "Φ₃ = − sin(φ_O − φ_C + φ_A + φ_B) = 0" in told and "1 λ₃" not in told

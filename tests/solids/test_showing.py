@@ -113,3 +113,16 @@ def test_what_floats_without_weight_is_drawn_and_turns_as_it_does() -> None:
     same = np.abs(np.sum(hull.poses[:, 3:] * turned, axis=1))
     assert np.abs(same - 1).max() < 1e-14 and np.ptp(turned, axis=0).max() > 0.1
     assert (stage.up == [0, 0, 1]).all() and "<circle" in model.draw()
+
+
+def test_what_turns_unseen_between_two_pictures_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """500 rows of 60 s of a wheel at 100 rad/s are 1.9 turns apart: a page or a .glb shows another turn."""
+    scene = tmp_path / "wheel.lag"
+    scene.write_text("""model Wheel
+      World world(gravity = {0, 0, -9.81});
+      Revolute spin(a = world, axis = {1, 0, 0}, w(start = 100)); Disc wheel(m = 1, r = 0.1, center = spin.b);
+      Revolute tip(a = spin.b, axis = {0, 1, 0}); Body rod(m = 1, I = {1, 1, 2}, center = tip.b);
+    end Wheel;""")
+    for stop, is_told in (("60", True), ("1", False)):
+        assert main(["animate", str(scene), "--stop", stop, "-o", str(tmp_path / "wheel.glb")]) == 0
+        assert ("turns from one picture to the next" in capsys.readouterr().err) == is_told

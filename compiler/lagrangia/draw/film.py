@@ -153,7 +153,24 @@ def frames_of(runs: Sequence[Trajectory], note: Callable[[str], None] | None) ->
     most = max(_FEWEST_FRAMES, min(MOST_FRAMES, _MOST_NUMBERS // max(1, moving)))
     if len(runs[0].rows) > most and note is not None:
         note(f"{most} of {len(runs[0].rows)} rows are shown: all would make the file too large")
+    if note is not None and (said := _turned_unseen(runs[0], most)):
+        note(said)
     return most
+
+
+def _turned_unseen(run: Trajectory, most: int) -> str:
+    """That something turns by more than half a turn from one of so many pictures to the next, so that they show another turn."""
+    count = min(len(run.rows), most)
+    if count < 2:
+        return ""
+    apart = float(run.time[-1] - run.time[0]) / (count - 1)
+    rates = [rate.name for rate in run.scene.rates if rate.unit == "rad/s" and rate.name not in run.scene.hidden]
+    turns = {name: apart * float(np.abs(run[name]).max()) / (2 * np.pi) for name in rates}
+    fastest = max(turns, key=lambda name: turns[name], default="")
+    if not fastest or turns[fastest] <= 0.5:
+        return ""
+    return (f"{fastest} is up to {turns[fastest]:.3g} turns from one picture to the next, which do not tell how it turns: a "
+            "smaller --interval or an earlier --stop does")
 
 
 def curves_of(run: Trajectory, names: Sequence[str]) -> list[Curve]:

@@ -19,6 +19,7 @@ Source: O. Bottema, B. Roth, Theoretical Kinematics (1979), chapter VI.
 
 from collections.abc import Sequence
 from dataclasses import replace
+from numbers import Real
 
 from lagrangia.algebra.duals import Algebra, Dual, Scalar, base_of, dot, is_zero, minus, rate_of, times, value_of
 from lagrangia.base.records import dataclass
@@ -104,11 +105,11 @@ def turned_too_far(a: Quaternion, b: Quaternion, kept: Kept, algebra: Algebra) -
 def triad(axis: Sequence[Scalar], algebra: Algebra) -> Matrix:
     """Three axes across each other, by rows, the last one along an axis of length 1."""
     along = [k for k, x in enumerate(axis) if not is_zero(x)]
-    if len(along) == 1 and isinstance(axis[along[0]], float | int):
-        k, side = along[0], float(axis[along[0]])
+    if len(along) == 1 and isinstance(axis[along[0]], Real):
+        k, side = along[0], axis[along[0]]
         return UNIT[(k + 1) % 3], tuple(times(side, x) for x in UNIT[(k + 2) % 3]), tuple(axis)
-    sizes = [abs(x) if isinstance(x, float | int) else 0.5 for x in axis]
-    any_known = any(isinstance(x, float | int) for x in axis)
+    sizes = [abs(float(x)) if isinstance(x, Real) else 0.5 for x in axis]
+    any_known = any(isinstance(x, Real) for x in axis)
     across = cross(axis, UNIT[sizes.index(min(sizes))] if any_known else _LIKE_NO_AXIS)
     length = algebra.call("sqrt", dot(across, across))
     first = tuple(0.0 if is_zero(x) else x / length for x in across)
