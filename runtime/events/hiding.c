@@ -64,7 +64,7 @@ int lag_hiding_places(LagRun *run, double *places)
         for (int i = first; i < n; ++i)
             for (int turns = 0; turns < 2 && found < LAG_HIDDEN; ++turns) {
                 const double *all = turns ? s->pace : s->g;
-                if (!(all[old + i] * all[new + i] < 0))
+                if ((all[old + i] < 0) == (all[new + i] < 0)) /* which may be 0 at a look itself */
                     continue;
                 const double place = close_in(run, i, (k - 1.0) / LOOKS, (double)k / LOOKS, turns, all[old + i]);
                 for (int side = 0; side < (turns ? 3 : 1) && found < LAG_HIDDEN; ++side) /* paces look ahead: it turns in between */

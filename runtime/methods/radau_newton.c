@@ -34,7 +34,8 @@ int lag_radau_most_iterations(const LagRadauTableau *tableau)
 
 double lag_radau_unit(const LagRadau *s, const LagMotion *m, const LagScale *scale, int i, const double *y_new)
 {
-    const double resolution = TIME_ROUNDING * fabs(m->t) / s->trial.h * fabs(y_new[i] - m->y[i]);
+    const double change = fabs(y_new[i] - m->y[i]);
+    const double resolution = change > LAG_SCALE_NOTHING ? TIME_ROUNDING * fabs(m->t) / s->trial.h * change : 0;
     return fmax(lag_scale_unit(scale, i, m->y, y_new), resolution);
 }
 

@@ -28,9 +28,11 @@ static double miss_of(const LagRun *run, double h, int i)
     return fabs(*lag_taylor_jet(model, s->old_jets, place) - slope);
 }
 
-static double unit_of(const LagRun *run, int i)
+/* Of rate i, in a step of length h: where nothing of its kind has moved yet, by what the accelerations at its end would make. */
+static double unit_of(const LagRun *run, double h, int i)
 {
-    return lag_scale_unit(&run->scale, run->motion.n + i, run->motion.y, run->motion.other);
+    const double unit = lag_scale_unit(&run->scale, run->motion.n + i, run->motion.y, run->motion.other);
+    return unit > 0 ? unit : run->scale.tolerance * h * largest_like(run, i);
 }
 
 /* How far the accelerations at the end of the step are from the slope of the series there, in units of rates, which are
@@ -39,7 +41,7 @@ static double gap(LagRun *run, double h, double share)
 {
     double largest = 0;
     for (int i = 0; i < run->motion.n; ++i) {
-        const double unit = unit_of(run, i), miss = miss_of(run, h, i);
+        const double unit = unit_of(run, h, i), miss = miss_of(run, h, i);
         if (unit > 0 && miss / unit > largest && (miss / unit * share <= WRONG || miss > LAG_TAYLOR_ROUNDING * largest_like(run, i)))
             largest = miss / unit;
     }
@@ -51,7 +53,7 @@ static int jumps(const LagRun *run, double h, double share)
 {
     for (int i = 0; i < run->motion.n; ++i) {
         const double miss = miss_of(run, h, i);
-        if (miss * share > WRONG * unit_of(run, i) && miss > JUMP * largest_like(run, i))
+        if (miss * share > WRONG * unit_of(run, h, i) && miss > JUMP * largest_like(run, i))
             return 1;
     }
     return 0;

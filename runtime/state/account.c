@@ -78,6 +78,20 @@ static double rounding_of_loads(LagRun *run, double t, const double *y)
     return DBL_EPSILON * fabs(energies[KINETIC]);
 }
 
+/* The kinetic energy of the largest rates so far: between looks energies may have come and gone, as in a pulse both ways, and of what
+ * stands still on a support that moves they cancel. Loops have rates at dead points that are none elsewhere. */
+static double energy_of_rates(LagRun *run, double t, const double *y)
+{
+    const int n = run->model->n;
+    double *moved = run->motion.point, energies[3] = {0, 0, 0};
+    if (run->model->n_multipliers > 0)
+        return 0;
+    memcpy(moved, y, (size_t)n * sizeof *moved);
+    memcpy(moved + n, run->scale.largest + n, (size_t)n * sizeof *moved);
+    lag_energies(run, t, moved, energies);
+    return isfinite(energies[KINETIC]) ? energies[KINETIC] : 0;
+}
+
 /* The miss that the tolerance explains, and rounding: each step may add a part of it. */
 static double explained(const LagRun *run)
 {
@@ -92,6 +106,8 @@ static double explained(const LagRun *run)
 /* Whether such a miss is more than what explains it. */
 static int is_unexplained(LagRun *run, double t, const double *y, double miss)
 {
+    if (miss > explained(run))
+        run->statistics.energy_stored = lag_max(energy_of_rates(run, t, y), run->statistics.energy_stored);
     const double left = miss - explained(run);
     return left > 0 && left > NOISES * rounding_of(run, t, y) && left > NOISES * rounding_of_loads(run, t, y);
 }
@@ -165,7 +181,9 @@ static void keep(LagRun *run, double total)
 void lag_account_glance(LagRun *run)
 {
     const Seen now = look(run);
-    const double seen = run->motion.looseness * now.largest;
+    if (run->carried_energy > 0)
+        run->carried_energy = lag_max(energy_of_rates(run, run->motion.t, run->motion.y), run->carried_energy);
+    const double seen = run->motion.looseness * lag_max(run->carried_energy, now.largest);
     keep(run, now.total);
     if (run->motion.energy > 0)
         run->motion.energy = lag_max(run->motion.energy, seen);

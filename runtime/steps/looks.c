@@ -145,25 +145,45 @@ static Narrow close_in(LagRun *run, int i, double low, double high, int turns)
     return (Narrow){x, width, turns && width > 0 ? flank_about(run, i, x, width) : width};
 }
 
-/* Accelerations at a place of the step, into a row of `seen`. */
+/* Accelerations and powers, of which there are so many. */
+static int seen_of(const LagMotion *m) { return m->size - m->n; }
+
+/* These at a place of the step, into a row of `seen`. */
 static int see(LagRun *run, double x, int row)
 {
     LagMotion *m = &run->motion;
     LagLooks *s = &run->looks;
     const double t = place(run, x);
+    const int count = seen_of(m);
     if (!lag_motion_slope(m, t, s->state, s->state + m->n, s->slope))
         return 0;
-    memcpy(s->seen + (size_t)(row * m->n), s->slope + m->n, (size_t)m->n * sizeof *s->seen);
+    memcpy(s->seen + (size_t)(row * count), s->slope + m->n, (size_t)count * sizeof *s->seen);
     return 1;
 }
 
-/* By how many units of error a step errs that misses so much of accelerations for so long. */
+/* The largest that was seen of accelerations of the kind of i, or of powers. */
+static double largest_seen(const LagRun *run, int i)
+{
+    const int n = run->motion.n, count = seen_of(&run->motion), *kind = run->scale.kind;
+    double largest = 0;
+    for (int row = 0; row < LAG_SIGHTS; ++row)
+        for (int k = i < n ? 0 : n; k < (i < n ? n : count); ++k)
+            if (i >= n || kind[k] == kind[i])
+                largest = lag_max(fabs(run->looks.seen[row * count + k]), largest);
+    return largest;
+}
+
+/* By how many units of error a step errs that misses so much of what i accelerates, or gives, for so long; where nothing of its kind has
+ * moved yet, in units of what was seen of it. */
 static double weigh(const LagRun *run, int i, double missed, double moment)
 {
     const LagMotion *m = &run->motion;
+    const LagScale *scale = &run->scale;
     const double h = m->t - m->t_old, change = fabs(missed) * moment;
-    const double rate = lag_scale_unit(&run->scale, m->n + i, m->other, m->y), way = lag_scale_unit(&run->scale, i, m->other, m->y);
-    return lag_max(rate > 0 ? change / rate : 0, way > 0 ? change * h / way : 0);
+    const double known = i < m->n ? lag_scale_unit(scale, m->n + i, m->other, m->y) : scale->tolerance * m->energy;
+    const double way = i < m->n ? lag_scale_unit(scale, i, m->other, m->y) : 0;
+    const double unit = known > 0 ? known : scale->tolerance * moment * largest_seen(run, i);
+    return lag_max(unit > 0 ? change / unit : 0, way > 0 ? change * h / way : 0);
 }
 
 /* What a cubic through accelerations three and six widths away on both sides does not tell, in the middle and beside it. */
@@ -171,22 +191,22 @@ static double bump(LagRun *run, Narrow at)
 {
     static const double AT[LAG_SIGHTS] = {-6, -3, 3, 6, 0, -0.8, 0.8};
     const LagLooks *s = &run->looks;
-    const int n = run->motion.n;
+    const int count = seen_of(&run->motion);
     const double h = run->motion.t - run->motion.t_old;
     double most = 0;
     for (int k = 0; k < LAG_SIGHTS; ++k)
         if (!see(run, at.x + AT[k] * at.width, k))
             return 0;
     for (int k = AROUND; k < LAG_SIGHTS; ++k)
-        for (int i = 0; i < n; ++i) {
+        for (int i = 0; i < count; ++i) {
             double told = 0;
             for (int j = 0; j < AROUND; ++j) {
                 double share = 1;
                 for (int l = 0; l < AROUND; ++l)
                     share *= l == j ? 1 : (AT[k] - AT[l]) / (AT[j] - AT[l]);
-                told += share * s->seen[j * n + i];
+                told += share * s->seen[j * count + i];
             }
-            most = lag_max(weigh(run, i, s->seen[k * n + i] - told, at.width * h), most);
+            most = lag_max(weigh(run, i, s->seen[k * count + i] - told, at.width * h), most);
         }
     return most;
 }
@@ -196,16 +216,16 @@ static double edge(LagRun *run, Narrow at)
 {
     static const double WEIGHT[LAG_SIGHTS] = {1, -6, 15, -20, 15, -6, 1};
     const LagLooks *s = &run->looks;
-    const int n = run->motion.n;
+    const int count = seen_of(&run->motion);
     const double way = (at.x > 0 ? -APART : APART) * at.width, h = run->motion.t - run->motion.t_old;
     double most = 0;
     for (int k = 0; k < LAG_SIGHTS; ++k)
         if (!see(run, at.x + k * way, k))
             return 0;
-    for (int i = 0; i < n; ++i) {
+    for (int i = 0; i < count; ++i) {
         double missed = 0;
         for (int k = 0; k < LAG_SIGHTS; ++k)
-            missed += WEIGHT[k] * s->seen[k * n + i];
+            missed += WEIGHT[k] * s->seen[k * count + i];
         most = lag_max(weigh(run, i, missed, at.width * h), most);
     }
     return most;
@@ -240,7 +260,7 @@ static Narrow find(LagRun *run, int i)
     for (int k = 0; k < LAG_LOOKS; ++k)
         for (int turns = 0; turns < 2; ++turns) {
             const double *all = (turns ? s->pace : s->g) + (size_t)(k * count + i);
-            if (!(all[0] * all[count] < 0))
+            if ((all[0] < 0) == (all[count] < 0)) /* which may be 0 at a look itself, as in the middle of a run */
                 continue;
             at = close_in(run, i, (double)k / LAG_LOOKS, (k + 1.0) / LAG_LOOKS, turns);
             if (is_passed_over(run, at))

@@ -71,7 +71,7 @@ static double find_slowness(LagRun *run, double longest, int may_bend)
     const double moment = lag_time_resolution(run->motion.t), slowness = lag_slowness(&run->motion, &run->scale, longest, may_bend ? 1 : 0);
     if (!may_bend || slowness > BLURRED * moment)
         return slowness;
-    lag_onset_blur(&run->motion, &run->scale, moment);
+    lag_onset_blur(&run->motion, &run->scale, BLURRED * moment);
     return lag_slowness(&run->motion, &run->scale, longest, 1);
 }
 

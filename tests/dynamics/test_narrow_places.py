@@ -1,6 +1,7 @@
 """Smooth bumps and steps of forces that are much narrower than steps, against closed forms."""
 
 import math
+import warnings
 from collections.abc import Callable
 
 import numpy as np
@@ -221,3 +222,26 @@ def test_conditions_of_time_are_met_however_short_they_hold(condition: str, last
     equation when {condition} then n = pre(n) + 1; end when; end M;""").simulate(stop=2, solver=solver)
     assert run["n"][-1] == count
     assert run["der(b.s)"][-1] == pytest.approx(lasts, rel=1e-6)
+
+
+PULSES = {  # of a load, in N, on 1 kg at rest: where it is after 3 s
+    "a step in the middle of the run": ("5*(1 + tanh(20*(T - 1.5)))", 11.25 + math.pi**2 / 960),
+    "a bump in the middle of the run": ("10*(1 - tanh(20*(T - 1.5))^2)", 1.5),
+    "both ways": ("10*tanh(20*(T - 1.5))*(1 - tanh(20*(T - 1.5))^2)", -0.025),
+    "on and off": ("10*(tanh(1000*(T - 1)) - tanh(1000*(T - 1.02)))", 0.796),
+    "out of the range of numbers": ("10*exp(-(20*(T - 1.5))^2)", 0.75 * math.sqrt(math.pi)),
+    "within two corners": ("10*max(0, 1 - (20*(T - 1.5))^2)", 1.0),
+}
+
+
+@pytest.mark.parametrize(("load", "right"), PULSES.values(), ids=PULSES)
+def test_no_step_from_rest_passes_over_a_pulse(load: str, right: float) -> None:
+    """Nothing has a size yet, and the pulse lies where steps are looked at: it was passed over untold (0 for 1.5 m, 10.995 for
+    11.26 m, 0 for 0.796 m by all methods), ended implicit runs at 1e-304 N, and what came and went left the account no size."""
+    free = lagrangia.loads(f"""model Pulse World world(gravity = {{0, 0}}); Block b(m = 1, base = world); Real T = time/1[s];
+      AppliedForce f(at = b.center, force = {{1[N]*{load}, 0}}); end Pulse;""")
+    with warnings.catch_warnings(action="error"):
+        for solver in ("auto", "erk", "erk5", "erk9", "pirk", "taylor", "adams", "implicit"):
+            for tolerance in (1e-3, 1e-6, 1e-9):
+                found = free.simulate(solver=solver, tolerance=tolerance, at=[3.0])["b.s"][-1]
+                assert found == pytest.approx(right, abs=30 * tolerance), (solver, tolerance)

@@ -106,7 +106,9 @@ def find_narrow_places(motion: Motion, switches: Switches) -> ca.SX:
     rest = symbols_in(motion.a)
     if known.felt is not None:
         rest = rest | symbols_in(known.felt.reactions)
-    return _find(switches.hold([known.h]), ca.vertcat(motion.t, motion.q, motion.v), symbols_in(motion.v), rest)
+    powers = [known.dissipated_power, known.source_power]  # which alone tell of what moves nothing but its support
+    acting = switches.hold([known.h, *powers])
+    return _find(acting, ca.vertcat(motion.t, motion.q, motion.v), symbols_in(motion.v), rest)
 
 
 def find_hiding_places(motion: Motion, switches: Switches) -> ca.SX:
