@@ -10,29 +10,51 @@ from lagrangia.run.simulate import Progress
 
 GUESS, FIXED, FREE, LOOSE = range(4)  # LAG_START_... of runtime/model/model.h
 _MOVED = 1e-3  # less is taken for the rounding of a start value
+_FAR = 0.16  # of it, or rad: loops are drawn roughly
+_FAST, _DRIVEN = 1e6, 1e2  # times what was stated: rates near a dead point; where a place gave way to it
 _ROUNDING = 1e-14  # m or rad
 
 
 def moved_starts(scene: Scene, progress: Progress, values: Values, row: Sequence[float]) -> Iterator[str]:
     """Of the first `row` (t, q, v, y): starts that were stated and do not hold, and where no equation is of places, those that
     nobody stated and that moved."""
-    if not (scene.sizes["n_initial"] and len(row) and row[0] == progress.experiment.start) or scene.notes["loops"]:
+    if not (scene.sizes["n_initial"] and len(row) and row[0] == progress.experiment.start):
         return
     guess = [part[: scene.n] for part in evaluate(scene.tapes["start"], progress.parameters)]
     kinds = [*scene.fixed[: scene.n], *scene.fixed[len(scene.fixed) // 2 :][: scene.n]]
     begun = row[1 : 1 + 2 * scene.n]
     stated = zip((*scene.coordinates, *scene.rates), kinds, [*guess[0], *guess[1]], (*values.q, *values.v), begun, strict=True)
+    gave_way = False
     for k, (column, kind, wanted, given, value) in enumerate(stated):
-        if kind == GUESS or (kind == FREE and k < scene.n and not scene.sizes["n_initial_positions"]):
+        if kind == GUESS and scene.notes["loops"]:
+            moved = [*_moved(column, wanted, given, value, _FAR)]
+            gave_way |= bool(moved) and k < scene.n
+            yield from moved
+        elif kind == GUESS or (kind == FREE and k < scene.n and not scene.sizes["n_initial_positions"]):
             yield from _moved(column, wanted, given, value)
+    yield from _driven(scene, guess[1], values, row, _DRIVEN if gave_way else _FAST)
+    if scene.notes["loops"]:
+        return
     yield from _lost(scene, progress, values, row)
     yield from _balanced(scene, values, row)
 
 
-def _moved(column: Column, wanted: float, given: float, value: float) -> Iterator[str]:
-    if math.isnan(given) and abs(value - wanted) > max(_MOVED * max(abs(value), abs(wanted)), _ROUNDING):
+def _moved(column: Column, wanted: float, given: float, value: float, part: float = _MOVED) -> Iterator[str]:
+    size = 1.0 if part == _FAR and column.unit == "rad" else max(abs(value), abs(wanted))
+    if math.isnan(given) and abs(value - wanted) > max(part * size, _ROUNDING):
         yield (f"{column.name} begins at {quantity(value, column.unit)}, not at {quantity(wanted, column.unit)}: the "
                "equations ask for it")
+
+
+def _driven(scene: Scene, guess: Sequence[float], values: Values, row: Sequence[float], most_driven: float) -> Iterator[str]:
+    """Rates that others drive so near to a dead point that digits of the positions decide them."""
+    stated = [wanted if math.isnan(given) else given for wanted, given in zip(guess, values.v, strict=True)]
+    most = max(map(abs, stated), default=0.0)
+    rates = zip(scene.rates, row[1 + scene.n : 1 + 2 * scene.n], strict=True)
+    driven = [f"{x.name} at {quantity(value, x.unit)}" for x, value in rates if most and abs(value) > most_driven * most]
+    if driven:
+        yield (f"near a dead point rates that are stated drive others: {', '.join(driven[:4])}; digits of the positions "
+               "decide them, so begin at that point, or state these rates instead")
 
 
 def _lost(scene: Scene, progress: Progress, values: Values, row: Sequence[float]) -> Iterator[str]:
