@@ -60,6 +60,7 @@ VALUES = {
     "sum(w[i, j]*u[j] for i, j)": 46.0, "sum(v[e] for e in E.b:E.c) + sum(v[E.a:E.b])": 8.0,
     "sum(if e == E.b then 3 else Integer(e) for e in E)": 7.0, "sum(t[c] for c in Boolean) + t[true]": 5.0,
     "sum(sum(u[j] for j in pick[i, :]) for i in 1:2)": 7.0, "Integer(E(3))": 3.0, "sum(v[{E.a, E.c}])": 4.0,
+    "v[E(3)] + v[if size(u, 1) > 2 then E.b else E.a]": 5.0,
     "sum(square(w))": 91.0, "sum(weighed(u, {1, 2}))": 18.0, "later(u)": 6.0, "all_of(r)": 9.0,
     "by_name({1, 2, 4})": 9.0,
     "parts({S({R(i), R(2)}) for i in 1:4})": 42.0, "chosen(E.a) + chosen(E.b) + chosen(E.b, \"y\")": 24.0,

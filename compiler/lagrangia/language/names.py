@@ -479,8 +479,8 @@ class Names(Calls):
             return subscripts_of(self._values(node, scope), node.span)
         if isinstance(node, Reference | Comprehension) and isinstance(picked := self.flatten(node, scope), Array):
             return subscripts_of(picked.items, node.span)
-        if isinstance(node, Reference | Boolean) and (ordinal := ordinal_of(self.flatten(node, scope))) is not None:
-            return ordinal
+        if isinstance(node, Reference | Boolean | Call | IfExpression) and (k := ordinal_of(self.flatten(node, scope))):
+            return k
         return self.integer(node, scope, "a subscript")
 
 
