@@ -32,7 +32,7 @@ def states(file: str, structural: Mapping[str, int]) -> tuple[Mapping[str, ca.Fu
     closed = [np.array([run[c.name][-1] for c in columns]) for columns in (scene.coordinates, scene.rates)]
     beside = [x * (1 + 1e-5 * np.cos(1.0 + np.arange(scene.n))) for x in closed]
     p = model.parameter_values()
-    rest = [ca.DM.zeros(len(scene.inputs)), table["modes"](time, p) if "modes" in table else ca.DM(0, 1), table["hoist"](p)]
+    rest = [ca.DM.zeros(len(scene.inputs)), table["modes"](time, p, 0) if "modes" in table else ca.DM(0, 1), table["hoist"](p)]
     return table, [time, *rest], closed, beside
 
 

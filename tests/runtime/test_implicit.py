@@ -230,7 +230,7 @@ def test_the_matrix_of_a_step_is_that_of_the_accelerations(file: str, n: int) ->
     run = model.simulate(at=[0.31])
     q, v = ([run[c.name][-1] for c in columns] for columns in (scene.coordinates, scene.rates))
     p = model.parameter_values()
-    c, d = table["hoist"](p), table["modes"](0.31, p) if "modes" in table else ca.DM(0, 1)
+    c, d = table["hoist"](p), table["modes"](0.31, p, 0) if "modes" in table else ca.DM(0, 1)
     u = ca.DM.zeros(len(scene.inputs))
     a, _, multipliers = table["rhs"](0.31, q, v, u, d, c)
     parts = matrices(scene, table, [0.31, q, v, a, multipliers, u, d, c])
