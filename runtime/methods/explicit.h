@@ -32,6 +32,7 @@ typedef struct {
     double *unit;            /* 2 n: of long states */
     int first_slope_is_last; /* the slope at the end of the step before is slope 0 of the next one */
     int dense_ready;
+    int has_other_stages;    /* those of a shorter step, which looked into the latest one */
 } LagExplicit;
 
 extern const LagTableau lag_verner9_tableau, lag_dop853_tableau;

@@ -125,7 +125,7 @@ static void show(void *self, int lane, LagRun *run, LagShown shown)
     for (int i = 0; i <= s->tableau->stages; ++i)
         lag_wide_take(s->k[i], lane, own->k[i], s->lanes.size);
     own->first_slope_is_last = 1;
-    own->dense_ready = 0;
+    own->dense_ready = own->has_other_stages = 0;
     run->motion.lacks_slopes = 0;
 }
 

@@ -1,6 +1,6 @@
-/* A step is looked at in parts, each at five places. A part is halved where positions do not follow there from the rates at these places
- * (exact solvers go over many periods in one step; in a step of another that went wrong they may do so nowhere), and where a parabola
- * through three values of a guard does not tell of the others, or may dip below 0 between them.
+/* A step is looked at in parts, each at five places, unless cubics through its ends tell that all guards are far. A part is halved where
+ * positions do not follow there from the rates at these places (exact solvers go over many periods in one step; in a step of another
+ * that went wrong they may do so nowhere), and where five values of a guard do not tell what it is between them.
  */
 #include "run/guards.h"
 
@@ -13,14 +13,16 @@
 #include "model/function.h"
 #include "model/schedule.h"
 #include "numbers/extremes.h"
+#include "run/guard_values.h"
 #include "state/attitudes.h"
 #include "state/holds.h"
 #include "state/inside.h"
 #include "state/state.h"
 
-enum { PLACES = 5, MOST_ITERATIONS = 100, PATIENCE = 5, ROUNDINGS = 256 };
+enum { PLACES = LAG_GUARD_VALUES, MOST_ITERATIONS = 100, PATIENCE = 5, ROUNDINGS = 256 };
 static const double LEAST = 1.0 / (1 << 24), NARROWEST = 1.0 / 1024; /* of a step that is exact; of others, and of what motions ask for */
-static const double ROUGH = 0.05, SMOOTH = 0.01;
+static const double SMOOTH = 0.01;
+static const double DOUBT = 4; /* errors of a glimpse into a step */
 static const double SHARE = 1; /* of a tolerance, by which states may be off: what is no farther beyond is not so for sure */
 
 typedef struct {
@@ -221,6 +223,68 @@ static void sample(LagRun *run, Part part, int k)
     lag_attitudes_turn_slope(&run->motion, state(run, k), state(run, k) + run->model->n);
 }
 
+/* Whether a glimpse may tell of guards in the latest step: they are of the state alone, and nothing jumps or is held. */
+static int is_plain(const LagRun *run)
+{
+    const LagMotion *m = &run->motion;
+    const int is_struck = m->t == run->impacts.struck || m->t_old == run->impacts.struck;
+    return run->methods.table->glimpse && !run->model->guards_need_acceleration && run->model->n_delays == 0 && !run->switches.is_live
+        && run->sliding.count == 0 && !run->rests && !run->segment_over && !is_struck && m->t == m->t_end;
+}
+
+/* Guards at five places of a glimpse, and how far states may be off; 0: it cannot be had. */
+static int glimpse(LagRun *run)
+{
+    LagGuards *s = &run->guards;
+    for (int k = 0; k < PLACES; ++k) {
+        const double x = share_of((Part){0, 1}, k);
+        if (!run->methods.table->glimpse(run->methods.self, &run->motion, x, s->state, k < PLACES - 1 ? NULL : s->error))
+            return 0;
+        look_at(run, time_at(run, x), s->state, s->found);
+        if (!lag_all_finite(s->found, run->model->n_guards))
+            return 0;
+        memcpy(place(run, k), s->found, (size_t)run->model->n_guards * sizeof(double));
+    }
+    for (int i = 0; i < 2 * run->model->n; ++i)
+        s->error[i] *= DOUBT;
+    return 1;
+}
+
+/* Guard i at the five places. */
+static void values_of(const LagRun *run, int i, double *g)
+{
+    for (int k = 0; k < PLACES; ++k)
+        g[k] = place(run, k)[i];
+}
+
+/* Whether guard i is farther off than it changes between five places, and by errors of the states; or asks for nothing more. */
+static int is_far(const LagRun *run, int i, double change)
+{
+    double g[PLACES];
+    values_of(run, i, g);
+    return lag_guard_values_are_far(g, change) || is_of_parameters(run->model, i) || !(may_break(run, i) || kind_of(run->model, i) == LAG_GUARD_END);
+}
+
+/* Whether no guard is met in the latest step by far, as its ends and stages tell without further evaluations. */
+static int are_far(LagRun *run)
+{
+    LagGuards *s = &run->guards;
+    if (!is_plain(run) || !glimpse(run))
+        return 0;
+    for (int pattern = 0; pattern < lag_conditions_patterns(2 * run->model->n); ++pattern) {
+        lag_conditions_disturb(run, s->state, s->error, pattern, s->beside);
+        look_at(run, run->motion.t, s->beside, s->other);
+        for (int i = 0; i < run->model->n_guards; ++i)
+            if (!is_far(run, i, fabs(s->other[i] - s->found[i])))
+                return 0;
+    }
+    for (int i = 0; i < run->model->n_guards; ++i) {
+        s->passed[i] = NAN;
+        arm(s, i, INSIDE);
+    }
+    return 1;
+}
+
 /* The next part begins where this one ends. */
 static void go_on(LagRun *run)
 {
@@ -248,31 +312,14 @@ static int is_motion_told(const LagRun *run, Part part)
     return 1;
 }
 
-/* Whether the parabola through three neighbours, which tells what is between them to `rough`, dips below 0 there, and none of them
- * does. */
-static int dips(double a, double b, double c, double rough)
-{
-    const double slope = c - a, bend = a - 2 * b + c;
-    return a >= 0 && b >= 0 && c >= 0 && fabs(slope) <= 2 * bend && b - slope * slope / (8 * bend) < rough;
-}
-
 /* Whether five places of a part tell of guard i between them. */
 static int is_told(LagRun *run, Part part, int i)
 {
-    double g[PLACES], least = INFINITY, most = -INFINITY;
-    for (int k = 0; k < PLACES; ++k) {
-        g[k] = place(run, k)[i];
-        least = fmin(g[k], least);
-        most = fmax(g[k], most);
-    }
-    if (!may_break(run, i) || least > most - least)
+    double g[PLACES];
+    values_of(run, i, g);
+    if (!may_break(run, i) || lag_guard_values_are_far(g, 0) || lag_guard_values_are_smooth(g))
         return 1;
-    const double left = (3 * g[0] + 6 * g[2] - g[4]) / 8 - g[1], right = (-g[0] + 6 * g[2] + 3 * g[4]) / 8 - g[3];
-    const double rough = ROUGH * (most - least);
-    const int is_smooth = fmax(fabs(left), fabs(right)) <= rough;
-    if (is_smooth && !dips(g[0], g[1], g[2], rough) && !dips(g[1], g[2], g[3], rough) && !dips(g[2], g[3], g[4], rough))
-        return 1;
-    return most - least <= unsure(run, time_at(run, part.high), i); /* rounding */
+    return lag_guard_values_change(g) <= unsure(run, time_at(run, part.high), i); /* rounding */
 }
 
 static int are_told(LagRun *run, Part part)
@@ -373,6 +420,8 @@ void lag_guards_watch(LagRun *run)
     if (s->is_idle || !lag_guards_watch_motion(run->model))
         return;
     s->end = INFINITY;
+    if (are_far(run))
+        return;
     sample(run, (Part){0, 1}, 0);
     for (double low = 0; low < 1 && !s->broken;) {
         const Part part = {low, low + width < 1 ? low + width : 1};

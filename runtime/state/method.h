@@ -47,6 +47,10 @@ typedef struct {
     /* State y at t in [t_old, t_end]. */
     void (*interpolate)(void *self, LagMotion *motion, double t, double *y);
 
+    /* About the state (q, v) at a share x of the latest step, at no evaluation, and by how much it may be off anywhere in the step (an
+     * error of NULL: nobody asks). Returns 0 where stages are no longer known; NULL where dense output costs nothing, either. */
+    int (*glimpse)(const void *self, const LagMotion *motion, double x, double *y, double *error);
+
     /* Takes the latest step back; NULL where dense output is always as good as the ends of steps. */
     void (*take_back)(struct LagRun *run);
 

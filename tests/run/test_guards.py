@@ -251,3 +251,24 @@ def test_what_jumps_on_both_sides_of_equality_is_told(scene: Write) -> None:
     with pytest.raises(LagError, match="L0225") as refused:
         scene(SWINGING.replace("STATED", 'assert((if floor(s) == 1 then 2*v else v) > -2, "odd");'))
     assert "in a way that is not taken apart" in str(refused.value)
+
+
+def test_what_is_far_costs_no_evaluations(scene: Write) -> None:
+    """Verner's method steps to what is looked at inside: 76 evaluations a step, for 16, with an assertion that nothing comes near."""
+    text = """model M Block b(m = 1, base = world, s(start = 1)); Spring k(k = 4, stretch = b.s); STATED end M;"""
+    free = scene(text.replace("STATED", "")).simulate(solver="erk9", stop=10, interval=0.2)
+    model = scene(text.replace("STATED", "parameter Length most = 100; equation assert(b.s < most, \"far\");"))
+    watched = model.simulate(solver="erk9", stop=10, interval=0.2)
+    assert watched.statistics.rhs_evaluations == free.statistics.rhs_evaluations and (watched.rows == free.rows).all()
+    with pytest.raises(RunError, match="far"):
+        model.simulate(solver="erk9", stop=10, interval=10, parameters={"most": 0.99999}, tolerance=1e-9)
+
+
+def test_what_moves_within_a_step_alone_is_seen(scene: Write) -> None:
+    """A block that rests at both ends of a step, which a force pushes forth and back in it."""
+    model = scene("""model M World world(gravity = {0, 0}); Block b(m = 1, base = world); Real u = 2*(time/1[s] - 4);
+      AppliedForce f(at = b.center, force = {(4*u^2 - 2)*exp(-u^2)*4[N], 0});
+      equation assert(b.s < 0.9[m], "there"); annotation(experiment(StopTime = 8, Interval = 8)); end M;""")
+    for solver in ("erk", "erk9"):
+        with pytest.raises(RunError, match="there"):
+            model.simulate(solver=solver, tolerance=1e-3)
