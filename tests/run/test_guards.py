@@ -254,7 +254,7 @@ def test_what_jumps_on_both_sides_of_equality_is_told(scene: Write) -> None:
 
 
 def test_what_is_far_costs_no_evaluations(scene: Write) -> None:
-    """Verner's method steps to what is looked at inside: 76 evaluations a step, for 16, with an assertion that nothing comes near."""
+    """Verner's method steps to what is looked at inside: 76 evaluations a step for 16, with what nothing comes near."""
     text = """model M Block b(m = 1, base = world, s(start = 1)); Spring k(k = 4, stretch = b.s); STATED end M;"""
     free = scene(text.replace("STATED", "")).simulate(solver="erk9", stop=10, interval=0.2)
     model = scene(text.replace("STATED", "parameter Length most = 100; equation assert(b.s < most, \"far\");"))

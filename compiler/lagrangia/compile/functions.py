@@ -281,11 +281,11 @@ def _add_linear(table: dict[str, ca.Function], kinematics: Kinematics,
 
 
 def observer(
-    kinematics: Kinematics, motion: Motion, constraints: Constraints, names: tuple[str, ...]
+    kinematics: Kinematics, motion: Motion, constraints: Constraints, names: tuple[str, ...], has_sides: bool = False
 ) -> tuple[tuple[str, ...], ca.Function]:
     """Any quantities as a function of t, q, v, u, p; vectors give one row an element."""
     labels, y = _outputs(kinematics, names)
-    return labels, observer_of(kinematics, motion, constraints, y)
+    return labels, observer_of(kinematics, motion, constraints, y, has_sides=has_sides)
 
 
 def elements_of(kinematics: Kinematics, name: str) -> tuple[str, ...]:
@@ -294,16 +294,20 @@ def elements_of(kinematics: Kinematics, name: str) -> tuple[str, ...]:
 
 
 def observer_of(kinematics: Kinematics, motion: Motion, constraints: Constraints, y: ca.SX,
-                for_tape: bool = False) -> ca.Function:
+                for_tape: bool = False, has_sides: bool = False) -> ca.Function:
     """Scalars that the kinematics' evaluator has made, (k, 1), as a function of t, q, v, u, p; held values and the references
-    of attitudes stand behind u, in the order of their modes. Without calls for a tape."""
+    of attitudes stand behind u, in the order of their modes. Without calls for a tape. `has_sides`: and of the time and the
+    inputs at which modes are as they are at t, which may be their event."""
     y = _solved(with_reactions(ca.substitute(y, kinematics.symbols.tau, ca.SX(1)), kinematics, motion, constraints), motion)
     modes = [mode for mode in kinematics.algebra.modes if not mode.is_kept]
     held = [mode.symbol for mode in kinematics.algebra.modes if mode.is_kept]
+    sides = [ca.SX.sym("t_side"), ca.SX.sym("u_side", motion.u.numel() + len(held))] if has_sides else []
     if modes and y.numel():
-        y = ca.substitute(y, ca.vertcat(*[m.symbol for m in modes]),
-                          ca.vertcat(*[m.written if for_tape else m.value for m in modes]))
-    return ca.Function("observe", [motion.t, motion.q, motion.v, ca.vertcat(motion.u, *held), motion.p], [y])
+        found = ca.vertcat(*[m.written if for_tape else m.value for m in modes])
+        if sides:
+            found = ca.substitute(found, ca.vertcat(motion.t, motion.u), ca.vertcat(sides[0], sides[1][:motion.u.numel()]))
+        y = ca.substitute(y, ca.vertcat(*[m.symbol for m in modes]), found)
+    return ca.Function("observe", [motion.t, motion.q, motion.v, ca.vertcat(motion.u, *held), motion.p, *sides], [y])
 
 
 def depends_on_forces(kinematics: Kinematics, motion: Motion, name: str) -> bool:

@@ -12,6 +12,8 @@ if TYPE_CHECKING:
 
     from lagrangia.compile.pipeline import Compilation
 
+_NEAR, _ROUNDINGS = 1e-9, 64  # of the way from one row to the next; of a time
+
 
 def observe(scene: Scene, compilation: "Compilation", parameters: "np.ndarray", values: Values, name: str,
             rows: "np.ndarray") -> "np.ndarray":
@@ -24,6 +26,19 @@ def observe(scene: Scene, compilation: "Compilation", parameters: "np.ndarray", 
     if is_held and depends_on_forces(compilation.kinematics, compilation.motion, name):
         fail("L0908", f"'{name}' depends on what friction and contacts hold: only the run knew", None,
              f"declare it as an output, or ask for it beforehand: lagrangia.Model(path, outputs=['{name}'])")
-    labels, function = observer(compilation.kinematics, compilation.motion, compilation.constraints, (name,))
-    found = np.array(function(*moments(scene, parameters, values, rows)))
+    labels, function = observer(compilation.kinematics, compilation.motion, compilation.constraints, (name,), has_sides=True)
+    beside = rows.copy()
+    beside[:, 0] = _sides(rows[:, 0])
+    t_side, _, _, u_side, _ = moments(scene, parameters, values, beside)
+    found = np.array(function(*moments(scene, parameters, values, rows), t_side, u_side))
     return found[0] if len(labels) == 1 else found.T
+
+
+def _sides(t: "np.ndarray") -> "np.ndarray":
+    """Times from which rows that may lie at events are seen, as the run sees them: the first from behind, others from before."""
+    import numpy as np
+
+    gaps = np.abs(np.diff(t))
+    gaps = np.concatenate([-gaps[:1], gaps]) if gaps.size else -np.ones(t.size)
+    least = _ROUNDINGS * np.finfo(float).eps * np.abs(t)
+    return np.asarray(t - np.sign(gaps) * np.minimum(np.maximum(_NEAR * np.abs(gaps), least), np.abs(gaps) / 2))
