@@ -18,9 +18,10 @@
 /* Steps that a run makes before it goes into a lane, at most: they set in motion what rests. Steps that are no good in a row,
  * after which shorter ones do not help. */
 enum { MOST_FIRST = 3, PATIENCE = 4 };
-/* Steps from one glance at energies to the next; from one look at stability, which costs as much as 20 steps in a lane, to the next,
- * and the same while it seems to rule; looks in a row after which it does. */
-enum { GLANCE = 16, LOOK = 256, CLOSE_LOOK = 16, LOOKS = 4 };
+/* Steps to the first glance at energies, which costs as much as one and a half steps in a lane, and from one to the next at most; from
+ * one look at stability, which costs as much as 20, to the next, and the same while it seems to rule; looks in a row after which it
+ * does. */
+enum { GLANCE = 16, MOST_GLANCE = 64, LOOK = 256, CLOSE_LOOK = 16, LOOKS = 4 };
 enum { LOOK_FOR_PROGRESS = 1 << 17 };
 static const double MOST_STEPS = 1e10; /* as in step.c */
 static const double MOST_TOLERANCE = 2e-4; /* of Verner's pair, as in choice.c */
@@ -329,6 +330,13 @@ static int is_unfit(LagRunLanes *s, int lane)
         || (steps > LOOK_FOR_PROGRESS && (s->batch->sweep.t_stop - t) / done * (double)steps > MOST_STEPS);
 }
 
+/* After how many steps the next glance comes: twice as many as there were, where these are few, and for the next look at stability. */
+static double next_glance(const LagRunLanes *s, int lane)
+{
+    const double steps = s->steps->steps[lane];
+    return lag_min(lag_min(2 * steps, steps + MOST_GLANCE), (double)s->look[lane]);
+}
+
 /* The end of the step as a row: that of coordinates and rates alone where nothing else is asked for, without energies but now and then
  * where these are not. */
 static LagStatus end_row(LagRunLanes *s, int lane, int glances)
@@ -374,9 +382,9 @@ static int attend(LagRunLanes *s, int lane)
         return end_run(s, lane, LAG_PAUSED);
     if (glances) {
         lag_account_glance(f->run);
-        s->glance[lane] += GLANCE;
         if (lag_follow_is_over(f) || is_unfit(s, lane))
             return end_run(s, lane, LAG_PAUSED);
+        s->glance[lane] = next_glance(s, lane);
     }
     if (t >= f->next)
         status = lag_follow_visit(f, t);
