@@ -341,11 +341,12 @@ static void keep_wanted(LagRun *run, int comes)
     LagImpacts *s = &run->impacts;
     const LagModel *model = run->model;
     read_wanted(run);
+    for (int k = 0; k < model->n_whens; ++k) /* also those that end the run alone */
+        s->at_once[k] |= s->fires[k];
     for (int j = 0; j < model->n_resets; ++j) {
-        const int k = lag_event_of(model, j), place = lag_own_place(model, j);
-        if (!s->fires[k])
+        const int place = lag_own_place(model, j);
+        if (!s->fires[lag_event_of(model, j)])
             continue;
-        s->at_once[k] = 1;
         s->chosen[j] = s->wanted[j];
         for (int i = 0; comes && i < model->n_kept; ++i)
             if (model->kept[i] == place)

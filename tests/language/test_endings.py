@@ -51,3 +51,13 @@ def test_branches_that_meet_end_runs_without_a_trace(solver: str) -> None:
     alone = lagrangia.loads(chain.replace(" Integer n(start = 0);", "").format('terminate("first")'))
     assert (alone.coordinate_names, alone.freedom["degrees_of_freedom"]) == (("b.s",), 1)
     assert "E = T + V" in str(alone.equations())
+
+
+@pytest.mark.parametrize("chain", ['when change(n) then terminate("first")',  # what n was follows at the same instant
+                                   'when n > 0 then terminate("first"); elsewhen b.s > 2 then terminate("second")',
+                                   'when b.s > 2 then terminate("second"); elsewhen change(n) then terminate("first")'])
+def test_what_events_set_ends_a_run_at_once(chain: str) -> None:
+    model = lagrangia.loads(f"""model M World world(gravity = {{0, 0}}); Block b(m = 1, base = world, v(start = 1));
+        Integer n(start = 0); equation when b.s > 1 then n = pre(n) + 1; end when; {chain}; end when; end M;""")
+    result = model.simulate(stop=3)
+    assert "first" in result.ended and result.time[-1] == pytest.approx(1, abs=1e-6)

@@ -31,7 +31,7 @@ def changed(ref: Ref) -> Flat:
     return Binary("or", Binary(">", *sides, ref.span), Binary("<", *sides, ref.span), ref.span)
 
 
-def _of_change(condition: Flat) -> Ref | None:
+def variable_of_change(condition: Flat) -> Ref | None:
     """The variable whose change a condition is."""
     match condition:
         case Binary("or", Binary(">", Ref() as ref, _), _) if are_alike(condition, changed(ref)):
@@ -41,7 +41,7 @@ def _of_change(condition: Flat) -> Ref | None:
 
 def at_change(event: Event) -> Event:
     """What happens where n changes: pre(n) is n.before."""
-    ref = _of_change(event.condition)
+    ref = variable_of_change(event.condition)
     if ref is None:
         return event
 

@@ -11,6 +11,7 @@ from lagrangia.language.changes import (
     at_change,
     changed,
     events_of_changes,
+    variable_of_change,
     variables_of_changes,
 )
 from lagrangia.language.discrete import (
@@ -125,7 +126,9 @@ class EventClauses:
         return [inner, Unary("not", inner, node.span)]
 
     def _add_event(self, event: Event, may_meet: bool) -> None:
-        """With the endings of its branch, which ask the event whether they come where it `may_meet` others of its `when`."""
+        """With the endings of its branch, which ask the event whether they come where it `may_meet` others of its `when`, and
+        where a variable changes: what it was follows at the same instant."""
+        may_meet |= variable_of_change(event.condition) is not None
         endings = tuple(Guard(event.condition, text, "end", event.component, span) for text, span in self._endings)
         self.names.guards += endings
         if endings:
