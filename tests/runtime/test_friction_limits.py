@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
+from scipy.integrate import quad, solve_ivp
 
 import lagrangia as lag
 from lagrangia.native.build import find_compiler
@@ -171,3 +171,18 @@ def test_smooth_laws_have_no_thresholds(force: str, scene: Write) -> None:
     model = scene(f"""model Smooth Block b(m = 1, base = world, v(start = 1));
         AppliedForce f(at = b.center, force = {{{force}, 0}}); end Smooth;""")
     assert model.scene.notes["thresholds"] == []
+
+
+@pytest.mark.parametrize("law", ["2 + abs(b.v/1[m/s])^1.5", "2 + (abs(b.v)/v0)^1.5", "2 + (3*abs(b.v)/v0)^2.5"])
+def test_friction_with_a_power_of_the_speed_comes_to_rest(scene: Write, law: str) -> None:
+    """Closed form: x = integral of v/F(v). Where a step passed v = 0, |v|^1.5 had no value: steps without end."""
+    model = scene(f"""model M parameter Velocity v0 = 1; World world(gravity = {{0, 0}});
+      Block b(m = 1, base = world, v(start = 1)); energy work -({law})*1[N]*sign(b.v) on b.s; end M;""")
+    factor, power = (3, 2.5) if "3*" in law else (1, 1.5)
+    way = quad(lambda v: v/(2 + (factor*v)**power), 0, 1, epsabs=1e-13, epsrel=1e-13)[0]
+    for solver in ("auto", "erk5", "pirk", "implicit"):
+        for tolerance in (1e-4, 1e-9):
+            run = model.simulate(at=[0, 5], tolerance=tolerance, solver=solver)
+            assert run["b.s"][-1] == pytest.approx(way, abs=5 * tolerance), (solver, tolerance)
+            assert run["b.v"][-1] == 0
+            assert run.statistics.steps < 500

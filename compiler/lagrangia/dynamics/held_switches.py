@@ -101,8 +101,27 @@ class Holding:
         pair = pair_of(self.numbering, op, numbers)
         if pair is not None and pair in self.places:
             return self._switched(op, numbers, operands, pair)
+        if self._is_bent(op, operands) and (length := self._clipped(numbers[0], operands[0])) is not None:
+            return self._combined(op, [length, operands[1]])
         directed = self._directed(op, numbers, operands)
         return self._combined(op, operands) if directed is None else directed
+
+    @staticmethod
+    def _is_bent(op: int, operands: list[Expression]) -> bool:
+        """Of |a|^b with b > 1 and not whole, which has no value where a step passes a = 0 with the sign of a held."""
+        is_power = op in (ca.OP_POW, ca.OP_CONSTPOW) and operands[1].is_constant()
+        return is_power and float(operands[1]) > 1 and not float(operands[1]).is_integer()
+
+    def _clipped(self, number: int, value: Expression) -> Expression | None:
+        """|a|, or a multiple of it, that is 0 where a has another sign than it is held with; of others, None."""
+        zero = self.numbering.of_number(0.0)
+        if self.numbering.keys[number][0] == ca.OP_FABS and ordered(int(self.numbering.keys[number][1]), zero) in self.places:
+            return self._noted(apply(ca.OP_FMAX, value, 0.0), self._jumps_of(value))
+        op, numbers, operands = self.products.get(number, (ca.OP_INV, [], []))
+        for k, (factor, x) in enumerate(zip(numbers, operands, strict=True)):
+            if (op != ca.OP_DIV or k == 0) and op != ca.OP_INV and (length := self._clipped(factor, x)) is not None:
+                return self._combined(op, [length if i == k else other for i, other in enumerate(operands)])
+        return None
 
     def _rests(self, op: int, numbers: list[int]) -> Expression | None:
         asked = rest_asked(self.numbering, op, numbers) if self.rests else None
