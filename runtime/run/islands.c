@@ -137,6 +137,7 @@ static LagStatus ask(LagIslands *s, LagRun *run, int k, int first, double t)
     const int n = run->model->n, size = island->model->n, *place = run->model->island + first;
     lag_run_set_stop(island, run->settings.t_stop);
     island->deadline = run->deadline;
+    island->row_spacing = run->row_spacing; /* by which methods are chosen that dread rows */
     island->retry.stop = run->retry.stop;
     island->retry.limit = run->retry.limit;
     if (run->event_log)

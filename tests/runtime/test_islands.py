@@ -190,6 +190,19 @@ def test_closed_loops_are_islands(scene: Scene) -> None:
     assert model.coordinate_names[apart.statistics.worst % model.scene.n] == "block.s"
 
 
+def test_islands_know_how_far_rows_are_apart(scene: Scene) -> None:
+    """Collocation left an island after one step as if rows were no time apart; loops that repeat each other were not written
+    abreast for one."""
+    bricard = Path("models/examples/bricard.lag").read_text().split("drawing")[0].replace("model Bricard", "model Two")
+    rod = Path("models/examples/bricard.lag").read_text().split("Tolerance = 1e-9));")[1].split("end Bricard;")[0]
+    model = scene(bricard + """  Revolute hinge(a = shift(world, {5, 0, 0}), axis = {1, 0, 0}, phi(start = 1));
+      Body bob(m = 1, I = {1e-5, 1e-5, 1e-5}, center = shift(hinge.b, {0, -0.05, 0}));""" + rod + "end Two;")
+    run = model.simulate(at=[0, 2], tolerance=1e-6)
+    assert run.statistics.solver is Solver.ISLANDS
+    assert run.statistics.steps_by[Solver.PIRK] > 3 and run.statistics.steps_by[Solver.ERK] == 0
+    assert model.scene.islands[0][1].sizes["may_repeat"] == 1
+
+
 def test_loops_whose_parameters_change_under_way(scene: Scene) -> None:
     """A step that went too far is taken back onto the constraints as they are."""
     model = scene(LOOPS)

@@ -80,7 +80,7 @@ def build_scene(
         "n_lost": len(initial.lost), "outputs_need_acceleration": int(functions.outputs_need_acceleration),
         "is_separable": int(not no_momenta and not attitudes and is_separable(motion)),
         "is_swing": int(not flow and not attitudes and _is_of_one_freedom(motion)),
-    } | ({"may_repeat": 1} if kinematics.geometry.by_rates and motion.constrained is not None else {})
+    } | _repetition(kinematics, motion)
     return _with_series(Scene(
         name=model.name, description=model.description, structural=dict(model.structural),
         coordinates=coordinates, rates=rates, outputs=outputs, parameters=parameters, inputs=inputs, aliases=aliases,
@@ -171,7 +171,7 @@ def _island_scene(scene: Scene, kinematics: Kinematics, motion: Motion, group: t
     functions = build_island_functions(replace(kinematics, algebra=algebra), motion)
     tapes = tapes_of(functions)
     given = scene.sizes["n_parameters"], scene.sizes["n_inputs"]
-    sizes = _sizes(len(group), *given, len(algebra.modes), functions, motion, tapes)
+    sizes = _sizes(len(group), *given, len(algebra.modes), functions, motion, tapes) | _repetition(kinematics, motion)
     fixed = tuple(scene.fixed[k] for k in (*group, *(len(scene.coordinate_kind) + k for k in group)))
     return _with_series(replace(
         scene, coordinates=tuple(scene.coordinates[k] for k in group), rates=tuple(scene.rates[k] for k in group), outputs=(),
@@ -210,6 +210,11 @@ def _sizes(n: int, n_parameters: int, n_inputs: int, n_modes: int, functions: Fu
         found["n_pieces"] = len(functions.patterns["pieces"]) // 4
     found["jacobian_cost"] = _jacobian_cost(tapes, found["n_colours"])
     return found | ({"solver": int(Solver.LINEAR)} if functions.form and functions.form.takes is Solver.LINEAR else {})
+
+
+def _repetition(kinematics: Kinematics, motion: Motion) -> dict[str, int]:
+    """Whether rows of loops may repeat each other wherever they are closed."""
+    return {"may_repeat": 1} if kinematics.geometry.by_rates and motion.constrained is not None else {}
 
 
 def _of_constraints(motion: Motion) -> dict[str, int]:
