@@ -173,3 +173,32 @@ def test_discs_that_meet_in_the_plane(scene: Write) -> None:
                   for x in ("Stop stop(e = e, gap = d - 0.4);", event))
     for name in ("ax.s", "ay.s", "cx.s", "cy.s"):
         np.testing.assert_allclose(run[name], right[name], rtol=0, atol=1e-8)
+
+
+def test_what_is_a_contact_as_declared_alone_is_told_and_holds(scene: Write) -> None:
+    """It was a kick, through which what fell there went (-12.83 for 0.9 m)."""
+    model = scene(falling("0.3*time/1[s]", "when b.s < x.s then reinit(b.v, -e*b.v + 1.5*x.v); end when;"))
+    assert any("for parameters as they are declared" in x for x in model.warnings)
+    assert model.simulate(at=[3.0], solver="erk")["b.s"][0] == pytest.approx(0.9, abs=1e-7)
+
+
+@pytest.mark.parametrize("law", ["0.3*max(0, time/1[s] - 1200)", "if time < 1200 then 0 else 0.3*(time/1[s] - 1200)"])
+def test_walls_that_set_out_late_carry_along_what_lies_there(scene: Write, law: str) -> None:
+    """They stand still at all times up to 1100 s, and still take part in what is turned back: a kick does not rest."""
+    model = scene(falling(law, BOUNCE))
+    assert not any("kick" in x for x in model.warnings)
+    np.testing.assert_allclose(model.simulate(at=[1190, 1210], solver="erk")["b.s"], [0, 3], rtol=0, atol=1e-6)
+    kick = scene(falling(law, "when b.s < x.s then reinit(b.v, -e*b.v); end when;"))
+    assert any("it is a kick" in x for x in kick.warnings)
+
+
+def test_bodies_that_meet_beside_a_loop(scene: Write) -> None:
+    """Constraints give impulses of their own; these do not matter here."""
+    loop = """Prismatic p(a = world, s(start = 3)), r(a = world, along = {0, 1}, s(start = 4));
+      PointMass P(m = 1, center = p.b), R(m = 1, center = r.b);"""
+    event = f"when b.s < x.s then reinit(b.v, {MET[0][0]}); reinit(x.v, {MET[0][1]}); end when;"
+    model, right = scene(meeting("p.s^2 + r.s^2 = 25; " + event, loop)), scene(meeting("", "Stop stop(e = e, gap = b.s - x.s);"))
+    assert not model.warnings
+    at = [0.7, 1.2, 2.0, 3.0]
+    np.testing.assert_allclose(model.simulate(at=at, tolerance=1e-9)["b.s"], right.simulate(at=at, tolerance=1e-11)["b.s"],
+                               rtol=0, atol=1e-7)

@@ -189,7 +189,7 @@ def _with_impacts(kinematics: "Kinematics", energies: "Energies", motion: "Motio
     from lagrangia.dynamics.motion import build_motion
     from lagrangia.dynamics.untold_rest import refuse_untold_rest
 
-    impacts = find_impacts(kinematics, None if made_of[0].rows else energies.total(energies.kinetic))
+    impacts = find_impacts(kinematics, (energies, made_of[0]))
     if impacts.pressing:
         kinematics = kinematics.knowing(impacts.contact_forces())
         energies = build_energies(kinematics)

@@ -19,13 +19,14 @@ from lagrangia.frames.kinematics import Kinematics
 
 _SIZES = (1e-3, 0.03, 1.0, 1e-3, 0.03, 1.0)  # m or rad about 1: what saturates does not do so at all of them
 _NOTHING = 1e-11
+_FROM_WALL = "write it from the rate w of what is met there: reinit(v, w - e*(v - w))"
 _SMOOTH = frozenset({ca.OP_CONST, ca.OP_INPUT, ca.OP_OUTPUT, ca.OP_ADD, ca.OP_SUB, ca.OP_MUL, ca.OP_DIV, ca.OP_NEG, ca.OP_SQ,
                      ca.OP_SQRT, ca.OP_TWICE, ca.OP_SIN, ca.OP_COS, ca.OP_HYPOT, ca.OP_INV, ca.OP_CONSTPOW})
 
 
 def find_idle_events(kinematics: Kinematics, constraints: Constraints, impacts: Impacts, told: Iterable[Diagnostic]) -> Report:
     """L0224 for events of people's own whose gap or condition is a number, but where `told` speaks of them; and for those that
-    would be contacts, but for an `or`, or for impulses that are not between what meets."""
+    would be contacts, but for an `or`, for impulses that are not between what meets, or for the rate of what is met."""
     report, known = Report(), {warning.span for warning in told}
     whens = [(k, when) for k, when in enumerate(kinematics.graph.model.whens)
              if when.span not in known and not when.span.source.name.startswith(LIBRARY)]
@@ -41,6 +42,13 @@ def find_idle_events(kinematics: Kinematics, constraints: Constraints, impacts: 
             report.warning("L0224", f"'{end.span.text}' holds nothing here: beside `or` it is no contact, and the event comes "
                            "where the whole condition comes true, not again while it stays so", end.span.within(when.span),
                            f"give each alternative a `when` of its own: when {end.span.text} then ... end when")
+        if (wall := impacts.as_declared[k]) is not None:
+            report.warning("L0224", f"where '{wall.span.text}', what is set turns back what comes there for parameters as they "
+                           "are declared, not for others, and is taken for a contact", wall.span.within(when.span), _FROM_WALL)
+        if (wall := impacts.as_if_still[k]) is not None:
+            report.warning("L0224", f"where '{wall.span.text}', this turns back as from what stands still, but that moves: it is "
+                           "a kick, and what comes to rest there is not kept from going on", wall.span.within(when.span),
+                           _FROM_WALL)
         if (met := impacts.collisions[k]) is not None and met[1] != Meeting.BETWEEN:
             text = met[0].span.text
             report.warning("L0224", f"where '{text}', what is set is an impulse between those that meet for the masses as they "

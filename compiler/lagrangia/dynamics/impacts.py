@@ -27,8 +27,9 @@ from lagrangia.algebra.with_casadi import operations_in
 from lagrangia.base.diagnostics import fail
 from lagrangia.base.records import dataclass
 from lagrangia.constraints.parameters import default_parameters, parameter_symbols, parameters_of, usual_parameters
+from lagrangia.constraints.rows import Constraints
 from lagrangia.dynamics.collisions import Meeting, look_at_meeting, shares_of
-from lagrangia.dynamics.energies import Load, paced
+from lagrangia.dynamics.energies import Energies, Load, paced
 from lagrangia.dynamics.levels import EDGE, JUMPS, Levels, Meetings, Steps, level_of_parts
 from lagrangia.frames.evaluation import scalars_of
 from lagrangia.frames.kinematics import Kinematics
@@ -52,7 +53,7 @@ KICK, CONTACT, ONE_WAY = range(3)  # LAG_KICK, ...
 STILL, MOVED, BODIES = range(3)  # walls
 _SAME = 1e-9  # relative difference of what is the same but for rounding
 _SOME = range(3, 9)  # seeds of random states, in all branches that time may decide on
-_SPREAD = 15  # 0.4 to 1.6 become times of 1e-6 s to 1100 s
+_SPREAD = 25  # 0.4 to 1.6 become times of 1e-10 s to 1e5 s
 _NONE = ca.SX(0, 1)
 Numbers = NDArray[np.float64]
 
@@ -76,6 +77,8 @@ class Impacts:
     pressing: Mapping[int, tuple[ca.SX, ca.SX]] = field(default_factory=dict)  # of what rests, by their events: forces, impulses
     alternatives: tuple[Flat | None, ...] = ()  # (w,): beside `or`, a comparison that would be a contact, or go one way, without
     collisions: tuple[tuple[Flat, Meeting] | None, ...] = ()  # (w,): a comparison at which all that meet are turned back, and how
+    as_declared: tuple[Flat | None, ...] = ()  # (w,): a comparison that is a contact for parameters as they are declared alone
+    as_if_still: tuple[Flat | None, ...] = ()  # (w,): one that would be a contact if what is met there stood still
 
     def may_hide(self, t: ca.SX) -> bool:
         """Whether conditions may come and go however slow the motion is: with time, or where they jump."""
@@ -98,14 +101,14 @@ class Impacts:
                      for x in self.loads)
 
 
-def find_impacts(kinematics: Kinematics, kinetic: ca.SX | None = None) -> Impacts:
-    """`kinetic`: the energy, where no constraint gives impulses of its own, so that collisions are known. Raises LagError L0225
-    for a condition that never comes true, or for what is no rate, L0226, L0230, L0303, L0501."""
+def find_impacts(kinematics: Kinematics, made_of: tuple[Energies, Constraints] | None = None) -> Impacts:
+    """`made_of`: by what collisions are known, the inertia and constraints, which give impulses of their own. Raises LagError
+    L0225 for a condition that never comes true, or for what is no rate, L0226, L0230, L0303, L0501."""
     whens = kinematics.graph.model.whens
     if not whens:
         return Impacts()
     steps = Steps(kinematics)
-    found = [_Event(kinematics, when, steps, kinetic) for when in whens]
+    found = [_Event(kinematics, when, steps, made_of) for when in whens]
     kept = [event.kept_position for event in found]
     for asked in contact_forces_in(kinematics.graph.model):
         event = contact_of(kept, asked.arguments[0])
@@ -129,7 +132,8 @@ def find_impacts(kinematics: Kinematics, kinetic: ca.SX | None = None) -> Impact
     known = _find_known(kinematics, rates, wanted)
     alternatives = tuple(event.alternative for event in found)
     return Impacts(conditions, gaps, arms, rates, wanted, forces, impulses, flags, one_way, on_level, known, tuple(loads),
-                   pressing, alternatives, tuple(event.collision for event in found))
+                   pressing, alternatives, tuple(event.collision for event in found),
+                   tuple(event.as_declared for event in found), tuple(event.as_if_still for event in found))
 
 
 def _find_known(kinematics: Kinematics, rates: ca.SX, wanted: ca.SX) -> tuple[bool, ...]:
@@ -147,8 +151,8 @@ def _find_known(kinematics: Kinematics, rates: ca.SX, wanted: ca.SX) -> tuple[bo
 class _Event:
     """One `when`, evaluated."""
 
-    def __init__(self, kinematics: Kinematics, when: When, steps: Steps, kinetic: ca.SX | None) -> None:
-        self.kinematics, self.when, self.steps, self.kinetic = kinematics, when, steps, kinetic
+    def __init__(self, kinematics: Kinematics, when: When, steps: Steps, made_of: tuple[Energies, Constraints] | None) -> None:
+        self.kinematics, self.when, self.steps, self.made_of = kinematics, when, steps, made_of
         model = kinematics.graph.model
         self.condition = without_not(when.condition)
         self.moving = ca.vertcat(kinematics.symbols.time, kinematics.algebra.state, *kinematics.symbols.held.values())
@@ -165,6 +169,8 @@ class _Event:
         kept = next((k for k, x in enumerate(self.places) if are_alike(x, self.kept_position)), None)
         self.gap = self.arm = ca.SX(0)
         self.held: Flat | None = None
+        self.as_declared: Flat | None = None
+        self.as_if_still: Flat | None = None
         parts = list(parts_of(self.condition))
         contacts = [x and self._unless_moved(k, x) for k, x in enumerate(self._find_all(self._turns_back, parts))]
         self.collision = None if any(contacts) else self._find_collision(parts)
@@ -181,6 +187,8 @@ class _Event:
             self._ride()
         elif _is_comparison(self.condition):
             self._require_change()
+        if chosen is None and self.collision is None and sum(self.may_rest) == 1:
+            self.as_if_still = next((x for x in self._find_all(self._turns_back_alone, parts) if x is not None), None)
 
     def _expression(self, x: Scalar) -> ca.SX:
         """With der(n) = 0 of discrete variables."""
@@ -249,6 +257,8 @@ class _Event:
         (self.arm,) = self.kinematics.algebra.arms_in_force([self.gap])
         self.g = ca.mmin(ca.vertcat(*guards)) if guards else ca.SX(1)
         own = next(k for k, x in enumerate(self.kinds) if x == kind)
+        if kind == CONTACT and self.collision is None and not self._sides(self.gap, self.rates[own], self.wanted[own])[0]:
+            self.as_declared = chosen
         if kind == CONTACT and self._wall(self.gap, self.rates[own]) != BODIES:
             self.held = Unary("-", level_of(chosen), self.when.span)
             return
@@ -274,23 +284,23 @@ class _Event:
 
     def _find_collision(self, parts: list[Flat]) -> tuple[Flat, Meeting] | None:
         """The comparison at which several that are reset are turned back together, and how."""
-        if self.kinetic is None or sum(self.may_rest) < 2:
+        if self.made_of is None or sum(self.may_rest) < 2:
             return None
-        found = ((x, self._meeting(x)) for x in parts if _is_comparison(x))
+        energies, constraints = self.made_of
+        kinetic, J = energies.total(energies.kinetic), [row.rate(self.kinematics) for row in constraints.rows]
+        found = ((x, self._meeting(x, kinetic, ca.vertcat(_NONE, *J))) for x in parts if _is_comparison(x))
         return next(((x, meeting) for x, meeting in found if meeting != Meeting.NONE), None)
 
-    def _meeting(self, node: Flat) -> Meeting:
+    def _meeting(self, node: Flat, kinetic: ca.SX, held: ca.SX) -> Meeting:
+        """`held`: the rates of constraints."""
         v, moving = self.meetings.rates, np.flatnonzero(self.may_rest)
         g = self._expression(self.kinematics.evaluator.value(level_of(node)))
-        if ca.depends_on(g, v) or self.kinetic is None:
+        if ca.depends_on(g, v):
             return Meeting.NONE
         pace, rates, wanted = self._pace_of(g), *(ca.vertcat(*(x[k] for k in moving)) for x in (self.rates, self.wanted))
         look, numbers = self._numbers_of([pace, rates, wanted, *map(ca.densify, (
-            ca.gradient(pace, v), ca.jacobian(rates, v), ca.hessian(self.kinetic, v)[0]))])
-        p, declared = default_parameters(self.kinematics)
-        bound = ca.Function("bound", [p], [parameters_of(self.kinematics, p)])(numbers)
-        general, own = (min(look_at_meeting(look, np.array(x).ravel(), np.random.default_rng(seed)) for seed in (3, 4))
-                        for x in (bound, declared))
+            ca.gradient(pace, v), ca.jacobian(rates, v), ca.hessian(kinetic, v)[0], ca.jacobian(held, v)))])
+        general, own = (min(look_at_meeting(look, p, np.random.default_rng(seed)) for seed in (3, 4)) for p in numbers)
         return Meeting.AS_DECLARED if own > general else general
 
     def _strike(self, node: Flat) -> list[Flat | None]:
@@ -334,21 +344,41 @@ class _Event:
                 for rate, wanted, may_rest in zip(self.rates, self.wanted, self.may_rest, strict=True)]
 
     def _turns_back(self, g: ca.SX, rate: ca.SX, wanted: ca.SX) -> int:
-        """The sign of the factor between the rates of g and of what is reset; 0 where that is not turned back. By numbers: at two
-        states, with parameters beside those that are declared."""
+        """The sign of the factor between the rates of g and of what is reset; 0 where that is not turned back."""
+        general, as_declared = self._sides(g, rate, wanted)
+        return general or as_declared
+
+    def _turns_back_alone(self, g: ca.SX, rate: ca.SX, wanted: ca.SX) -> int:
+        """The same if all else that moves there stood still."""
+        v = self.meetings.rates
+        own = ca.densify(ca.gradient(rate, v))
+        alone = own * (ca.dot(own, v) / ca.dot(own, own))
+        pace, own_rate, after = ca.substitute([self._pace_of(g), rate, wanted], [v], [alone])
+        (drift,) = ca.substitute([pace], [v], [ca.SX.zeros(v.numel())])
+        return self._sides(g, own_rate, after, pace - drift)[0]
+
+    def _sides(self, g: ca.SX, rate: ca.SX, wanted: ca.SX, pace: ca.SX | None = None) -> list[int]:
+        """That for parameters beside those that are declared, and for these. By numbers: at some states, also early and late."""
         v = self.meetings.rates
         if ca.depends_on(g, v):
-            return 0
-        pace = self._pace_of(g)
-        look, numbers = self._numbers_of([pace, rate, wanted, *(ca.densify(ca.gradient(x, v)) for x in (pace, rate))])
-        found = {_turns_back(look, numbers, np.random.default_rng(seed)) for seed in _SOME}
-        return found.pop() if len(found) == 1 else 0
+            return [0, 0]
+        pace = self._pace_of(g) if pace is None else pace
+        asked = [pace, rate, wanted, *(ca.densify(ca.gradient(x, v)) for x in (pace, rate))]
+        looks = [self._numbers_of(asked, spread) for spread in ((1, _SPREAD) if self._is_timed(g) else (1,))]
+        found = [{_turns_back(look, p[k], np.random.default_rng(seed)) for look, p in looks for seed in _SOME} - {None}
+                 for k in (0, 1)]
+        return [sides.pop() or 0 if len(sides) == 1 else 0 for sides in found]
 
     def _wall(self, g: ca.SX, rate: ca.SX) -> int:
         """Against what a contact turns a rate back: STILL, MOVED in time, or BODIES that move as they may."""
         slopes = [ca.densify(ca.gradient(x, self.meetings.rates)) for x in (self._pace_of(g), rate)]
-        look, numbers = self._numbers_of([self._pace_of(g), rate, *slopes], _SPREAD)
-        return max(_wall(look, numbers, np.random.default_rng(seed)) for seed in _SOME)
+        look, (p, _) = self._numbers_of([self._pace_of(g), rate, *slopes], _SPREAD)
+        found = max(_wall(look, p, np.random.default_rng(seed)) for seed in _SOME)
+        return MOVED if found == STILL and self._is_timed(g) and not self._is_timed(rate) else found
+
+    def _is_timed(self, value: ca.SX) -> bool:
+        """Whether time is written in it, whenever it may come to count: a wall may set out after any time that is looked at."""
+        return bool(ca.depends_on(value, ca.vertcat(self.kinematics.symbols.time, self.kinematics.algebra.mode_symbols)))
 
     def _stops(self, g: ca.SX, rate: ca.SX, wanted: ca.SX) -> int:
         """On which side of what the rate is reset to g is positive: 1 above, -1 below, 0 if it does not end there. By numbers."""
@@ -356,8 +386,8 @@ class _Event:
         if not ca.depends_on(g, v) or len(self.places) != len(self.positions):
             return 0
         beyond = rate - wanted
-        look, numbers = self._numbers_of([g, beyond, *(ca.densify(ca.gradient(x, v)) for x in (g, beyond, rate, wanted))])
-        first, second = (_stops(look, numbers, np.random.default_rng(seed)) for seed in (3, 4))
+        look, (p, _) = self._numbers_of([g, beyond, *(ca.densify(ca.gradient(x, v)) for x in (g, beyond, rate, wanted))])
+        first, second = (_stops(look, p, np.random.default_rng(seed)) for seed in (3, 4))
         return first if first == second else 0
 
     def _require_change(self) -> None:
@@ -367,28 +397,32 @@ class _Event:
             if reset.is_kept:
                 continue
             slopes = [ca.densify(ca.gradient(x, v)) for x in (self.g, rate)]
-            look, numbers = self._numbers_of([self.g, rate - wanted, *slopes])
-            if len(self.rates) == len(self.when.resets) and all(_stays(look, numbers, np.random.default_rng(k)) for k in (3, 4)):
+            look, (p, _) = self._numbers_of([self.g, rate - wanted, *slopes])
+            if len(self.rates) == len(self.when.resets) and all(_stays(look, p, np.random.default_rng(k)) for k in (3, 4)):
                 text = reset.rate.span.text
                 fail("L0230", f"this changes nothing: where the event comes, '{text}' is what it is set to", reset.span,
                      f"to keep '{text}' from going on, set it to the value at which it is to stay: reinit({text}, 0)",
                      "a collision is told by a distance: when gap < 0 then reinit(der(gap), -e*pre(der(gap)))")
 
-    def _numbers_of(self, results: list[ca.SX], spread: int = 1) -> tuple[ca.Function, Numbers]:
-        """Of rates, all else that moves or is given, as discrete variables are, and parameters; and the parameters. Modes
-        are what they are at the time, of which a number about 1 is the root, of the degree `spread`."""
+    def _numbers_of(self, results: list[ca.SX], spread: int = 1) -> tuple[ca.Function, tuple[Numbers, Numbers]]:
+        """Of rates, all else that moves or is given, as discrete variables are, and parameters; and these, beside what is
+        declared and as declared. Modes are what they are at the time, of which a number about 1 is the root, of the degree
+        `spread`."""
         symbols, v = self.kinematics.symbols, self.meetings.rates
         q = ca.vertcat(_NONE, *symbols.positions.values())
         p, numbers = usual_parameters(self.kinematics)
         known = ca.vertcat(q, v, symbols.time, p)
         found = ca.substitute(self.kinematics.algebra.with_modes(results), [symbols.time], [symbols.time**spread])
         others = [x for x in ca.symvar(ca.veccat(*found)) if not ca.depends_on(x, known)]
-        return ca.Function("look", [v, ca.vertcat(q, symbols.time, *others), p], found), numbers
+        bound = ca.Function("bound", [p], [parameters_of(self.kinematics, p)])(numbers)
+        as_declared = default_parameters(self.kinematics)[1]
+        both = np.array(bound).ravel(), np.array(as_declared).ravel()
+        return ca.Function("look", [v, ca.vertcat(q, symbols.time, *others), p], found), both
 
 
-def _turns_back(look: ca.Function, p: Numbers, random: "np.random.Generator") -> int:
+def _turns_back(look: ca.Function, p: Numbers, random: "np.random.Generator") -> int | None:
     """The sign of the factor between the rates of a condition and of what is reset, where, at a random state, that is left as it
-    is at the rate of the wall, and what approaches does not do so afterwards; else 0."""
+    is at the rate of the wall, and what approaches does not do so afterwards; else 0. None where something has no value."""
     v, known = (random.uniform(0.4, 1.6, look.numel_in(k)) for k in range(2))
 
     def at(v: Numbers) -> list[Numbers]:
@@ -397,7 +431,9 @@ def _turns_back(look: ca.Function, p: Numbers, random: "np.random.Generator") ->
     (pace,), (rate,), _, slope, own = at(v)
     square, along = np.dot(own, own), float(np.dot(slope, own))
     sizes = np.linalg.norm(slope) * np.linalg.norm(own)
-    if not (np.isfinite([pace, rate, *slope, *own]).all() and abs(along) > _SAME * sizes > 0):
+    if not np.isfinite([pace, rate, *slope, *own]).all():
+        return None
+    if not abs(along) > _SAME * sizes > 0:
         return 0
     still, turned = (v + own * (x - pace * square / along) / square for x in (0, np.sign(along)))
     (_, (wall,), (left,), *_), (_, _, (back,), *_) = at(still), at(turned)
