@@ -20,7 +20,7 @@ static const double FAR = 0.6;
 static const double STRAYS = 4;
 /* A dip to less than this share of what the condition is at the ends is looked at. */
 static const double SHALLOW = 0.05, ROUNDING = 4 * DBL_EPSILON, NOISE = 1e-3, SHARE = 32 * DBL_EPSILON, CHORD = 64,
-                    STRIDE = 4, SLOW = 0.5;
+                    STRIDE = 4, SLOW = 0.5, OF_RATE = 1.0 / 64;
 /* Where a part of a step is looked at to see whether a cubic describes conditions in it, and how far it may be off (distances have
  * corners: two balls may pass through each other); parts that are not made smaller; the least share of a step that the next one may
  * take for one part. */
@@ -179,9 +179,9 @@ static double find_dip(LagRun *run, int i, Part part)
     return -1;
 }
 
-/* A place in the step, how far a condition is from its change there, and its pace in a step. */
+/* A place in the step, how far a condition is from its change there, its pace in a step and, where it was foreseen, how that changes. */
 typedef struct {
-    double x, depth, pace;
+    double x, depth, pace, bend;
 } Sight;
 
 /* Where the cubic of a part's ends changes between two places of it; whatever it does besides, a place between them. */
@@ -202,14 +202,14 @@ static Sight foresee(const LagRun *run, int i, Part part, double low, double hig
             break;
         x = next > left && next < right ? next : left + (right - left) / 2;
     }
-    return (Sight){part.low + x * width, 0, pace / width};
+    return (Sight){part.low + x * width, 0, pace / width, (2 * c2 + 6 * c3 * x) / (width * width)};
 }
 
 /* Conditions inside become those on that side of the place that is looked for. */
 static Sight look_beside(LagRun *run, int i, double x)
 {
     LagSwitches *s = &run->switches;
-    const Sight here = {x, depth_at(run, i, x), 0};
+    const Sight here = {x, depth_at(run, i, x), 0, 0};
     lag_swap(&s->g_inside, here.depth < 0 ? &s->g_after : &s->g_before);
     return here;
 }
@@ -221,28 +221,40 @@ static double beyond(Sight here, double moment)
     return here.x + (sense * way > 0 ? way : 0) + sense * moment;
 }
 
-/* How far an event seems to be where it is at this pace, by rounding of its condition: the breadth of a stair. */
-static double stair_of(const LagRun *run, int i, double pace)
+/* What rounding makes of the condition of an event. */
+static double rounding_of(const LagRun *run, int i)
 {
     const double rounding = lag_conditions_error(run, run->switches.unknown[i]) * DBL_EPSILON / run->scale.tolerance;
-    return lag_is_event(run->model, i) ? fabs(rounding / pace) : 0;
+    return lag_is_event(run->model, i) ? rounding : 0;
+}
+
+/* How late contact i may close: as much as its place is rounding, where its rate changes by less than can be told of it. */
+static double lateness_of(const LagRun *run, int i, double stair, double bend)
+{
+    const int k = i - lag_when(run->model, 0);
+    if (!lag_is_event(run->model, i) || run->impacts.has_contact[k] != LAG_CONTACT)
+        return 0;
+    const double h = run->motion.t - run->motion.t_old, known = run->sliding.error[lag_contact(run->model, k)];
+    return lag_min(OF_RATE * known * h / fabs(bend), stair);
 }
 
 /* The place between low and high where condition i changes, to `enough`, or to rounding of a share: by the cubic and by chords, over stairs
  * by ever longer ways and then by halving, and halving where chords are slow. Conditions at both are known, and are then those on both sides
  * of it. Places of events are not left to rounding of their conditions: one in a hundred runs of a ball that comes to rest on a shaken
- * table met events without end so. */
+ * table met events without end so. Contacts may be late by as much as nobody can tell: a ball's last bounces were halvings of one stair. */
 static double close_in(LagRun *run, int i, Part part, Sight low, Sight high, double enough)
 {
     const double noise = run->switches.slides[i] ? SHARE : 0;
     Sight last = foresee(run, i, part, low.x, high.x); /* a chord from there to itself has the pace of the cubic */
     const double part_of_all = NOISE * (high.x - low.x), least = lag_max(enough, lag_min(fabs(noise / last.pace), part_of_all)) / 2;
-    double x = last.x, moment = lag_max(least, lag_min(stair_of(run, i, last.pace), part_of_all));
-    for (int k = 1, slow = 0, is_stair = 0; k <= MOST_ITERATIONS && high.x - low.x > enough && -high.depth > noise; ++k) {
+    const double rounding = rounding_of(run, i), stair = lag_min(fabs(rounding / last.pace), part_of_all); /* its breadth */
+    double x = last.x, moment = lag_max(least, stair), near = lag_max(enough, lateness_of(run, i, stair, last.bend));
+    for (int k = 1, slow = 0, is_stair = 0; k <= MOST_ITERATIONS && high.x - low.x > near && -high.depth > noise; ++k) {
         const double width = high.x - low.x;
         const int halves = is_stair || slow >= PATIENCE || !(x > low.x && x < high.x);
         Sight here = look_beside(run, i, halves ? low.x + width / 2 : x);
         *(here.depth < 0 ? &high : &low) = here;
+        near = k > 1 || fabs(here.depth) <= STRIDE * rounding ? near : enough; /* the cubic is the condition itself, or not */
         here.pace = fabs(here.x - last.x) > CHORD * enough ? (here.depth - last.depth) / (here.x - last.x) : last.pace;
         x = beyond(here, moment);
         const int stays = (here.depth < 0) == (last.depth < 0), is_again = k > 1 && stays && fabs(x - here.x) < 2 * moment;
@@ -266,7 +278,7 @@ static double find_root(LagRun *run, int i, Part part, double high)
     const size_t size = (size_t)run->model->n_switches * sizeof *s->g;
     const int is_event = lag_is_event(run->model, i);
     const double enough = lag_max(ROUNDING, lag_time_resolution(m->t) / (m->t - m->t_old));
-    Sight low = {part.low, depth_of(run, i, s->g_begin), 0}, end = {high, depth_of(run, i, s->g_after), 0};
+    Sight low = {part.low, depth_of(run, i, s->g_begin), 0, 0}, end = {high, depth_of(run, i, s->g_after), 0, 0};
     memcpy(s->g_before, s->g_begin, size);
     for (int k = 1; low.depth < 0 && k <= (is_event ? MOST_HALVINGS : HALVINGS); ++k) {
         const Sight here = look_beside(run, i, part.low + ldexp((is_event ? high : end.x) - part.low, -k));
