@@ -68,6 +68,8 @@ USED = {
     "only to be looked at": BLOCK.format("Length x = 2*b.s; Energy E = b.m*b.v^2/2;"),
     "an input and a parameter that are read": BLOCK.format(
         "input Force u; parameter Real c = 2; AppliedForce push(at = b.center, force = {c*u, 0});"),
+    "as long as it is": ARRAY.format("3] = {1, 2, 3}", "size(k, 1)"),
+    "said at the end": BLOCK.format('parameter Real c = 2; equation when b.s > 1 then terminate("at " + String(c)); end when;'),
     "chosen by a parameter": ARRAY.format("3] = {1, 2, 3}", "k[n]"),
     "chosen by an expression": ARRAY.format("3] = {1, 2, 3}", "k[n + 1]"),
     "chosen by another array": ARRAY.format("3] = {1, 2, 3}; parameter Integer order[2] = {3, 1}", "k[order[n]]"),

@@ -14,6 +14,7 @@ from lagrangia.language.tree import (
     Array,
     Binary,
     Boolean,
+    Call,
     ClassDefinition,
     Comprehension,
     Declaration,
@@ -29,6 +30,8 @@ from lagrangia.language.tree import (
     Unary,
     Whole,
 )
+
+_KNOWN_BEFOREHAND = ("size", "ndims", "String")  # of which the flat model has what they give
 
 
 @dataclass(frozen=True)
@@ -80,6 +83,8 @@ def _references(definition: ClassDefinition) -> Iterator[tuple[Reference, _Place
             case ForBlock() | Comprehension():
                 runs = {i.name: i.range is not None and _is_literal(i.range, place.iterators) for i in node.iterators}
                 place = _Place(place.may_be_left_out, {**place.iterators, **runs})
+            case Call() if node.function in _KNOWN_BEFOREHAND:
+                place = _Place(True, place.iterators)
             case Equality(Reference() as target, right, _, _):
                 parts = iter((*(part.subscripts for part in target.parts), right))
             case Reference():
