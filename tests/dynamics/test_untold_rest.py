@@ -35,6 +35,8 @@ def test_what_is_not_told_of_rest_is_refused(scene: Write, limit: str, way: str)
 @pytest.mark.parametrize("text", [
     "AppliedForce f(at = b.center, force = {if b.v > 0[m/s] then -1[N]*(3 - sign(b.v)^2) else 1[N]*(3 - sign(b.v)^2), 0});",
     "AppliedForce f(at = b.center, force = {-3[N]*sign(b.v) + 1[N]*sign(b.v)^3, 0});",
+    "AppliedForce f(at = b.center, force = {if b.v > 0[m/s] then -2e5[N] elseif b.v < 0[m/s] then 2e5[N] "
+    "else -min(5e5[N], max(-5e5[N], 1e7[N/m]*b.s)), 0});",
     "AppliedForce f(at = b.center, force = {-1[N]*(3 - sign(b.v)^2)*(1.3 + 0.3*sign(b.v))*sign(b.v), 0});",
     "Friction f(mu = 0.3 - 0.1*sign(b.v)^2, normal = 10, rate = b.v);",
     "Velocity slip = b.v - 0.2[m/s]*cos(1[rad/s]*time); DryFriction f(F = 1[N]*(3 - sign(slip)^2), rate = slip);",

@@ -235,3 +235,14 @@ def test_coordinates_that_move_something_are_none(more: str, scene: Scene) -> No
     text = text.replace("coordinate", "PointMass p(m=1, center = shift(world, {z, 0})); coordinate") if more == "frame" else text
     with pytest.raises(lag.LagError, match="L0412"):
         scene(text)
+
+
+def test_an_array_of_states_is_told(scene: Scene) -> None:
+    """It was a KeyError."""
+    with pytest.raises(lag.LagError, match=r"L0906.*array of coordinates 'f'"):
+        scene("""model Lags
+          Block b(m = 1, base = world, v(start = 2));
+          coordinate Length f[2];
+        equation
+          for i in 1:2 loop 0.1*i*der(f[i]) + f[i] = b.s; end for;
+        end Lags;""")

@@ -39,6 +39,8 @@ EDGES = [
     ("not (y.s > 0) and not (x.s > 0)", (0.1, -3.0), (-0.05, 0.0), 1.0, -0.05 - G / 1800 - G * (29 / 30) ** 2 / 2),
     ("not (y.s > 0 or x.s > 0)", (0.1, -3.0), (-0.05, 0.0), 1.0, -0.05 - G / 1800 - G * (29 / 30) ** 2 / 2),
     ("not (y.s > 0 or not x.s < 0)", (0.0, -3.0), (0.05, 0.0), 1.0, 0.0),
+    ("max(max(y.s, x.s - 1[m]), -0.1[m] - x.s) < 0", (-1.0, 3.0), (0.6, 0.0), 1.0, -G / 18),
+    ("0 < min({-y.s, 1[m] - x.s, x.s + 0.1[m]})", (-1.0, 3.0), (0.2, 0.0), 1.0, 0.2 - G * 0.09 / 2 - G * 0.49 / 2),
     ("y.s < 0 or x.s < 0", (1.0, -2.0), (0.5, 0.0), 1.0, -G * (1 - np.sqrt(1 / G)) ** 2 / 2),  # once
 ]
 
@@ -432,3 +434,16 @@ def test_an_alternative_that_holds_nothing_is_told(scene: Write, condition: str)
     assert "L0224" in warning and "beside `or` it is no contact" in warning
     assert not scene(edge("y.s < 0 and (x.s < 1 or x.s > 2)", (0.5, 1.0), (0.0, 0.0))).warnings
     assert not scene(edge("x.s > 1 or time > 1", (0.5, 1.0), (0.0, 0.0))).warnings
+
+
+@pytest.mark.parametrize("force", [1.0, -1.0])
+def test_what_is_largest_of_both_sides_is_a_wall_on_both(scene: Write, force: float) -> None:
+    """It falls onto -1/2 or 1/2 in 1 s."""
+    run = scene(f"""model Post
+      World world(gravity = {{0, 0}});
+      Block b(m = 1, base = world, s(start = {-force}));
+      AppliedForce load(at = b.center, force = {{{force}, 0}});
+    equation
+      when max(b.s, -b.s) < 0.5 then reinit(b.v, 0); end when;
+    end Post;""").simulate(at=[0.5, 3.0])
+    assert run["b.s"][-2:] == pytest.approx([-force * 0.875, -force * 0.5], abs=1e-9)

@@ -38,6 +38,7 @@ from lagrangia.language.events import (
     COMPARED,
     are_alike,
     comparisons_in,
+    condition_of,
     contact_of,
     held_by,
     level_of,
@@ -171,6 +172,7 @@ class _Event:
         self.held: Flat | None = None
         self.as_declared: Flat | None = None
         self.as_if_still: Flat | None = None
+        self._take_apart()
         parts = list(parts_of(self.condition))
         contacts = [x and self._unless_moved(k, x) for k, x in enumerate(self._find_all(self._turns_back, parts))]
         self.collision = None if any(contacts) else self._find_collision(parts)
@@ -189,6 +191,12 @@ class _Event:
             self._require_change()
         if chosen is None and self.collision is None and sum(self.may_rest) == 1:
             self.as_if_still = next((x for x in self._find_all(self._turns_back_alone, parts) if x is not None), None)
+
+    def _take_apart(self) -> None:
+        """Of what is the largest each by itself, unless several of them turn a rate back: abs(x) < 1 is a wall on both sides."""
+        if (apart := condition_of(self.when, self.kinematics.graph.model)) != self.condition:
+            ends = zip(*(self._find_all(self._turns_back, [part]) for part in parts_of(apart)), strict=True)
+            self.condition = apart if all(len(x) - x.count(None) < 2 for x in ends) else self.condition
 
     def _expression(self, x: Scalar) -> ca.SX:
         """With der(n) = 0 of discrete variables."""

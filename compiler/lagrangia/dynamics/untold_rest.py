@@ -35,6 +35,7 @@ _LITTLE = 1e-30  # m/s or rad/s: of a rate that moves
 _NOTHING, _SAME, _ZERO = 1e-9, 1e-6, 1e-12  # relative: of a value; of slopes; of a rate that is another one's multiple
 _SLOW, _JUMP = 1e-11, 10.0  # m/s or rad/s: of slow motion; a force changes more from rest to there than from there to twice
 _POINTS = 3
+_SCALES = (1.0, 1.0, 1.0, 1e3, 1e6, 1e9)  # of places and all else that is given: what has limits reaches them far away
 _HINT = ("what holds at rest is told by F_static, mu_static or tau_static of the component, or by "
          "`if abs(v) > 0 then ... else ...`: the second value is that at rest")
 
@@ -127,8 +128,8 @@ def _values_of(held: ca.SX, probe: "_Probe", v: ca.SX) -> Iterator[tuple[Vector,
     """Of each rate, at a few general places where it rests."""
     forces, moving, symbols = _functions_of(held, probe, v)
     random = np.random.default_rng(1)
-    for _ in range(_POINTS):
-        place = random.uniform(0.5, 1.5, symbols.numel())
+    for scale in _SCALES:
+        place = scale * random.uniform(0.5, 1.5, symbols.numel())
         for k in range(len(probe.found)):
             at, found, J = place.copy(), *map(np.array, moving(place))
             if not (weight := J[k] @ J[k]) > 0:
@@ -141,7 +142,8 @@ def _values_of(held: ca.SX, probe: "_Probe", v: ca.SX) -> Iterator[tuple[Vector,
             others = np.where(together, 0.0, found)
             ahead, back, rest = (forces(at, others + d * _LITTLE * turned, np.sign(others) + d * turned) for d in (1, -1, 0))
             f = [np.array(values[0]).ravel() for values in (ahead, back, rest)]
-            yield f[0], f[1], f[2], np.array(rest[1]) @ turned
+            if scale == 1.0 or np.isfinite(f).all():
+                yield f[0], f[1], f[2], np.array(rest[1]) @ turned
 
 
 def _functions_of(held: ca.SX, probe: "_Probe", v: ca.SX) -> tuple[ca.Function, ca.Function, ca.SX]:

@@ -5,6 +5,7 @@ A contact keeps x from falling below 0:  when x < 0 then reinit(der(x), ...).  T
 
 from collections.abc import Iterator, Sequence
 from dataclasses import fields, is_dataclass, replace
+from functools import reduce
 from typing import Any
 
 from lagrangia.base.diagnostics import fail
@@ -42,6 +43,38 @@ def without_not(node: Flat, is_true: bool = True) -> Flat:
         case Binary(("<" | "<=" | ">" | ">=") as operator, left, right, span) if not is_true:
             return Binary({"<": ">=", "<=": ">", ">": "<=", ">=": "<"}[operator], left, right, span)
     return node if is_true else Unary("not", node, node.span)
+
+
+def condition_of(when: When, model: FlatModel) -> Flat:
+    """Without `not`, and with each of what has to be below something, or above it, by itself, so that each may be a contact:
+    max(x, y) < 0 is x < 0 and y < 0, unless what is reset is the rate of the largest."""
+    return _in_parts(without_not(when.condition), model, [position_of(reset, model) for reset in when.resets])
+
+
+def _in_parts(node: Flat, model: FlatModel, positions: Sequence[Flat]) -> Flat:
+    match node:
+        case Binary("and" | "or" as operator, left, right, span):
+            return Binary(operator, _in_parts(left, model, positions), _in_parts(right, model, positions), span)
+        case Binary(("<" | "<=" | ">" | ">=") as operator, left, right, span):
+            is_below = operator.startswith("<")
+            for own, wanted in ((left, "max" if is_below else "min"), (right, "min" if is_below else "max")):
+                if not any(are_alike(own, x) for x in positions) and (several := _several(own, wanted, model)):
+                    sides = (((x, right) if own is left else (left, x)) for x in several)
+                    parts = [_in_parts(Binary(operator, *pair, span), model, positions) for pair in sides]
+                    return reduce(lambda a, b: Binary("and", a, b, span), parts)
+    return node
+
+
+def _several(node: Flat, wanted: str, model: FlatModel) -> tuple[Flat, ...]:
+    """Of what a call of max, or of min as is `wanted`, which may have a name, is the largest or least; else nothing."""
+    match node:
+        case Ref(name, (), _) if (variable := model.variables[name]).kind == "variable" and not variable.shape:
+            return () if variable.binding is None else _several(variable.binding, wanted, model)
+        case Call(function, (Array(items, _),), _, _) if function == wanted:
+            return items
+        case Call(function, arguments, _, _) if function == wanted and len(arguments) > 1:
+            return arguments
+    return ()
 
 
 def level_of(node: Flat) -> Flat:
@@ -149,7 +182,7 @@ def held_by(model: FlatModel, when: When) -> Flat | None:
 def _below(model: FlatModel, when: When) -> Iterator[tuple[Flat, Flat]]:
     """What falls below zero, beside each position of which a rate is reset."""
     positions = [position_of(reset, model) for reset in when.resets]
-    for node in parts_of(without_not(when.condition)):
+    for node in parts_of(condition_of(when, model)):
         if (small := _below_zero(node)) is not None:
             yield from ((small, x) for x in positions)
 

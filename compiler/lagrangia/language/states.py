@@ -75,7 +75,7 @@ def _idle_coordinates(variables: Mapping[str, Variable], equations: Sequence[Equ
         names = names if len(names) == 1 else _rates_in((equation.left, equation.right), variables)
         if isinstance(equation.left, Ref) and _is_open(variables[equation.left.name]) and bindings[equation.left.name] is None:
             bindings[equation.left.name] = equation.right
-        elif len(names) == 1 and names.isdisjoint(candidates) and not variables[min(names)].shape and not _is_virtual(equation):
+        elif len(names) == 1 and names.isdisjoint(candidates) and _is_number(min(names), variables) and not _is_virtual(equation):
             candidates[names.pop()] = equation
         elif _state_of(equation, variables, ends) is None:
             read += [equation.left, equation.right]
@@ -97,6 +97,11 @@ def _rates_in(sides: Iterable[Flat], variables: Mapping[str, Variable]) -> set[s
 def _is_coordinate_rate(node: Flat, variables: Mapping[str, Variable]) -> TypeGuard[Call[Flat]]:
     return (isinstance(node, Call) and node.function == "der" and isinstance(inner := node.arguments[0], Ref)
             and variables[inner.name].kind == "coordinate")
+
+
+def _is_number(name: str, variables: Mapping[str, Variable]) -> bool:
+    """Whether a coordinate is a number: no array, and no element of one."""
+    return name in variables and not variables[name].shape
 
 
 def _is_virtual(equation: Equation) -> bool:
