@@ -90,9 +90,10 @@ when {a, b} then      where one of them comes true, while others are, too; when 
                       when change(n) where a discrete variable n gets another value; pre(n) is the value before, there, too
 Contacts              where the rate of the condition itself is turned back or stopped, as der(gap) by -e*pre(der(gap)) when
                       gap < 0; or seen from what it meets, a wall that time moves or a body, as b.v by x.v - e*(b.v - x.v) when
-                      b.s < x.s; or the rates of both by an impulse between them. They push and never pull, one impact brings
-                      about the next (Newton's cradle), and bounces too small to be told from none come to rest: a force that
-                      only pushes holds them, until the motion leaves. Stop and TorsionStop of the library are contacts of any
+                      b.s < x.s; or the rates of both by an impulse between them; in all branches of what is set, else each
+                      event sets what is written (L0224). They push and never pull, one impact brings about the next (Newton's
+                      cradle), and bounces too small to be told from none come to rest: a force that only pushes holds them,
+                      until the motion leaves. Stop and TorsionStop of the library are contacts of any
                       distance or angle; stop.reaction is the force that holds what rests at its ports, between impacts and
                       without friction, and stop.force its size. Impacts of several contacts at once have no one answer in rigid
                       bodies: here those that approach are struck together, then those that approach after that.

@@ -189,7 +189,7 @@ def _with_impacts(kinematics: "Kinematics", energies: "Energies", motion: "Motio
     from lagrangia.dynamics.motion import build_motion
     from lagrangia.dynamics.untold_rest import refuse_untold_rest
 
-    impacts = find_impacts(kinematics, (energies, made_of[0]))
+    impacts = find_impacts(kinematics, energies.total(energies.kinetic), made_of[0].rows)
     if impacts.pressing:
         kinematics = kinematics.knowing(impacts.contact_forces())
         energies = build_energies(kinematics)
@@ -257,8 +257,9 @@ def _kinematics(flat: "FlatModel", is_general: bool) -> "tuple[Kinematics, Const
         fail("L0505", "nothing can move: the scene has no coordinate", flat.span,
              "joints (Revolute, Prismatic, ...) and bodies joined to nothing have coordinates")
     require_possible(kinematics)
-    kinematics, constraints, _ = settle_massless(kinematics, constraints, build_energies(kinematics))
-    find_impacts(kinematics)  # which tells what is wrong with events
+    energies = build_energies(kinematics)
+    kinematics, constraints, _ = settle_massless(kinematics, constraints, energies)
+    find_impacts(kinematics, energies.total(energies.kinetic), constraints.rows)  # which tells what is wrong with events
     return kinematics, constraints
 
 

@@ -1,28 +1,75 @@
-"""Resets of bodies that meet, all of which are turned back: whether they are what an impulse between these does.
+"""Resets that turn back what meets: whether they are those of a contact, in every arm that what they set may take (arms.py).
 
 The rates r = R v are reset to w, and the rate of the gap is s v, s = c R. An impulse L between the bodies gives M dv = s^T L, and
-so w - r = R M^-1 R^T c^T L; where constraints hold J v = 0, these give impulses of their own, M dv = s^T L + J^T N. One of a
-hand that takes hold of them does not: it leaves them no momentum, or gives them some.
+so w - r = R M^-1 R^T c^T L. One of a hand that takes hold of them does not: it leaves them no momentum, or gives them some.
+With constraints J v = 0, M^-1 is that of what these leave free.
 """
 
+from collections.abc import Sequence
 from enum import IntEnum
+from functools import cached_property
+from itertools import product
 
 import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from lagrangia.algebra.scalars import symbols_in
+from lagrangia.constraints.parameters import parameter_symbols, parameters_of, usual_parameters
+from lagrangia.constraints.rows import Row
+from lagrangia.dynamics.arms import Look, random_state
+from lagrangia.frames.kinematics import Kinematics
+
 _SAME = 1e-9  # relative difference of what is the same but for rounding
+_NONE = ca.SX(0, 1)
+_SEEDS = range(3, 9)  # of random states
 Numbers = NDArray[np.float64]
 
 
 class Meeting(IntEnum):
-    """What resets do: nothing like an impact; turn back what approaches; and that by an impulse between those that meet, for the
-    parameters as they are declared or for all."""
+    """What resets do: nothing like an impact; turn back what approaches in some of their arms; turn it back, but move the wall
+    along; turn back all that meet; and that by an impulse between these, for parameters as they are declared or for all."""
 
     NONE = 0
-    BACK = 1
-    AS_DECLARED = 2
-    BETWEEN = 3
+    IN_SOME = 1
+    CARRIED = 2
+    BACK = 3
+    AS_DECLARED = 4
+    BETWEEN = 5
+
+
+class Mobility:
+    """How rates v, (n,), answer to impulses, by a kinetic energy and rows of constraints."""
+
+    def __init__(self, kinematics: Kinematics, v: ca.SX, kinetic: ca.SX, rows: Sequence[Row]) -> None:
+        self.kinematics, self.v, self.kinetic, self.rows = kinematics, v, kinetic, rows
+
+    @cached_property
+    def bound(self) -> Numbers:
+        """Usual parameters, where those that follow from others do."""
+        p, usual = usual_parameters(self.kinematics)
+        return np.array(ca.Function("bound", [p], [parameters_of(self.kinematics, p)])(usual)).ravel()
+
+    @cached_property
+    def function(self) -> ca.Function:
+        """M (n, n) and J (m, n) of v, of places and time, of parameters, and of what else is given."""
+        symbols, v = self.kinematics.symbols, self.v
+        rates = ca.vertcat(_NONE, *(ca.substitute(ca.SX(row.rate(self.kinematics)), symbols.tau, ca.SX(1)) for row in self.rows))
+        results = self.kinematics.algebra.with_modes([ca.hessian(self.kinetic, v)[0], ca.jacobian(rates, v)])
+        places = ca.vertcat(_NONE, *symbols.positions.values(), symbols.time)
+        stated = [v, places, parameter_symbols(self.kinematics)]
+        known = symbols_in(ca.vertcat(*stated))
+        others = ca.vertcat(_NONE, *(x for x in ca.symvar(ca.veccat(*results)) if x.__hash__() not in known))
+        return ca.Function("mobility", [*stated, others], [ca.densify(x) for x in results])
+
+    def moved(self, look: Look, v: Numbers, known: Numbers, impulses: Numbers) -> Numbers:
+        """The changes of v by impulses, both (n, k), at a state."""
+        others = np.full(self.function.numel_in(3), 0.7)
+        M, J = (np.array(x) for x in self.function(v, known[:look.time + 1], look.p, others))
+        both, pushed = np.block([[M, J.T], [J, np.zeros((len(J), len(J)))]]), np.vstack((impulses, np.zeros((len(J), 1))))
+        if not (np.isfinite(both).all() and np.isfinite(pushed).all()):
+            return np.full(impulses.shape, np.nan)
+        return np.asarray(np.linalg.lstsq(both, pushed, rcond=None)[0][:len(M)])
 
 
 def shares_of(pace: ca.SX, rates: ca.SX, v: ca.SX) -> ca.SX:
@@ -31,27 +78,89 @@ def shares_of(pace: ca.SX, rates: ca.SX, v: ca.SX) -> ca.SX:
     return ca.solve(R @ R.T, R @ ca.gradient(pace, v))
 
 
-def look_at_meeting(look: ca.Function, p: Numbers, random: "np.random.Generator") -> Meeting:
-    """At a random state; `look` gives pace, r, w, s, R, M and J of v, what else is known, and parameters."""
-    v, known = (random.uniform(0.4, 1.6, look.numel_in(k)) for k in range(2))
+def turned_back(look: Look, k: int, j: int, spreads: Sequence[int]) -> tuple[Meeting, int]:
+    """Whether reset j leaves as it is what goes at the rate of the wall of gap k, and turns back what approaches; and the sign of
+    the factor between their rates. `look` gives the rates of gaps, r, w, and the slopes of rates of gaps and of r."""
+    signs = set[int]()
+    for seed, spread in product(_SEEDS, spreads):
+        v, given = random_state(look, np.random.default_rng(seed))
+        given[look.time] **= spread
+        found = [x for known, arm in look.arms(given) if (x := _turned_back(look, k, j, v, known, arm)) is not None]
+        if not found:
+            continue
+        if not all(found):
+            return (Meeting.IN_SOME if {1, -1} & {*found} else Meeting.NONE), 0
+        signs |= {int(np.sign(found[0]))}
+    return (Meeting.BACK, signs.pop()) if len(signs) == 1 else (Meeting.NONE, 0)
+
+
+def _turned_back(look: Look, k: int, j: int, v: Numbers, known: Numbers, arm: Numbers) -> int | None:
+    """The sign in one arm, twice that where only what is fast chooses it, 0 where it is not turned back; None: cannot be."""
 
     def at(v: Numbers) -> list[Numbers]:
-        pace, r, w, s, R, M, J = (np.array(x) for x in look(v, known, p))
-        return [pace.ravel(), r.ravel(), w.ravel(), s.ravel(), R, M, J]
+        paces, rates, wanted, slopes, own = look.at(v, known, arm)
+        return [paces.ravel()[k], rates.ravel()[j], wanted.ravel()[j], slopes[k], own[j]]
 
-    (pace,), r, _, s, R, M, J = at(v)
-    if not all(np.isfinite(x).all() for x in (pace, r, s, R, M, J)) or not np.dot(s, s) > 0:
-        return Meeting.NONE
+    pace, rate, _, slope, own = at(v)
+    square, along = np.dot(own, own), float(np.dot(slope, own))
+    if not np.isfinite([pace, rate, *slope, *own]).all():
+        return None
+    if not abs(along) > _SAME * np.linalg.norm(slope) * np.linalg.norm(own) > 0:
+        return 0
+    found, is_slow = set[bool](), False
+    for still, turned, is_both in look.approaches(v, own * (np.sign(along) / square), float(pace), slope, (known, arm)):
+        (_, wall, left, *_), (_, _, back, *_) = at(still), at(turned)
+        size = np.abs(own) @ np.abs(turned) + abs(rate) + abs(wall)
+        if not arm.size or np.isfinite([wall, back]).all():
+            is_slow |= is_both
+            found.add(bool((not is_both or abs(left - wall) <= _SAME * size) and (back - wall) * np.sign(along) <= _SAME * size))
+    return int(np.sign(along)) * (1 if is_slow else 2) if found == {True} else 0 if found else None
+
+
+def look_at_meeting(look: Look, k: int, own: NDArray[np.intp], mobility: Mobility) -> Meeting:
+    """What the resets `own` do together at gap k."""
+    found = set[Meeting]()
+    for seed in (3, 4):
+        v, given = random_state(look, np.random.default_rng(seed))
+        found |= {x for known, arm in look.arms(given) if (x := _meeting(look, k, own, mobility, (v, known, arm))) is not None}
+        if max(found, default=Meeting.NONE) == Meeting.NONE:
+            return Meeting.NONE
+    return min(found) or Meeting.IN_SOME
+
+
+def _meeting(look: Look, k: int, own: NDArray[np.intp], mobility: Mobility, state: tuple[Numbers, Numbers, Numbers]
+             ) -> Meeting | None:
+    """That in one arm; None where it cannot be so."""
+    v, known, arm = state
+
+    def at(v: Numbers) -> list[Numbers]:
+        paces, r, w, slopes, R = look.at(v, known, arm)
+        return [paces.ravel()[k], r.ravel()[own], w.ravel()[own], slopes[k], R[own]]
+
+    pace, r, _, s, R = at(v)
+    if not all(np.isfinite(x).all() for x in (pace, r, s, R)):
+        return None if arm.size else Meeting.NONE
     c = np.linalg.lstsq(R.T, s, rcond=None)[0]
-    if np.linalg.matrix_rank(R) < len(r) or not np.linalg.norm(c) > 0:
+    if not np.linalg.norm(c) > 0 or np.linalg.matrix_rank(R) < len(r):
         return Meeting.NONE
-    still, towards = (v + s * ((x - pace) / np.dot(s, s)) for x in (0, 1))
-    (_, r_still, w_still, *_), (_, r, w, *_) = at(still), at(towards)
-    change, size = w - r, np.abs(R) @ np.abs(v) + np.abs(r)
-    if (np.abs(w_still - r_still) > _SAME * size).any() or 1 + np.dot(c, change) > _SAME:
-        return Meeting.NONE
-    held = np.block([[M, J.T], [J, np.zeros((len(J), len(J)))]])
-    way = R @ np.linalg.lstsq(held, np.append(R.T @ c, np.zeros(len(J))), rcond=None)[0][:len(v)]
+    found, way = list[Meeting](), R @ mobility.moved(look, v, known, (R.T @ c)[:, None]).ravel()
     are_all = np.linalg.norm(R.T @ c - s) <= _SAME * np.linalg.norm(s)
-    is_between = are_all and np.linalg.norm(change - way * (np.dot(c, change) / np.dot(c, way))) <= _SAME * np.linalg.norm(change)
-    return Meeting.BETWEEN if is_between else Meeting.BACK
+    for still, towards, is_both in look.approaches(v, s / np.dot(s, s), float(pace), s, (known, arm)):
+        (_, r_still, w_still, *_), (fast, r, w, *_) = at(still), at(towards)
+        change, size = w - r, np.abs(R) @ np.abs(towards) + np.abs(r)
+        if arm.size and not np.isfinite(change).all():
+            continue
+        is_left = not is_both or (np.abs(w_still - r_still) <= _SAME * size).all()
+        off = change - way * (np.dot(c, change) / np.dot(c, way))
+        is_between = are_all and np.linalg.norm(off) <= _SAME * np.linalg.norm(change)
+        found.append(Meeting.NONE if not is_left or not fast + np.dot(c, change) <= _SAME * fast else
+                     Meeting.BETWEEN if is_between else Meeting.BACK)
+    return min(found, default=None)
+
+
+def is_carried(look: Look, mobility: Mobility) -> bool:
+    """Whether an impulse along a rate changes that of its wall. `look` gives the slopes of both."""
+    v, known = random_state(look, np.random.default_rng(3))
+    wall, own = (x.ravel() for x in look.at(v, known, np.zeros(0)))
+    moved = mobility.moved(look, v, known, own[:, None]).ravel()
+    return not abs(np.dot(wall, moved)) <= _SAME * np.linalg.norm(wall) * np.linalg.norm(moved)

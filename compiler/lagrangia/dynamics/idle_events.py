@@ -20,6 +20,22 @@ from lagrangia.frames.kinematics import Kinematics
 _SIZES = (1e-3, 0.03, 1.0, 1e-3, 0.03, 1.0)  # m or rad about 1: what saturates does not do so at all of them
 _NOTHING = 1e-11
 _FROM_WALL = "write it from the rate w of what is met there: reinit(v, w - e*(v - w))"
+_HELD_BY = {
+    Meeting.IN_SOME: "what is set turns back in some of its branches, and in others it does not: each event sets what is "
+                     "written, and when bounces have ended nothing keeps what is there from going on",
+    Meeting.CARRIED: "what is set moves along what it is turned back from: each event sets what is written, and when bounces "
+                     "have ended nothing keeps what is there from going on",
+    Meeting.BACK: "these turn back, but by no impulse between them: when their bounces have ended nothing keeps them from going "
+                  "on",
+    Meeting.AS_DECLARED: "what is set is an impulse between those that meet for the masses as they are declared, and is taken "
+                         "for one",
+}
+_BETTER = (
+    "write it with their masses by name, so that m1*v1 + m2*v2 is the same before and after; or of the gap, which takes care of "
+    "that: when gap < 0 then reinit(der(gap), -e*der(gap))",
+    "to hold what rests, let each branch turn back what comes there, or write a `when` of its own for each, with what tells them "
+    "apart in its condition",
+)
 _SMOOTH = frozenset({ca.OP_CONST, ca.OP_INPUT, ca.OP_OUTPUT, ca.OP_ADD, ca.OP_SUB, ca.OP_MUL, ca.OP_DIV, ca.OP_NEG, ca.OP_SQ,
                      ca.OP_SQRT, ca.OP_TWICE, ca.OP_SIN, ca.OP_COS, ca.OP_HYPOT, ca.OP_INV, ca.OP_CONSTPOW})
 
@@ -50,13 +66,9 @@ def find_idle_events(kinematics: Kinematics, constraints: Constraints, impacts: 
                            "a kick, and what comes to rest there is not kept from going on", wall.span.within(when.span),
                            _FROM_WALL)
         if (met := impacts.collisions[k]) is not None and met[1] != Meeting.BETWEEN:
-            text = met[0].span.text
-            report.warning("L0224", f"where '{text}', what is set is an impulse between those that meet for the masses as they "
-                           "are declared, and is taken for one" if met[1] == Meeting.AS_DECLARED else
-                           f"where '{text}' these turn back, but by no impulse between them: when their bounces have ended "
-                           "nothing keeps them from going on", met[0].span.within(when.span),
-                           "write it with their masses by name, so that m1*v1 + m2*v2 is the same before and after; or of the "
-                           "gap, which takes care of that: when gap < 0 then reinit(der(gap), -e*der(gap))")
+            text, how = met[0].span.text, met[1]
+            report.warning("L0224", f"where '{text}' {_HELD_BY[how]}", met[0].span.within(when.span),
+                           _BETTER[how == Meeting.IN_SOME])
     return report
 
 

@@ -13,7 +13,7 @@ A rate that is reset to where its condition ends (a pawl, a freewheel: when v < 
 there by a force on x that only pushes.
 """
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import field
 from itertools import accumulate
 
@@ -26,10 +26,11 @@ from lagrangia.algebra.scalars import symbols_in
 from lagrangia.algebra.with_casadi import operations_in
 from lagrangia.base.diagnostics import fail
 from lagrangia.base.records import dataclass
-from lagrangia.constraints.parameters import default_parameters, parameter_symbols, parameters_of, usual_parameters
-from lagrangia.constraints.rows import Constraints
-from lagrangia.dynamics.collisions import Meeting, look_at_meeting, shares_of
-from lagrangia.dynamics.energies import Energies, Load, paced
+from lagrangia.constraints.parameters import parameter_symbols, usual_parameters
+from lagrangia.constraints.rows import Row
+from lagrangia.dynamics.arms import Look
+from lagrangia.dynamics.collisions import Meeting, Mobility, is_carried, look_at_meeting, shares_of, turned_back
+from lagrangia.dynamics.energies import Load, paced
 from lagrangia.dynamics.levels import EDGE, JUMPS, Levels, Meetings, Steps, level_of_parts
 from lagrangia.frames.evaluation import scalars_of
 from lagrangia.frames.kinematics import Kinematics
@@ -53,6 +54,7 @@ from lagrangia.language.tree import Binary, Flat, Number, Unary
 KICK, CONTACT, ONE_WAY = range(3)  # LAG_KICK, ...
 STILL, MOVED, BODIES = range(3)  # walls
 _SAME = 1e-9  # relative difference of what is the same but for rounding
+_ROUNDING = 1e-14  # of rates of what is at rest
 _SOME = range(3, 9)  # seeds of random states, in all branches that time may decide on
 _SPREAD = 25  # 0.4 to 1.6 become times of 1e-10 s to 1e5 s
 _NONE = ca.SX(0, 1)
@@ -102,14 +104,14 @@ class Impacts:
                      for x in self.loads)
 
 
-def find_impacts(kinematics: Kinematics, made_of: tuple[Energies, Constraints] | None = None) -> Impacts:
-    """`made_of`: by what collisions are known, the inertia and constraints, which give impulses of their own. Raises LagError
-    L0225 for a condition that never comes true, or for what is no rate, L0226, L0230, L0303, L0501."""
+def find_impacts(kinematics: Kinematics, kinetic: ca.SX, rows: Sequence[Row]) -> Impacts:
+    """Of the kinetic energy and the rows of constraints. Raises LagError L0225 for a condition that never comes true, or for what
+    is no rate, L0226, L0230, L0303, L0501."""
     whens = kinematics.graph.model.whens
     if not whens:
         return Impacts()
-    steps = Steps(kinematics)
-    found = [_Event(kinematics, when, steps, made_of) for when in whens]
+    steps, mobility = Steps(kinematics), Mobility(kinematics, Meetings(kinematics).rates, kinetic, rows)
+    found = [_Event(kinematics, when, steps, mobility) for when in whens]
     kept = [event.kept_position for event in found]
     for asked in contact_forces_in(kinematics.graph.model):
         event = contact_of(kept, asked.arguments[0])
@@ -152,8 +154,8 @@ def _find_known(kinematics: Kinematics, rates: ca.SX, wanted: ca.SX) -> tuple[bo
 class _Event:
     """One `when`, evaluated."""
 
-    def __init__(self, kinematics: Kinematics, when: When, steps: Steps, made_of: tuple[Energies, Constraints] | None) -> None:
-        self.kinematics, self.when, self.steps, self.made_of = kinematics, when, steps, made_of
+    def __init__(self, kinematics: Kinematics, when: When, steps: Steps, mobility: Mobility) -> None:
+        self.kinematics, self.when, self.steps, self.mobility = kinematics, when, steps, mobility
         model = kinematics.graph.model
         self.condition = without_not(when.condition)
         self.moving = ca.vertcat(kinematics.symbols.time, kinematics.algebra.state, *kinematics.symbols.held.values())
@@ -174,11 +176,10 @@ class _Event:
         self.as_if_still: Flat | None = None
         self._take_apart()
         parts = list(parts_of(self.condition))
-        contacts = [x and self._unless_moved(k, x) for k, x in enumerate(self._find_all(self._turns_back, parts))]
-        self.collision = None if any(contacts) else self._find_collision(parts)
-        if self.collision is not None and self.collision[1] != Meeting.BACK:
+        contacts, self.collision = self._find_contacts(parts)
+        if self.collision is not None and self.collision[1] > Meeting.BACK:
             kept, contacts = None, self._strike(self.collision[0])
-        limits = [] if any(contacts) else self._find_all(self._stops, parts)
+        limits = [] if any(contacts) else self._find_limits(parts)
         kind, found = (ONE_WAY, limits) if any(limits) else (CONTACT, contacts)
         chosen = next((x for x in (found[kept] if kept is not None else None, *found) if x is not None), None)
         self.alternative = self._find_alternative(parts) if chosen is None else None
@@ -190,13 +191,27 @@ class _Event:
         elif _is_comparison(self.condition):
             self._require_change()
         if chosen is None and self.collision is None and sum(self.may_rest) == 1:
-            self.as_if_still = next((x for x in self._find_all(self._turns_back_alone, parts) if x is not None), None)
+            self.as_if_still = self._find_alone(parts)
 
     def _take_apart(self) -> None:
         """Of what is the largest each by itself, unless several of them turn a rate back: abs(x) < 1 is a wall on both sides."""
         if (apart := condition_of(self.when, self.kinematics.graph.model)) != self.condition:
-            ends = zip(*(self._find_all(self._turns_back, [part]) for part in parts_of(apart)), strict=True)
-            self.condition = apart if all(len(x) - x.count(None) < 2 for x in ends) else self.condition
+            turned = [j for part in parts_of(apart) for j, x in self._find_turned([part]).items() if x[1] == Meeting.BACK]
+            self.condition = apart if len({*turned}) == len(turned) else self.condition
+
+    def _find_alone(self, parts: list[Flat]) -> Flat | None:
+        """The comparison at which what is reset would be turned back if all else that moves there stood still."""
+        v, (j,) = self.meetings.rates, np.flatnonzero(self.may_rest).tolist()
+        own = ca.densify(ca.gradient(self.rates[j], v))
+        alone = own * (ca.dot(own, v) / ca.dot(own, own))
+        for node in (x for x in parts if _is_comparison(x) and not ca.depends_on(self._level_at(x), v)):
+            pace, rate, wanted = ca.substitute([self._pace_of(self._level_at(node)), self.rates[j], self.wanted[j]], [v], [alone])
+            (drift,) = ca.substitute([pace], [v], [ca.SX.zeros(v.numel())])
+            slopes = [ca.densify(ca.jacobian(x, v)) for x in (pace, rate)]
+            look = self._look([pace - drift, rate, wanted, *slopes], [wanted])
+            if turned_back(look.where(self.mobility.bound), 0, 0, self._spreads(node))[0] == Meeting.BACK:
+                return node
+        return None
 
     def _expression(self, x: Scalar) -> ca.SX:
         """With der(n) = 0 of discrete variables."""
@@ -265,51 +280,98 @@ class _Event:
         (self.arm,) = self.kinematics.algebra.arms_in_force([self.gap])
         self.g = ca.mmin(ca.vertcat(*guards)) if guards else ca.SX(1)
         own = next(k for k, x in enumerate(self.kinds) if x == kind)
-        if kind == CONTACT and self.collision is None and not self._sides(self.gap, self.rates[own], self.wanted[own])[0]:
+        if kind == CONTACT and self.collision is None and chosen in self.beside:
             self.as_declared = chosen
-        if kind == CONTACT and self._wall(self.gap, self.rates[own]) != BODIES:
+        if kind == CONTACT and self.walls[own][0] != BODIES:
             self.held = Unary("-", level_of(chosen), self.when.span)
             return
-        side = self._turns_back if kind == CONTACT else self._stops
-        is_least = side(self.gap, self.rates[own], self.wanted[own]) < 0
+        is_least = (self.walls[own][1] if kind == CONTACT else self._stops(self.gap, self.rates[own], self.wanted[own])) < 0
         self.held = self.places[own] if is_least else Unary("-", self.places[own], self.when.span)
 
-    def _unless_moved(self, k: int, node: Flat) -> Flat | None:
-        """`node`, at which reset k turns back, unless other resets of the event change the rate of the wall there."""
-        g, v = self._expression(self.kinematics.evaluator.value(level_of(node))), symbols_in(self.meetings.rates)
-        if len(self.rates) == 1 or self._wall(g, self.rates[k]) != BODIES:
-            return node
-        wall = symbols_in(self._wall_of(g, self.rates[k])[0]) & v
-        others = [symbols_in(rate) for j, rate in enumerate(self.rates) if j != k]
-        return node if all(wall.isdisjoint(x) for x in others) else None
+    def _find_contacts(self, parts: list[Flat]) -> tuple[list[Flat | None], tuple[Flat, Meeting] | None]:
+        """Of each reset the comparison at which it is one of a contact; where there is none, a comparison at which all that meet
+        are turned back together, or at which some are, but nothing is held, and how."""
+        turned = self._find_turned(parts)
+        self.walls = {k: (self._wall(self._level_at(node), self.rates[k]), side)
+                      for k, (node, meeting, side) in turned.items() if meeting == Meeting.BACK}
+        contacts = [turned[k][0] if k in self.walls and self._is_free(k, turned[k][0]) else None for k in range(len(self.rates))]
+        if any(contacts):
+            return contacts, None
+        parted = ((node, Meeting.IN_SOME if k not in self.walls else Meeting.CARRIED) for k, (node, *_) in turned.items())
+        return contacts, self._find_collision() or next(parted, None)
+
+    def _is_free(self, k: int, node: Flat) -> bool:
+        """Whether neither reset k, which is turned back at `node`, changes the rate of the wall, nor others of the event."""
+        if self.walls[k][0] != BODIES:
+            return True
+        v, wall = self.meetings.rates, self._wall_of(self._level_at(node), self.rates[k])[0]
+        moving = symbols_in(wall) & symbols_in(v)
+        if not all(moving.isdisjoint(symbols_in(rate)) for j, rate in enumerate(self.rates) if j != k):
+            return False
+        return not is_carried(self._look([ca.densify(ca.gradient(x, v)) for x in (wall, self.rates[k])], []), self.mobility)
+
+    def _level_at(self, node: Flat) -> ca.SX:
+        return self._expression(self.kinematics.evaluator.value(level_of(node)))
+
+    def _look(self, results: list[ca.SX], wanted: list[ca.SX]) -> Look:
+        return Look(self.kinematics, self.meetings.rates, results, wanted)
+
+    def _look_at(self, nodes: list[Flat]) -> Look:
+        """The rates of gaps, of what is reset, what that is reset to, and the slopes of both rates."""
+        v = self.meetings.rates
+        paces, rates, wanted = (ca.vertcat(_NONE, *x) for x in (
+            [self._pace_of(self._level_at(x)) for x in nodes], self.rates, self.wanted))
+        slopes = [ca.densify(ca.jacobian(x, v)) for x in (paces, rates)]
+        return self._look([*map(ca.densify, (paces, rates, wanted)), *slopes], self.wanted)
+
+    def _find_turned(self, nodes: list[Flat]) -> dict[int, tuple[Flat, Meeting, int]]:
+        """Of resets that turn back, or do so in some arms, the comparison among `nodes`, which of both, and the sign of the
+        factor between its rate and theirs."""
+        self.gaps, self.beside = list[Flat](), list[Flat]()
+        nodes = [x for x in nodes if _is_comparison(x) and not ca.depends_on(self._level_at(x), self.meetings.rates)]
+        if not nodes or not any(self.may_rest):
+            return {}
+        self.gaps, self.look, found = nodes, self._look_at(nodes), dict[int, tuple[Flat, Meeting, int]]()
+        for j in np.flatnonzero(self.may_rest).tolist():
+            best = max(((node, *self._turned(k, j, node)) for k, node in enumerate(nodes)), key=lambda way: way[1])
+            if best[1] != Meeting.NONE:
+                found[j] = best
+        return found
+
+    def _turned(self, k: int, j: int, node: Flat) -> tuple[Meeting, int]:
+        """How reset j is turned back at gap k, `node`: for parameters beside those that are declared, or else as declared."""
+        general, own = (turned_back(self.look.where(p), k, j, self._spreads(node)) for p in (self.mobility.bound, self.look.declared))
+        if own[0] == Meeting.BACK and general[0] != Meeting.BACK:
+            self.beside.append(node)
+            return own
+        return general
+
+    def _spreads(self, node: Flat) -> tuple[int, ...]:
+        """Of which degree numbers about 1 are the roots of times: also early and late ones, where time is written in a gap."""
+        return (1, _SPREAD) if self._is_timed(self._level_at(node)) else (1,)
+
+    def _is_timed(self, value: ca.SX) -> bool:
+        """Whether time is written in it, whenever it may come to count: a wall may set out after any time that is looked at."""
+        return bool(ca.depends_on(value, ca.vertcat(self.kinematics.symbols.time, self.kinematics.algebra.mode_symbols)))
 
     def _ride(self) -> None:
         """Of contacts whose wall moves: rates, and what these are reset to, as they are seen from it."""
         for k, (rate, wanted) in enumerate(zip(self.rates, self.wanted, strict=True)):
-            if self.kinds[k] == CONTACT and self._wall(self.gap, rate) != STILL:
+            if self.kinds[k] == CONTACT and self.walls[k][0] != STILL:
                 wall, riding = self._wall_of(self.gap, rate)
                 self.rates[k], self.wanted[k] = rate - wall, wanted - ca.substitute(wanted, self.meetings.rates, riding)
 
-    def _find_collision(self, parts: list[Flat]) -> tuple[Flat, Meeting] | None:
+    def _find_collision(self) -> tuple[Flat, Meeting] | None:
         """The comparison at which several that are reset are turned back together, and how."""
-        if self.made_of is None or sum(self.may_rest) < 2:
+        if sum(self.may_rest) < 2:
             return None
-        energies, constraints = self.made_of
-        kinetic, J = energies.total(energies.kinetic), [row.rate(self.kinematics) for row in constraints.rows]
-        found = ((x, self._meeting(x, kinetic, ca.vertcat(_NONE, *J))) for x in parts if _is_comparison(x))
-        return next(((x, meeting) for x, meeting in found if meeting != Meeting.NONE), None)
+        found = [(x, self._meeting(k)) for k, x in enumerate(self.gaps)]
+        return max((x for x in found if x[1] != Meeting.NONE), key=lambda x: x[1], default=None)
 
-    def _meeting(self, node: Flat, kinetic: ca.SX, held: ca.SX) -> Meeting:
-        """`held`: the rates of constraints."""
-        v, moving = self.meetings.rates, np.flatnonzero(self.may_rest)
-        g = self._expression(self.kinematics.evaluator.value(level_of(node)))
-        if ca.depends_on(g, v):
-            return Meeting.NONE
-        pace, rates, wanted = self._pace_of(g), *(ca.vertcat(*(x[k] for k in moving)) for x in (self.rates, self.wanted))
-        look, numbers = self._numbers_of([pace, rates, wanted, *map(ca.densify, (
-            ca.gradient(pace, v), ca.jacobian(rates, v), ca.hessian(kinetic, v)[0], ca.jacobian(held, v)))])
-        general, own = (min(look_at_meeting(look, p, np.random.default_rng(seed)) for seed in (3, 4)) for p in numbers)
-        return Meeting.AS_DECLARED if own > general else general
+    def _meeting(self, k: int) -> Meeting:
+        general, own = (look_at_meeting(self.look.where(x), k, np.flatnonzero(self.may_rest), self.mobility)
+                        for x in (self.mobility.bound, self.look.declared))
+        return Meeting.AS_DECLARED if own > max(general, Meeting.BACK) else min(general, own)
 
     def _strike(self, node: Flat) -> list[Flat | None]:
         """The reset of the rate of the gap in the place of those of what meets there; returns of each reset whether it is one."""
@@ -320,7 +382,7 @@ class _Event:
         kept = [x for reset, x in zip(self.when.resets, self.positions, strict=True) if reset.is_kept]
         self.positions, self.places = [level_of(node), *kept], [level_of(node), *(self.places[k] for k in others)]
         self.rates, self.wanted = [pace, *(self.rates[k] for k in others)], [after, *(self.wanted[k] for k in others)]
-        self.may_rest = [True] + [False] * len(others)
+        self.may_rest, self.walls = [True] + [False] * len(others), {0: (STILL, 1)}
         return [node] + [None] * len(others)
 
     def _wall_of(self, g: ca.SX, rate: ca.SX) -> tuple[ca.SX, ca.SX]:
@@ -341,52 +403,22 @@ class _Event:
     def _find_alternative(self, parts: list[Flat]) -> Flat | None:
         """Where some of `parts`, which all have to be true, are alternatives: a comparison in one at which a reset would hold."""
         among = [x for part in parts if not _is_comparison(part) for x in comparisons_in(part)]
-        ends = (end for is_end in (self._turns_back, self._stops) for end in (self._find_all(is_end, among) if among else ()))
-        return next((end for end in ends if end is not None), None)
+        turned = (node for node, meeting, _ in self._find_turned(among).values() if meeting == Meeting.BACK)
+        return next(turned, None) or next((end for end in self._find_limits(among) if end is not None), None)
 
-    def _find_all(self, is_end: Callable[[ca.SX, ca.SX, ca.SX], object], nodes: list[Flat]) -> list[Flat | None]:
-        """Of each reset the comparison among `nodes` at which it leaves its rate or turns it back."""
+    def _find_limits(self, nodes: list[Flat]) -> list[Flat | None]:
+        """Of each reset the comparison among `nodes` at which it leaves its rate."""
         value = self.kinematics.evaluator.value
         parts = [(node, self._expression(value(level_of(node)))) for node in nodes if _is_comparison(node)]
-        return [next((node for node, g in parts if may_rest and is_end(g, rate, wanted)), None)
+        return [next((node for node, g in parts if may_rest and self._stops(g, rate, wanted)), None)
                 for rate, wanted, may_rest in zip(self.rates, self.wanted, self.may_rest, strict=True)]
-
-    def _turns_back(self, g: ca.SX, rate: ca.SX, wanted: ca.SX) -> int:
-        """The sign of the factor between the rates of g and of what is reset; 0 where that is not turned back."""
-        general, as_declared = self._sides(g, rate, wanted)
-        return general or as_declared
-
-    def _turns_back_alone(self, g: ca.SX, rate: ca.SX, wanted: ca.SX) -> int:
-        """The same if all else that moves there stood still."""
-        v = self.meetings.rates
-        own = ca.densify(ca.gradient(rate, v))
-        alone = own * (ca.dot(own, v) / ca.dot(own, own))
-        pace, own_rate, after = ca.substitute([self._pace_of(g), rate, wanted], [v], [alone])
-        (drift,) = ca.substitute([pace], [v], [ca.SX.zeros(v.numel())])
-        return self._sides(g, own_rate, after, pace - drift)[0]
-
-    def _sides(self, g: ca.SX, rate: ca.SX, wanted: ca.SX, pace: ca.SX | None = None) -> list[int]:
-        """That for parameters beside those that are declared, and for these. By numbers: at some states, also early and late."""
-        v = self.meetings.rates
-        if ca.depends_on(g, v):
-            return [0, 0]
-        pace = self._pace_of(g) if pace is None else pace
-        asked = [pace, rate, wanted, *(ca.densify(ca.gradient(x, v)) for x in (pace, rate))]
-        looks = [self._numbers_of(asked, spread) for spread in ((1, _SPREAD) if self._is_timed(g) else (1,))]
-        found = [{_turns_back(look, p[k], np.random.default_rng(seed)) for look, p in looks for seed in _SOME} - {None}
-                 for k in (0, 1)]
-        return [sides.pop() or 0 if len(sides) == 1 else 0 for sides in found]
 
     def _wall(self, g: ca.SX, rate: ca.SX) -> int:
         """Against what a contact turns a rate back: STILL, MOVED in time, or BODIES that move as they may."""
         slopes = [ca.densify(ca.gradient(x, self.meetings.rates)) for x in (self._pace_of(g), rate)]
-        look, (p, _) = self._numbers_of([self._pace_of(g), rate, *slopes], _SPREAD)
-        found = max(_wall(look, p, np.random.default_rng(seed)) for seed in _SOME)
+        look, numbers = self._numbers_of([self._pace_of(g), rate, *slopes], _SPREAD)
+        found = max(_wall(look, numbers, np.random.default_rng(seed)) for seed in _SOME)
         return MOVED if found == STILL and self._is_timed(g) and not self._is_timed(rate) else found
-
-    def _is_timed(self, value: ca.SX) -> bool:
-        """Whether time is written in it, whenever it may come to count: a wall may set out after any time that is looked at."""
-        return bool(ca.depends_on(value, ca.vertcat(self.kinematics.symbols.time, self.kinematics.algebra.mode_symbols)))
 
     def _stops(self, g: ca.SX, rate: ca.SX, wanted: ca.SX) -> int:
         """On which side of what the rate is reset to g is positive: 1 above, -1 below, 0 if it does not end there. By numbers."""
@@ -394,8 +426,8 @@ class _Event:
         if not ca.depends_on(g, v) or len(self.places) != len(self.positions):
             return 0
         beyond = rate - wanted
-        look, (p, _) = self._numbers_of([g, beyond, *(ca.densify(ca.gradient(x, v)) for x in (g, beyond, rate, wanted))])
-        first, second = (_stops(look, p, np.random.default_rng(seed)) for seed in (3, 4))
+        look, numbers = self._numbers_of([g, beyond, *(ca.densify(ca.gradient(x, v)) for x in (g, beyond, rate, wanted))])
+        first, second = (_stops(look, numbers, np.random.default_rng(seed)) for seed in (3, 4))
         return first if first == second else 0
 
     def _require_change(self) -> None:
@@ -405,61 +437,36 @@ class _Event:
             if reset.is_kept:
                 continue
             slopes = [ca.densify(ca.gradient(x, v)) for x in (self.g, rate)]
-            look, (p, _) = self._numbers_of([self.g, rate - wanted, *slopes])
-            if len(self.rates) == len(self.when.resets) and all(_stays(look, p, np.random.default_rng(k)) for k in (3, 4)):
+            look, numbers = self._numbers_of([self.g, rate - wanted, *slopes])
+            if len(self.rates) == len(self.when.resets) and all(_stays(look, numbers, np.random.default_rng(k)) for k in (3, 4)):
                 text = reset.rate.span.text
                 fail("L0230", f"this changes nothing: where the event comes, '{text}' is what it is set to", reset.span,
                      f"to keep '{text}' from going on, set it to the value at which it is to stay: reinit({text}, 0)",
                      "a collision is told by a distance: when gap < 0 then reinit(der(gap), -e*pre(der(gap)))")
 
-    def _numbers_of(self, results: list[ca.SX], spread: int = 1) -> tuple[ca.Function, tuple[Numbers, Numbers]]:
-        """Of rates, all else that moves or is given, as discrete variables are, and parameters; and these, beside what is
-        declared and as declared. Modes are what they are at the time, of which a number about 1 is the root, of the degree
-        `spread`."""
+    def _numbers_of(self, results: list[ca.SX], spread: int = 1) -> tuple[ca.Function, Numbers]:
+        """Of rates, all else that moves or is given, as discrete variables are, and parameters; and the parameters. Modes
+        are what they are at the time, of which a number about 1 is the root, of the degree `spread`."""
         symbols, v = self.kinematics.symbols, self.meetings.rates
         q = ca.vertcat(_NONE, *symbols.positions.values())
         p, numbers = usual_parameters(self.kinematics)
         known = ca.vertcat(q, v, symbols.time, p)
         found = ca.substitute(self.kinematics.algebra.with_modes(results), [symbols.time], [symbols.time**spread])
         others = [x for x in ca.symvar(ca.veccat(*found)) if not ca.depends_on(x, known)]
-        bound = ca.Function("bound", [p], [parameters_of(self.kinematics, p)])(numbers)
-        as_declared = default_parameters(self.kinematics)[1]
-        both = np.array(bound).ravel(), np.array(as_declared).ravel()
-        return ca.Function("look", [v, ca.vertcat(q, symbols.time, *others), p], found), both
-
-
-def _turns_back(look: ca.Function, p: Numbers, random: "np.random.Generator") -> int | None:
-    """The sign of the factor between the rates of a condition and of what is reset, where, at a random state, that is left as it
-    is at the rate of the wall, and what approaches does not do so afterwards; else 0. None where something has no value."""
-    v, known = (random.uniform(0.4, 1.6, look.numel_in(k)) for k in range(2))
-
-    def at(v: Numbers) -> list[Numbers]:
-        return [np.array(x).ravel() for x in look(v, known, p)]
-
-    (pace,), (rate,), _, slope, own = at(v)
-    square, along = np.dot(own, own), float(np.dot(slope, own))
-    sizes = np.linalg.norm(slope) * np.linalg.norm(own)
-    if not np.isfinite([pace, rate, *slope, *own]).all():
-        return None
-    if not abs(along) > _SAME * sizes > 0:
-        return 0
-    still, turned = (v + own * (x - pace * square / along) / square for x in (0, np.sign(along)))
-    (_, (wall,), (left,), *_), (_, _, (back,), *_) = at(still), at(turned)
-    size = np.abs(own) @ np.abs(v) + abs(rate) + abs(wall)
-    is_turned = abs(left - wall) <= _SAME * size and (back - wall) * np.sign(along) <= _SAME * size
-    return int(np.sign(along)) if is_turned else 0
+        return ca.Function("look", [v, ca.vertcat(q, symbols.time, *others), p], found), numbers
 
 
 def _wall(look: ca.Function, p: Numbers, random: "np.random.Generator") -> int:
     """At a random state: STILL where two rates are the same but for a factor, MOVED where their slopes are, else BODIES."""
     v, known = (random.uniform(0.4, 1.6, look.numel_in(k)) for k in range(2))
-    (pace,), (rate,), slope, own = (np.array(x).ravel() for x in look(v, known, p))
+    (_,), (_,), slope, own = (np.array(x).ravel() for x in look(v, known, p))
+    (pace,), (rate,), *_ = (np.array(x).ravel() for x in look(0 * v, known, p))
     if not np.isfinite([pace, rate, *slope, *own]).all():
         return STILL
-    factor, size = np.dot(slope, own) / np.dot(own, own), np.abs(own) @ np.abs(v) + abs(rate)
+    factor = np.dot(slope, own) / np.dot(own, own)
     if np.linalg.norm(slope - factor * own) > _SAME * np.linalg.norm(slope):
         return BODIES
-    return STILL if abs(pace - factor * rate) <= _SAME * abs(factor) * size else MOVED
+    return STILL if abs(pace - factor * rate) <= _ROUNDING * np.abs(slope) @ np.abs(v) else MOVED
 
 
 def _stops(look: ca.Function, p: Numbers, random: "np.random.Generator") -> int:

@@ -1,0 +1,183 @@
+"""Resets whose values have branches: numbers at random states, in every arm that what is written can take.
+
+What a comparison, abs, min or max in a value chooses is a symbol, 0 or 1: each arm is looked at, wherever its threshold is.
+Parameters choose as they are declared; time chooses together what it does at some time; what compares rates is chosen by how
+fast something approaches (|b.v - x.v| is not its opposite); all else may be as it will.
+"""
+
+from collections.abc import Iterator, Sequence
+from copy import copy
+from itertools import product
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+
+from lagrangia.algebra.numbering import Numbering, rebuilt
+from lagrangia.algebra.scalars import Expression, as_expression, operate, symbols_in
+from lagrangia.algebra.with_casadi import operations_in
+from lagrangia.constraints.parameters import default_parameters, usual_parameters
+from lagrangia.frames.kinematics import Kinematics
+
+_RELATIONS = (ca.OP_LT, ca.OP_LE)
+_CHOICES = frozenset({*_RELATIONS, ca.OP_EQ, ca.OP_NE, ca.OP_FABS, ca.OP_SIGN, ca.OP_FMIN, ca.OP_FMAX})
+_SAME = 1e-9
+_TIMES = np.concatenate((np.geomspace(1e-6, 1e4, 2000), np.linspace(0, 20, 2001)))
+_SPEEDS = (1.0, *np.geomspace(1e-4, 1e4, 33))
+_SIZES = (1, -1, 10, -10, 100, -100)  # of walls that move
+_MOST_ARMS = 64
+_NONE = ca.SX(0, 1)
+Numbers = NDArray[np.float64]
+
+
+class Look:
+    """`results` of rates v, all else that moves or is given, parameters beside those that are declared, and the choices in
+    `wanted`."""
+
+    def __init__(self, kinematics: Kinematics, v: ca.SX, results: Sequence[ca.SX], wanted: Sequence[ca.SX]) -> None:
+        symbols = kinematics.symbols
+        q = ca.vertcat(_NONE, *symbols.positions.values())
+        p, self.p = usual_parameters(kinematics)
+        self.declared = np.array(default_parameters(kinematics)[1]).ravel()
+        found = kinematics.algebra.with_modes([*results, *wanted])
+        stated = symbols_in(ca.vertcat(q, v, symbols.time, p))
+        others = [x for x in ca.symvar(ca.veccat(*found)) if x.__hash__() not in stated]
+        self.inputs = [v, ca.vertcat(q, symbols.time, *others), p]
+        self.time = q.numel()
+        self.operations, self.differences, symbols_of = list[int](), list[ca.SX](), list[ca.SX]()
+        self.groups, self.numbering = dict[tuple[int, ...], tuple[ca.SX, bool]](), Numbering()
+        if any(not _CHOICES.isdisjoint(operations_in(x)) for x in found[len(results):]):
+            symbols_of = self._find_choices(found[len(results):])
+        columns = [*map(ca.vec, found[:len(results)]), *self.differences]
+        freed = rebuilt(columns, self.numbering, self._made) if symbols_of else columns
+        chosen = ca.vertcat(_NONE, *symbols_of)
+        self.look = ca.Function("look", [*self.inputs, chosen], [
+            ca.reshape(x, result.shape) for x, result in zip(freed, results, strict=False)])
+        given, times = symbols_in(p), symbols_in(ca.vertcat(p, symbols.time))
+        self.by_parameters, self.by_time = ([symbols_in(x) <= known for x in self.differences] for known in (given, times))
+        self.by_rates = [not symbols_in(x).isdisjoint(symbols_in(v)) for x in self.differences]
+        beyond = ca.vertcat(_NONE, *freed[len(results):])
+        self.beyond = ca.Function("beyond", [*self.inputs, chosen], [beyond]) if symbols_of else None
+
+    def _find_choices(self, wanted: list[ca.SX]) -> list[ca.SX]:
+        """A symbol for each threshold, however often and from whichever side it is asked for."""
+        noted: dict[tuple[int, ...], Expression] = {}
+
+        def note(op: int, numbers: list[int], operands: list[Expression]) -> None:
+            if op in _CHOICES:
+                noted.setdefault((op, *numbers), operands[0] - operands[1] if len(operands) > 1 else operands[0])
+
+        rebuilt(wanted, self.numbering, note)
+        differences = [ca.SX(x) for x in noted.values()]
+        at = ca.Function("at", self.inputs, [ca.vertcat(*differences)])
+        random, given = np.random.default_rng(5), symbols_in(self.inputs[2])
+        points = np.hstack([np.array(at(*(random.uniform(-1.6, 1.6, x.numel()) for x in self.inputs))) for _ in range(3)])
+        known: dict[tuple[object, ...], tuple[ca.SX, float]] = {}
+        made: list[ca.SX] = []
+        for key, x, values in zip(noted, differences, points, strict=True):
+            size, is_exact = np.abs(values).max(), key[0] in (ca.OP_EQ, ca.OP_NE) or symbols_in(x) <= given
+            side = 1.0 if is_exact or not values[0] < 0 else -1.0
+            alike = (*np.round(side*values/size, 9),) if 0 < size < np.inf else key
+            name = (key if is_exact else alike)
+            if name not in known:
+                known[name] = ca.SX.sym(f"arm_{len(made)}"), side
+                made.append(known[name][0])
+                self.operations.append(key[0])
+                self.differences.append(x)
+            symbol, first = known[name]
+            self.groups[key] = symbol, side == first
+        return made
+
+    def _made(self, op: int, numbers: list[int], operands: list[Expression]) -> Expression | None:
+        if (op, *numbers) not in self.groups:
+            return None
+        symbol, is_same = self.groups[op, *numbers]
+        first, other = (as_expression(x) for x in ((symbol, 1 - symbol) if is_same else (1 - symbol, symbol)))
+        a, b = operands if len(operands) > 1 else (operands[0], as_expression(0.0))
+        match op:
+            case ca.OP_FABS:
+                return as_expression(a * (1 - 2*first))
+            case ca.OP_SIGN:
+                return as_expression(1 - 2*first)
+            case ca.OP_FMIN | ca.OP_FMAX:
+                a, b = (a, b) if op == ca.OP_FMIN else (b, a)
+                return as_expression(operate(ca.OP_IF_ELSE_ZERO, [first, a]) + operate(ca.OP_IF_ELSE_ZERO, [other, b]))
+        return first
+
+    def where(self, p: Numbers) -> "Look":
+        """The same for other parameters."""
+        found = copy(self)
+        found.p = p
+        return found
+
+    def at(self, v: Numbers, known: Numbers, arm: Numbers) -> list[Numbers]:
+        """The results, of their shapes."""
+        return [np.array(x) for x in self.look(v, known, self.p, arm)]
+
+    def arms(self, known: Numbers) -> Iterator[tuple[Numbers, Numbers]]:
+        """All that is known, at times that bring them about, and arms."""
+        arm = np.zeros(len(self.differences))
+        for k in np.flatnonzero(self.by_parameters).tolist():
+            arm[k] = self._chosen(k, known, self.declared, arm)
+        free = np.flatnonzero(~np.array(self.by_time, dtype=bool))
+        cases = product((0.0, 1.0), repeat=len(free)) if 2**len(free) <= _MOST_ARMS else (
+            np.random.default_rng(7).integers(0, 2, len(free)).astype(float) for _ in range(_MOST_ARMS))
+        for case in [*cases]:
+            arm[free] = case
+            yield from self._at_times(known, arm)
+
+    def _at_times(self, known: Numbers, arm: Numbers) -> Iterator[tuple[Numbers, Numbers]]:
+        timed = [k for k in np.flatnonzero(self.by_time).tolist() if not self.by_parameters[k]]
+        if not timed or self.beyond is None:
+            yield known, arm.copy()
+            return
+        states, arms = np.tile(known[:, None], _TIMES.size), np.tile(arm[:, None], _TIMES.size)
+        states[self.time] = _TIMES
+        for k in timed:
+            beyond = np.array(self.beyond(np.ones((self.inputs[0].numel(), 1)), states, self.p, arms))[k]
+            arms[k] = self._is_true(k, beyond)
+        for place in np.unique(arms[timed], axis=1, return_index=True)[1]:
+            yield states[:, place], arms[:, place]
+
+    def _chosen(self, k: int, known: Numbers, p: Numbers, arm: Numbers) -> float:
+        assert self.beyond is not None
+        v = np.ones(self.inputs[0].numel())
+        return float(self._is_true(k, np.array(self.beyond(v, known, p, arm)).ravel()[k]))
+
+    def _is_true(self, k: int, beyond: Numbers) -> Numbers:
+        match self.operations[k]:
+            case ca.OP_LE:
+                return np.asarray(beyond <= 0)
+            case ca.OP_EQ:
+                return np.asarray(beyond == 0)
+            case ca.OP_NE:
+                return np.asarray(beyond != 0)
+        return np.asarray(beyond < 0)
+
+    def approaches(self, v: Numbers, step: Numbers, pace: float, slope: Numbers, state: tuple[Numbers, Numbers]
+                   ) -> Iterator[tuple[Numbers, Numbers, bool]]:
+        """Rates that go with a wall, those that approach it along `step`, so fast that the arm is chosen, and whether it is with
+        the first, too. `pace` and `slope` are those of the gap at v; the state is all else that is known, and the arm."""
+        known, arm = state
+        still = v - step * (pace / np.dot(slope, step))
+        if self.beyond is None or not any(self.by_rates):
+            yield still, still + step, True
+            return
+        rates = np.flatnonzero(self.by_rates)
+        for size in _SIZES:
+            still = size*v - step * ((pace + np.dot(slope, size*v - v)) / np.dot(slope, step))
+            both = np.column_stack([still, *(still + speed*step for speed in _SPEEDS)])
+            shape = (1, both.shape[1])
+            beyond = np.array(self.beyond(both, np.tile(known[:, None], shape), self.p, np.tile(arm[:, None], shape)))[rates]
+            is_true = np.array([self._is_true(k, x) for k, x in zip(rates.tolist(), beyond, strict=True)])
+            chosen = is_true == (arm[rates, None] > 0.5)
+            is_level = np.abs(beyond[:, 0]) <= _SAME*np.abs(beyond).max(axis=1)
+            place = next(iter(np.flatnonzero(chosen[:, 1:].all(axis=0))), None)
+            if place is not None:
+                yield still, both[:, 1 + place], bool((chosen[:, 0] | is_level).all())
+
+
+def random_state(look: Look, random: "np.random.Generator") -> tuple[Numbers, Numbers]:
+    """Rates, and all else that is known, about 1."""
+    v, known = (random.uniform(0.4, 1.6, x.numel()) for x in look.inputs[:2])
+    return v, known
