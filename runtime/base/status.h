@@ -18,7 +18,7 @@ typedef enum {
     LAG_BAD_INPUTS, /* input times are not ascending or not finite */
     LAG_OUT_OF_MEMORY,
     LAG_EVENTS_GO_ON, /* events that reset rates bring each other about without end */
-    LAG_NO_IMPULSE,   /* contacts and their friction have neither forces nor impulses that go together */
+    LAG_NO_IMPULSE,   /* contacts and their friction have neither forces nor impulses that go together; rate: turns nothing back */
     LAG_CONSTRAINTS_OPEN, /* a row cannot be brought back to its constraints: by how much of the motion one is open */
     LAG_NO_PROGRESS,      /* steps are so short that the rest would take so many */
     LAG_WANTS_JACOBIAN,   /* implicit steps are to go on, and model.jacobian_waits: run it again where it is there */

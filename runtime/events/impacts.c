@@ -147,8 +147,11 @@ static void read_wanted(LagRun *run)
         s->is_plastic[k] |= s->wanted[j] == 0 || s->has_contact[k] == LAG_ONE_WAY;
         if (s->has_contact[k] == LAG_ONE_WAY)
             continue;
+        const double approach = run->switches.g[lag_contact(model, k)];
+        if (approach > run->sliding.error[lag_contact(model, k)] && s->wanted[j] * s->rate[j] > 1e-6 * s->rate[j] * s->rate[j])
+            s->onward = 1 + k;
         s->wanted[j] *= lag_contacts_lateness(run, k);
-        const double speed = fabs(run->switches.g[lag_contact(model, k)] * s->wanted[j] / s->rate[j]);
+        const double speed = fabs(approach * s->wanted[j] / s->rate[j]);
         if (lag_contacts_stay(run, k, speed, run->switches.rate[lag_contact(model, k)]))
             s->wanted[j] = 0;
     }
@@ -446,6 +449,7 @@ LagStatus lag_impacts_strike(LagRun *run)
         return LAG_OK;
     run->sliding.count = 0; /* accelerations as the shares say: forces that hold give no impulses but by events of their own */
     lag_contacts_find_errors(run);
+    s->onward = 0;
     memset(s->is_plastic, 0, (size_t)run->model->n_whens * sizeof *s->is_plastic);
     memset(s->rounding, 0, 2 * (size_t)run->model->n * sizeof *s->rounding);
     begin(run);
@@ -470,8 +474,8 @@ LagStatus lag_impacts_strike(LagRun *run)
     run->sliding.count = sliding;
     const int stands = run->motion.t - run->motion.t_old <= lag_time_resolution(run->motion.t);
     s->in_a_row = stands ? s->in_a_row + 1 : 0;
-    if (!is_found)
-        return lag_fail(run, LAG_NO_IMPULSE, -1, 0, lag_impacts_striking(run));
+    if (s->onward || !is_found)
+        return lag_fail(run, LAG_NO_IMPULSE, -1, s->onward > 0, s->onward ? s->onward : lag_impacts_striking(run));
     if (rounds < MOST_ROUNDS && s->in_a_row < MOST_AT_ONCE)
         return LAG_OK;
     return lag_fail(run, LAG_EVENTS_GO_ON, -1, 0, lag_impacts_striking(run) ? lag_impacts_striking(run) : latest);

@@ -10,6 +10,7 @@ typedef struct {
     int *fires;      /* n_whens: those whose rates are reset now */
     int *has_contact; /* n_whens: LAG_CONTACT, LAG_ONE_WAY where one of its resets is such a one; 0: none */
     int *is_plastic; /* n_whens: of contacts, whether they have stopped what approached at this moment */
+    int onward;      /* 1 + a contact that approaches, and whose reset turns nothing back; 0: none */
     int *is_on;      /* n_whens: of those that are no contacts, whether their conditions are true */
     int *comes;      /* n_whens: those whose conditions have come true by themselves at this instant, and were not looked at since */
     int *at_once;    /* n_whens: those of all ranks that come together */

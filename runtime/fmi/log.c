@@ -134,7 +134,10 @@ LagAnswer lag_instance_failed(LagInstance *s, LagStatus status)
     case LAG_TOO_MANY_STEPS: text = "one communication step took ten million internal steps"; break;
     case LAG_TIME_PASSED: text = "a time was asked for that lies before what is still known"; break;
     case LAG_PAST_STOP: text = "a time was asked for that lies after the stop time"; break;
-    case LAG_NO_IMPULSE: text = "contacts and their friction have neither forces nor impulses that go together"; break;
+    case LAG_NO_IMPULSE:
+        text = failure->rate ? "what a contact sets does not turn back what approaches (e < 0)"
+                             : "contacts and their friction have neither forces nor impulses that go together";
+        break;
     case LAG_EVENTS_GO_ON: text = "events that reset rates bring each other about without end"; break;
     case LAG_CONSTRAINTS_OPEN: text = "constraints do not close"; break;
     case LAG_NO_PROGRESS: text = "steps are too short to get on"; break;

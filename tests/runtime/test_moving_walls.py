@@ -185,6 +185,15 @@ def test_parameters_choose_as_they_are_declared(scene: Write) -> None:
     assert held["b.s"][0] == pytest.approx(held["x.s"][0], abs=1e-8)
 
 
+@pytest.mark.parametrize("text", [meeting(f"when b.s < x.s then reinit(b.v, {BETWEEN[0]}); reinit(x.v, {BETWEEN[1]});"
+                                          " end when;"), falling("0.1*time/1[s]", BOUNCE),
+                                  falling("0", "when b.s < 0 then reinit(b.v, -e*b.v); end when;")])
+def test_contacts_that_turn_nothing_back_in_a_run_end_it(scene: Write, text: str) -> None:
+    """With e < 0 what was known as a contact was struck again and again, or passed, without a word."""
+    with pytest.raises(lag.RunError, match="a contact does not turn back what approaches"):
+        scene(text).simulate(at=[1.0], parameters={"e": -0.5})
+
+
 def test_a_reset_that_moves_its_own_wall_is_what_is_written(scene: Write) -> None:
     """It set y.v to 3.2 and made 1.045 J 3.895 J, as the impulse moved x."""
     model = scene("""model Carried

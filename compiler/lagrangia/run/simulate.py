@@ -308,6 +308,10 @@ def _of_events(scene: Scene, failure: Failure) -> str:
     if failure.status is Status.EVENTS_GO_ON:
         return (f"events that reset rates bring each other about without end{first}; look at what `when` and reinit make of each "
                 "other there")
+    if failure.rate:
+        return (f"a contact does not turn back what approaches{first.replace('one of them ', '')}: what it sets did so for the "
+                "parameters as they are declared (e >= 0), and does not now; declare those of this run in the file, so that its "
+                "events are known for these")
     return (f"contacts and their friction have neither forces nor impulses that go together{first} (Painleve's paradox: rigid "
             "bodies jam); try less friction, or springs in between")
 
