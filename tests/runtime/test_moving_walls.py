@@ -175,6 +175,14 @@ def test_what_is_a_contact_in_some_branches_is_what_is_written(scene: Write, tex
     assert model.simulate(at=[0.5], tolerance=1e-9, parameters=given)["b.s"][0] == pytest.approx(place, abs=1e-8)
 
 
+def test_walls_on_both_sides_that_branches_tell_apart(scene: Write) -> None:
+    """abs in the gap and the comparison in what is set choose together: each of them turns back."""
+    event = "when abs(b.s - 0.5) > 0.6 then reinit(b.v, if b.s > 0.5 then -e*abs(b.v) else e*abs(b.v)); end when;"
+    model = scene(falling("0", event))
+    assert not any("branches" in x for x in model.warnings)
+    assert model.simulate(at=[3.0], tolerance=1e-9)["b.s"][0] == pytest.approx(-0.1, abs=1e-8)
+
+
 def test_parameters_choose_as_they_are_declared(scene: Write) -> None:
     """They were taken for about 1 where they are 0."""
     text = meeting(f"when b.s < x.s then reinit(b.v, if k2 > 0.5 then {BETWEEN[0]} else b.v + 5); reinit(x.v, {BETWEEN[1]}); "

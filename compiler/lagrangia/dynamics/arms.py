@@ -47,7 +47,7 @@ class Look:
         self.operations, self.differences, symbols_of = list[int](), list[ca.SX](), list[ca.SX]()
         self.groups, self.numbering = dict[tuple[int, ...], tuple[ca.SX, bool]](), Numbering()
         if any(not _CHOICES.isdisjoint(operations_in(x)) for x in found[len(results):]):
-            symbols_of = self._find_choices(found[len(results):])
+            symbols_of = self._find_choices(found[len(results):], [ca.vec(x) for x in found[:len(results)]])
         columns = [*map(ca.vec, found[:len(results)]), *self.differences]
         freed = rebuilt(columns, self.numbering, self._made) if symbols_of else columns
         chosen = ca.vertcat(_NONE, *symbols_of)
@@ -59,8 +59,8 @@ class Look:
         beyond = ca.vertcat(_NONE, *freed[len(results):])
         self.beyond = ca.Function("beyond", [*self.inputs, chosen], [beyond]) if symbols_of else None
 
-    def _find_choices(self, wanted: list[ca.SX]) -> list[ca.SX]:
-        """A symbol for each threshold, however often and from whichever side it is asked for."""
+    def _find_choices(self, wanted: list[ca.SX], results: list[ca.SX]) -> list[ca.SX]:
+        """A symbol for each threshold in `wanted`, however often and from whichever side it is asked for, in results, too."""
         noted: dict[tuple[int, ...], Expression] = {}
 
         def note(op: int, numbers: list[int], operands: list[Expression]) -> None:
@@ -68,17 +68,21 @@ class Look:
                 noted.setdefault((op, *numbers), operands[0] - operands[1] if len(operands) > 1 else operands[0])
 
         rebuilt(wanted, self.numbering, note)
+        own = len(noted)
+        rebuilt(results, self.numbering, note)
         differences = [ca.SX(x) for x in noted.values()]
         at = ca.Function("at", self.inputs, [ca.vertcat(*differences)])
         random, given = np.random.default_rng(5), symbols_in(self.inputs[2])
         points = np.hstack([np.array(at(*(random.uniform(-1.6, 1.6, x.numel()) for x in self.inputs))) for _ in range(3)])
         known: dict[tuple[object, ...], tuple[ca.SX, float]] = {}
         made: list[ca.SX] = []
-        for key, x, values in zip(noted, differences, points, strict=True):
+        for k, (key, x, values) in enumerate(zip(noted, differences, points, strict=True)):
             size, is_exact = np.abs(values).max(), key[0] in (ca.OP_EQ, ca.OP_NE) or symbols_in(x) <= given
             side = 1.0 if is_exact or not values[0] < 0 else -1.0
             alike = (*np.round(side*values/size, 9),) if 0 < size < np.inf else key
             name = (key if is_exact else alike)
+            if name not in known and k >= own:
+                continue
             if name not in known:
                 known[name] = ca.SX.sym(f"arm_{len(made)}"), side
                 made.append(known[name][0])

@@ -21,7 +21,9 @@ from lagrangia.dynamics.arms import Look, random_state
 from lagrangia.frames.kinematics import Kinematics
 
 _SAME = 1e-9  # relative difference of what is the same but for rounding
+_ROUNDING = 1e-14  # of rates of what is at rest
 _NONE = ca.SX(0, 1)
+STILL, MOVED, BODIES = range(3)  # walls
 _SEEDS = range(3, 9)  # of random states
 Numbers = NDArray[np.float64]
 
@@ -156,6 +158,19 @@ def _meeting(look: Look, k: int, own: NDArray[np.intp], mobility: Mobility, stat
         found.append(Meeting.NONE if not is_left or not fast + np.dot(c, change) <= _SAME * fast else
                      Meeting.BETWEEN if is_between else Meeting.BACK)
     return min(found, default=None)
+
+
+def wall_at(look: ca.Function, p: Numbers, random: "np.random.Generator") -> int:
+    """At a random state: STILL where two rates are the same but for a factor, MOVED where their slopes are, else BODIES."""
+    v, known = (random.uniform(0.4, 1.6, look.numel_in(k)) for k in range(2))
+    (_,), (_,), slope, own = (np.array(x).ravel() for x in look(v, known, p))
+    (pace,), (rate,), *_ = (np.array(x).ravel() for x in look(0 * v, known, p))
+    if not np.isfinite([pace, rate, *slope, *own]).all():
+        return STILL
+    factor = np.dot(slope, own) / np.dot(own, own)
+    if np.linalg.norm(slope - factor * own) > _SAME * np.linalg.norm(slope):
+        return BODIES
+    return STILL if abs(pace - factor * rate) <= _ROUNDING * np.abs(slope) @ np.abs(v) else MOVED
 
 
 def is_carried(look: Look, mobility: Mobility) -> bool:

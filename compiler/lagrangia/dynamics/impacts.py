@@ -28,8 +28,9 @@ from lagrangia.base.diagnostics import fail
 from lagrangia.base.records import dataclass
 from lagrangia.constraints.parameters import parameter_symbols, usual_parameters
 from lagrangia.constraints.rows import Row
+from lagrangia.dynamics import collisions as meets
 from lagrangia.dynamics.arms import Look
-from lagrangia.dynamics.collisions import Meeting, Mobility, is_carried, look_at_meeting, shares_of, turned_back
+from lagrangia.dynamics.collisions import BODIES, MOVED, STILL, Meeting, Mobility
 from lagrangia.dynamics.energies import Load, paced
 from lagrangia.dynamics.levels import EDGE, JUMPS, Levels, Meetings, Steps, level_of_parts
 from lagrangia.frames.evaluation import scalars_of
@@ -52,9 +53,7 @@ from lagrangia.language.flat import Reset, When, Work
 from lagrangia.language.tree import Binary, Flat, Number, Unary
 
 KICK, CONTACT, ONE_WAY = range(3)  # LAG_KICK, ...
-STILL, MOVED, BODIES = range(3)  # walls
 _SAME = 1e-9  # relative difference of what is the same but for rounding
-_ROUNDING = 1e-14  # of rates of what is at rest
 _SOME = range(3, 9)  # seeds of random states, in all branches that time may decide on
 _SPREAD = 25  # 0.4 to 1.6 become times of 1e-10 s to 1e5 s
 _NONE = ca.SX(0, 1)
@@ -209,7 +208,7 @@ class _Event:
             (drift,) = ca.substitute([pace], [v], [ca.SX.zeros(v.numel())])
             slopes = [ca.densify(ca.jacobian(x, v)) for x in (pace, rate)]
             look = self._look([pace - drift, rate, wanted, *slopes], [wanted])
-            if turned_back(look.where(self.mobility.bound), 0, 0, self._spreads(node))[0] == Meeting.BACK:
+            if meets.turned_back(look.where(self.mobility.bound), 0, 0, self._spreads(node))[0] == Meeting.BACK:
                 return node
         return None
 
@@ -308,7 +307,7 @@ class _Event:
         moving = symbols_in(wall) & symbols_in(v)
         if not all(moving.isdisjoint(symbols_in(rate)) for j, rate in enumerate(self.rates) if j != k):
             return False
-        return not is_carried(self._look([ca.densify(ca.gradient(x, v)) for x in (wall, self.rates[k])], []), self.mobility)
+        return not meets.is_carried(self._look([ca.densify(ca.gradient(x, v)) for x in (wall, self.rates[k])], []), self.mobility)
 
     def _level_at(self, node: Flat) -> ca.SX:
         return self._expression(self.kinematics.evaluator.value(level_of(node)))
@@ -340,7 +339,8 @@ class _Event:
 
     def _turned(self, k: int, j: int, node: Flat) -> tuple[Meeting, int]:
         """How reset j is turned back at gap k, `node`: for parameters beside those that are declared, or else as declared."""
-        general, own = (turned_back(self.look.where(p), k, j, self._spreads(node)) for p in (self.mobility.bound, self.look.declared))
+        spreads = self._spreads(node)
+        general, own = (meets.turned_back(self.look.where(p), k, j, spreads) for p in (self.mobility.bound, self.look.declared))
         if own[0] == Meeting.BACK and general[0] != Meeting.BACK:
             self.beside.append(node)
             return own
@@ -369,7 +369,7 @@ class _Event:
         return max((x for x in found if x[1] != Meeting.NONE), key=lambda x: x[1], default=None)
 
     def _meeting(self, k: int) -> Meeting:
-        general, own = (look_at_meeting(self.look.where(x), k, np.flatnonzero(self.may_rest), self.mobility)
+        general, own = (meets.look_at_meeting(self.look.where(x), k, np.flatnonzero(self.may_rest), self.mobility)
                         for x in (self.mobility.bound, self.look.declared))
         return Meeting.AS_DECLARED if own > max(general, Meeting.BACK) else min(general, own)
 
@@ -378,7 +378,7 @@ class _Event:
         moving, others = ([k for k, x in enumerate(self.may_rest) if x == is_moving] for is_moving in (True, False))
         pace = self._pace_of(self._expression(self.kinematics.evaluator.value(level_of(node))))
         rates, wanted = (ca.vertcat(*(x[k] for k in moving)) for x in (self.rates, self.wanted))
-        after = pace + ca.dot(shares_of(pace, rates, self.meetings.rates), wanted - rates)
+        after = pace + ca.dot(meets.shares_of(pace, rates, self.meetings.rates), wanted - rates)
         kept = [x for reset, x in zip(self.when.resets, self.positions, strict=True) if reset.is_kept]
         self.positions, self.places = [level_of(node), *kept], [level_of(node), *(self.places[k] for k in others)]
         self.rates, self.wanted = [pace, *(self.rates[k] for k in others)], [after, *(self.wanted[k] for k in others)]
@@ -417,7 +417,7 @@ class _Event:
         """Against what a contact turns a rate back: STILL, MOVED in time, or BODIES that move as they may."""
         slopes = [ca.densify(ca.gradient(x, self.meetings.rates)) for x in (self._pace_of(g), rate)]
         look, numbers = self._numbers_of([self._pace_of(g), rate, *slopes], _SPREAD)
-        found = max(_wall(look, numbers, np.random.default_rng(seed)) for seed in _SOME)
+        found = max(meets.wall_at(look, numbers, np.random.default_rng(seed)) for seed in _SOME)
         return MOVED if found == STILL and self._is_timed(g) and not self._is_timed(rate) else found
 
     def _stops(self, g: ca.SX, rate: ca.SX, wanted: ca.SX) -> int:
@@ -454,19 +454,6 @@ class _Event:
         found = ca.substitute(self.kinematics.algebra.with_modes(results), [symbols.time], [symbols.time**spread])
         others = [x for x in ca.symvar(ca.veccat(*found)) if not ca.depends_on(x, known)]
         return ca.Function("look", [v, ca.vertcat(q, symbols.time, *others), p], found), numbers
-
-
-def _wall(look: ca.Function, p: Numbers, random: "np.random.Generator") -> int:
-    """At a random state: STILL where two rates are the same but for a factor, MOVED where their slopes are, else BODIES."""
-    v, known = (random.uniform(0.4, 1.6, look.numel_in(k)) for k in range(2))
-    (_,), (_,), slope, own = (np.array(x).ravel() for x in look(v, known, p))
-    (pace,), (rate,), *_ = (np.array(x).ravel() for x in look(0 * v, known, p))
-    if not np.isfinite([pace, rate, *slope, *own]).all():
-        return STILL
-    factor = np.dot(slope, own) / np.dot(own, own)
-    if np.linalg.norm(slope - factor * own) > _SAME * np.linalg.norm(slope):
-        return BODIES
-    return STILL if abs(pace - factor * rate) <= _ROUNDING * np.abs(slope) @ np.abs(v) else MOVED
 
 
 def _stops(look: ca.Function, p: Numbers, random: "np.random.Generator") -> int:
