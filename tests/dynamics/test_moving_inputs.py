@@ -298,6 +298,35 @@ def test_what_slides_on_a_support_does_not_mind_where_its_input_bends(law: str, 
         np.testing.assert_allclose(run["r.s"], wanted, rtol=0, atol=1e-6, err_msg=solver)
 
 
+SPELLINGS: dict[str, Callable[[np.ndarray], np.ndarray]] = {
+    "max(0, u - c)": lambda u: np.maximum(0, u - 0.2), "max(u - c, 0)": lambda u: np.maximum(0, u - 0.2),
+    "-min(0, c - u)": lambda u: np.maximum(0, u - 0.2), "2*max(0, -u)": lambda u: 2 * np.maximum(0, -u),
+    "abs(u)": abs, "abs(c - u)": lambda u: abs(u - 0.2), "sign(u)*u": abs, "u*sign(u - c)": lambda u: u * np.sign(u - 0.2),
+    "min(0.5, max(0, u - c))": lambda u: np.clip(u - 0.2, 0, 0.5),
+    "(if c < u then u - c else 0)": lambda u: np.maximum(0, u - 0.2), "(if -u < 0 then u else 0)": lambda u: np.maximum(0, u),
+    "(if u > c then 1 else 0)": lambda u: np.where(u > 0.2, 1.0, 0.0),
+}
+
+
+@pytest.mark.parametrize("law", ["max(0, u - c)", "abs(u)", "-min(0, c - u)", "sign(u)*u", "min(0.5, max(0, u - c))",
+                                 "abs(c - u) + 2*max(0, -u)"])
+def test_outputs_repeat_bends_of_supports_as_they_are(law: str, tmp_path: Path) -> None:
+    """Each bend is held as it was found: the first was 0 where it is 0.8, and -1.2 where it is 0."""
+    told = "".join(f"output Real R{k} = {other}; " for k, other in enumerate(SPELLINGS))
+    places = "output Length F = f.x; output Length X = p.center.x; "
+    scene = model(tmp_path, SLIDER.format(ON_A_FRAME[0].format(law), places + told))
+    at, rows = np.array([0, 0.4, 1, 2, 2.9, 3.6, 4]), ([0, 1, 2, 4], {"u": [-1, 1, -1, 1]})
+    u = np.interp(at, rows[0], rows[1]["u"])
+    run = scene.simulate(at=at, inputs=rows, tolerance=1e-9)
+    for k, (name, value) in enumerate(SPELLINGS.items()):
+        np.testing.assert_allclose(run[f"R{k}"], value(u), rtol=0, atol=1e-12, err_msg=name)
+    f = sum(SPELLINGS[part](u) for part in law.split(" + "))
+    np.testing.assert_allclose(run["F"], f, rtol=0, atol=1e-12)
+    np.testing.assert_allclose(run["X"], f + run["r.s"], rtol=0, atol=1e-12)
+    swept = scene.simulate_many(parameters={"c": [0.2, 0.2]}, outputs=["final(F)", "final(R0)"], inputs=rows, tolerance=1e-9)
+    np.testing.assert_allclose([swept["final(F)"][0], swept["final(R0)"][0]], [f[-1], 0.8], rtol=0, atol=1e-12)
+
+
 def test_cubic_inputs_bend_supports_where_they_pass_a_level(tmp_path: Path) -> None:
     """Rows tell rates, too: three times in the second part, as t^3 - 0.16 t does."""
     t, tilt = np.array([-1.0, -0.5, 0.5, 1.0]), 0.16

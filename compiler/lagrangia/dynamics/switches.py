@@ -124,6 +124,12 @@ def sign_of(x: ca.SX, numbering: Numbering) -> Pair:
     return first, second
 
 
+def _sided(x: ca.SX, numbering: Numbering) -> tuple[Pair, Expression]:
+    """The same, and what is positive where the first of the pair is the larger: -x where 0 has the smaller number."""
+    pair = sign_of(x, numbering)
+    return pair, as_expression(x if pair[0] == numbering.number(x) else -x)
+
+
 def find_switches(motion: Motion, late: ca.SX | None = None, bends: Sequence[ca.SX] = ()) -> Switches:
     """Those of the conditions in the forces, and in what acts `late`, that the state decides, or time in a way that is not known
     beforehand, and `bends` of inputs;
@@ -140,7 +146,7 @@ def find_switches(motion: Motion, late: ca.SX | None = None, bends: Sequence[ca.
     movers = ca.vertcat(motion.t, motion.q, motion.v, motion.u, reactions)
     found, rests, cones = conditions_in([known.h, *laws, *others], movers, motion.v, numbering,
                                         (known.stepped, _between_events(known)))
-    found = {sign_of(g, numbering): as_expression(g) for g in bends} | found
+    found = dict(_sided(g, numbering) for g in bends) | found
     found = found | {pair: g for pair, g in _kinks_of(motion, numbering).items() if pair not in found}
     aliases = _other_shapes(known, found, movers, numbering)
     if not found and not events.numel():
