@@ -362,10 +362,10 @@ class Model(Analysed, Swept):
         """Computes any quantity from rows of results."""
         return partial(self._observe, parameters, values)
 
-    def _observe(self, parameters: "np.ndarray", values: Values, name: str, rows: "np.ndarray") -> "np.ndarray":
+    def _observe(self, parameters: "np.ndarray", values: Values, name: str, rows: "np.ndarray", start: float) -> "np.ndarray":
         from lagrangia.study.observing import observe
 
-        return observe(self.scene, self.compilation, parameters, values, name, rows)
+        return observe(self.scene, self.compilation, parameters, values, name, rows, start)
 
     def sight(self, values: Values) -> Sight:
         """What pictures of a run with these values ask of the model."""

@@ -116,6 +116,6 @@ def _trajectory(model: Startable, request: Request, experiment: Experiment, run:
     return Trajectory(scene, table, progress, partial(_observe, model, scene, np.array(run.parameters), values))
 
 
-def _observe(model: Startable, scene: Scene, parameters: "np.ndarray", values: Values, name: str, rows: "np.ndarray"
-             ) -> "np.ndarray":
-    return observe(scene, model.compilation, parameters, values, name, rows)
+def _observe(model: Startable, scene: Scene, parameters: "np.ndarray", values: Values, name: str, rows: "np.ndarray",
+             start: float) -> "np.ndarray":
+    return observe(scene, model.compilation, parameters, values, name, rows, start)

@@ -56,7 +56,7 @@ class Trajectory:
     scene: Scene
     rows: "np.ndarray"  # (rows, width)
     progress: Progress
-    observe: Callable[[str, "np.ndarray"], "np.ndarray"] | None = None
+    observe: Callable[[str, "np.ndarray", float], "np.ndarray"] | None = None
     show: Shown | None = None  # as an animation
     sight: Sight | None = None  # what pictures ask of its model
 
@@ -114,7 +114,7 @@ class Trajectory:
             return self.rows[:, ENERGY_NAMES.index(name) - ENERGIES]
         if self.observe is None:
             fail("L0701", f"the results have no column '{name}'", None, *filter(None, [suggest(name, self.names)]))
-        return self.observe(name, self.rows)
+        return self.observe(name, self.rows, self.progress.experiment.start)
 
     @property
     def energy(self) -> EnergyAccount:
