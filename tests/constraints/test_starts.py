@@ -232,3 +232,33 @@ def test_starts_beyond_dead_points_are_told(scene: Write) -> None:
     assert crank.startswith("O.phi begins at 51.75 deg, not at 80 deg")
     assert rocker.startswith("C.phi begins at 125.9 deg, not at 90 deg")
     assert scene(text % 30).simulate(at=[0]).notes == []
+
+
+@pytest.mark.parametrize("text", [
+    """Revolute O(a = world), A(a = crank.b), B(a = coupler.b, b = rocker.b), C(a = shift(world, {1, 0}), phi(start = 75[deg]));
+      Bar crank(m = 1, L = 0.4, a = O.b), coupler(m = 2, L = 1, a = A.b), rocker(m = 1.5, L = 0.8, a = C.b);
+      Revolute h(a = world, w(start = 1e-6)); PointMass p(m = 1, center = shift(h.b, {0, -1}));
+      equation O.phi = 40[deg] + 10[rad/s]*time;""",
+    """Revolute a(a = world), b(a = world), h(a = world, w(start = 1e-6)); Disc d(m = 1, r = 0.1, center = a.b);
+      Disc e(m = 1, r = 0.1, center = b.b), f(m = 1, r = 0.1, center = h.b);
+      initial equation a.w + b.w = 20[rad/s]; a.w = 3*b.w;""",
+    """Revolute O(a = world, phi(start = 180[deg], fixed = true), w(start = 1000[rad/s], fixed = true));
+      Bar crank(m = 1, L = 0.1, a = O.b), rod(m = 1, L = 0.3, a = A.b); Revolute A(a = crank.b, phi(start = -180[deg]));
+      Prismatic s(a = shift(world, {0.2, 0}), along = {1, 0}, s(start = 0), v(start = 0)); Revolute B(a = rod.b, b = s.b);
+      PointMass p(m = 1, center = s.b);""",
+    """World world(gravity = {0, 0}); Revolute O(a = world, phi(start = 30[deg], fixed = true)), A(a = crank.b);
+      Bar crank(m = 1, L = 0.2, a = O.b), rod(m = 1, L = 0.4, a = A.b);
+      Prismatic s(a = shift(world, {0.5605, 0}), along = {1, 0}, s(start = 0)); Revolute B(a = rod.b, b = s.b);
+      PointMass p(m = 1, center = s.b);"""], ids=["prescribed", "equations", "standing slide", "drawn slide"])
+def test_starts_that_hold_as_far_as_they_are_told_are_not_told(text: str, scene: Write) -> None:
+    """Rates beside the small one of what they are not bound to; slides stated at 0 of mechanisms that are much larger."""
+    assert scene(f"model M {text} end M;").simulate(at=[0]).notes == []
+
+
+def test_slides_that_begin_elsewhere_are_told(scene: Write) -> None:
+    """A hundredth of the crank, and a hundredth of its speed, are not rounding."""
+    run = scene("""model M Revolute O(a = world, phi(start = 30[deg], fixed = true), w(start = 1, fixed = true)), A(a = crank.b);
+      Bar crank(m = 1, L = 0.2, a = O.b), rod(m = 1, L = 0.4, a = A.b); Revolute B(a = rod.b, b = s.b);
+      Prismatic s(a = shift(world, {0.5585, 0}), along = {1, 0}, s(start = 0), v(start = 0));
+      PointMass p(m = 1, center = s.b); end M;""").simulate(at=[0])
+    assert [said.split(" at ")[0] for said in run.notes] == ["s.s begins", "der(s.s) begins"]
