@@ -64,6 +64,11 @@ def test_a_run_becomes_a_page_a_film_and_gltf(zoo: Path, capsys: pytest.CaptureF
     size = struct.unpack("<I", data[12:16])[0]
     scene = json.loads(data[20 : 20 + size])
     assert scene["animations"][0]["channels"] and len(scene["nodes"]) > len(told["bodies"])
+    names = [node.get("name") for node in scene["nodes"]]
+    assert {"u", "c", "b", "k", "d", "ball", "f", "t"} <= {*names}, "viewers show the components"
+    at = [scene["nodes"][names.index(name)]["translation"] for name in ("ball", "c")]
+    known = [[-1 - 0.7 * np.sin(1), 0, 0.3 - 0.7 * np.cos(1)], lag.load(zoo).simulate(at=[0])["c.center.r"][0]]
+    assert np.allclose(at, known, atol=1e-6), "where they are"
     assert capsys.readouterr().err == ""
 
 

@@ -70,7 +70,7 @@ class _Writer:
             points, normals, triangles = _triangles(body.solid)
             attributes = {"POSITION": self._numbers(points, "VEC3", True), "NORMAL": self._numbers(normals, "VEC3")}
             self.known[key] = self._mesh({"attributes": attributes, "indices": self._indices(triangles), "material": shade})
-        self._node(self.known[key], body.poses[:, :3], _as_xyzw(body.poses[:, 3:]), None)
+        self._node(body.name, self.known[key], body.poses[:, :3], _as_xyzw(body.poses[:, 3:]), None)
 
     def _line(self, line: Line) -> None:
         """Straight parts, and coils, are of length 1 along z: turned and stretched to where they are."""
@@ -84,12 +84,14 @@ class _Writer:
             length = np.linalg.norm(b - a, axis=1)
             ways = np.where(length[:, None] > 0, b - a, [0.0, 0.0, 1.0])
             turns = quaternions(np.array([across(way) for way in ways]))
-            self._node(mesh, a, _as_xyzw(turns), np.column_stack([np.ones((len(length), 2)), np.maximum(length, 1e-9)]))
+            sizes = np.column_stack([np.ones((len(length), 2)), np.maximum(length, 1e-9)])
+            self._node(line.name, mesh, a, _as_xyzw(turns), sizes)
 
-    def _node(self, mesh: int, places: Vector, turns: Vector, sizes: Vector | None) -> None:
+    def _node(self, name: str, mesh: int, places: Vector, turns: Vector, sizes: Vector | None) -> None:
         tracks = {"translation": places, "rotation": turns} | ({"scale": sizes} if sizes is not None else {})
         tracks = {path: _kept_on(values, path) for path, values in tracks.items()}
-        self.nodes.append({"mesh": mesh} | {path: values[0].tolist() for path, values in tracks.items()})
+        named = {"name": name} if name else {}
+        self.nodes.append(named | {"mesh": mesh} | {path: values[0].tolist() for path, values in tracks.items()})
         for path, values in tracks.items():
             if self.times >= 0 and np.ptp(values, axis=0).max() > 0:
                 output = self._numbers(values, "VEC4" if path == "rotation" else "VEC3")

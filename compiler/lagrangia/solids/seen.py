@@ -1,7 +1,7 @@
 """Figures of a scene in space, at the moments of a motion -> a stage."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -138,13 +138,20 @@ def build_stage(c: Compilation, figures: Sequence[Figure], states: States, names
 def stage_of(c: Compilation, looked: Looked, t: Vector, names: Mapping[str, str], traces: Sequence[str]) -> Stage:
     """As build_stage, of what was looked at at these times."""
     given = looked.given
-    found = [SHOWN[g.figure.word](g, looked.greatest) for g in given if g.poses and g.figure.word in SHOWN]
+    found = [_shown(g, looked.greatest) for g in given if g.poses and g.figure.word in SHOWN]
     ways = [(g.frames[0], g.poses[0][0]) for g in given if g.poses and g.figure.word == "trace"]
     ways += [(name, looked.place(name)) for name in traces]
-    rods = [Line(np.stack([looked.place(a), looked.place(b)], axis=1), "thick") for a, b in rods_of(c, looked)]
+    rods = [Line(np.stack([looked.place(a), looked.place(b)], axis=1), "thick", name=component_of(b))
+            for a, b in rods_of(c, looked)]
     named = [Caption(words, np.mean([origin for origin, _ in given[k].poses], axis=0)) for k, words in words_of(c, given, names)]
     return Stage(t, tuple(body for one in found for body in one.bodies),
                  (*(line for one in found for line in one.lines), *rods), tuple(named), tuple(ways), looked.symbol, looked.up)
+
+
+def _shown(g: Given, greatest: Mapping[str, float]) -> _Shown:
+    """What the figure adds, by the name of its component."""
+    found, name = SHOWN[g.figure.word](g, greatest), g.figure.component
+    return _Shown([replace(body, name=name) for body in found.bodies], [replace(line, name=name) for line in found.lines])
 
 
 def _given(c: Compilation, asked: Asked, values: Vector, symbol: float, grounded: set[str]) -> Given:

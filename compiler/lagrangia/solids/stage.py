@@ -15,22 +15,25 @@ SHADES = ("white", "grey", "black")
 
 @dataclass(frozen=True)
 class Body:
-    """A solid and where it is: `poses` (T, 7), m and a unit quaternion, the real part first. `shade` is one of SHADES."""
+    """A solid and where it is: `poses` (T, 7), m and a unit quaternion, the real part first. `shade` is one of SHADES, `name`
+    that of the component it is of, or nothing."""
 
     solid: Solid
     poses: Vector
     shade: str = "white"
+    name: str = ""
 
 
 @dataclass(frozen=True)
 class Line:
     """A polyline over time: `points` (T, n, 3), m, NaN where there is nothing; `line` as in a drawing section. With turns: a coil
-    of this radius, m, between two points."""
+    of this radius, m, between two points. `name` as of a body."""
 
     points: Vector
     line: str = "normal"
     turns: int = 0
     radius: float = 0.0
+    name: str = ""
 
     def at(self, moment: int) -> Vector:
         """(n, 3), m."""
