@@ -336,6 +336,7 @@ static double iterate(LagPirk *s, LagMotion *m, const double *y, double h, int *
 {
     const double known = s->per > 0 ? lag_max(LEAST, lag_min(s->contraction * (h / s->per), MOST)) : UNKNOWN;
     double before = 0, nearer = known, error = INFINITY;
+    s->is_told = 0;
     for (int k = 0; k < MOST_SWEEPS; ++k) {
         if (!sweep(s, m, y, h))
             return INFINITY;
@@ -346,6 +347,7 @@ static double iterate(LagPirk *s, LagMotion *m, const double *y, double h, int *
         if (k > 0 && before > TOLD) {
             s->contraction = nearer;
             s->per = h;
+            s->is_told = 1;
         }
         const int is_slow = nearer > SLOW;
         if ((nearer < 1 && moved * nearer < CONVERGED * (1 - nearer)) || (is_slow && is_noise(s, m, moved))) {
@@ -416,6 +418,13 @@ static int accept(void *self, LagMotion *m, double t_new)
     return 1;
 }
 
+/* Where a loop is singular rounding is magnified, and sweeps run away. */
+static int is_clear(const void *self)
+{
+    const LagPirk *s = self;
+    return s->is_told && s->contraction < BEST;
+}
+
 static double factor(const void *self) { return ((const LagPirk *)self)->factor; }
 
 static void interpolate(void *self, LagMotion *m, double t, double *y)
@@ -455,6 +464,6 @@ double lag_pirk_series_cost(const LagModel *model, double tolerance)
 
 const LagMethod lag_pirk = {
     .name = "pirk", .order = 16, .layout = layout, .restart = restart, .step = lag_step_adaptive, .attempt = attempt,
-    .accept = accept, .interpolate = interpolate, .take_back = take_back, .miss = miss, .is_good_inside = 1, .factor = factor, .holds_switches = 1, .stride = 1, .leaves_trouble = 1,
+    .accept = accept, .interpolate = interpolate, .take_back = take_back, .miss = miss, .is_good_inside = 1, .is_clear = is_clear, .factor = factor, .holds_switches = 1, .stride = 1, .leaves_trouble = 1,
     .weighs_work = 1, .dreads_rows = 1, .record = &lag_pirk_record,
 };

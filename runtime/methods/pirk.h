@@ -22,6 +22,7 @@ typedef struct LagPirk {
     double *unit, *weight; /* 2 n; n: what an acceleration is worth in a step, in units of error */
     double *one;       /* state and slope of a single stage */
     double contraction, per; /* by which the latest sweeps brought stages nearer, in a step so long; 0: nobody knows */
+    int is_told;       /* those of the latest try have told it */
     int foresees;      /* that of the latest try may: its sweeps did not run away */
     double factor;     /* for the next step */
     int was_careful;   /* in the latest step */

@@ -66,6 +66,9 @@ typedef struct {
     int leaves_trouble; /* what shorter steps do not mend soon is left to Runge-Kutta methods for a while */
     int is_exact;       /* in steps of any length: there are no units of error */
 
+    /* Whether the step just tried was rejected for what a shorter one mends, and rounding has no part in it; NULL: nobody knows. */
+    int (*is_clear)(const void *self);
+
     /* By what the next step may be longer than the one just tried; NULL where its error and the order tell. */
     double (*factor)(const void *self);
 

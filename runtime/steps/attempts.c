@@ -113,6 +113,13 @@ static int is_sinking(LagRun *run, const LagAttempts *attempts)
     return run->sinking >= SINKING && attempts->planned < DEEP * run->sunk_from;
 }
 
+/* Whether the method knows that a shorter step is good: said once a step. */
+static int is_clear(const LagRun *run, const LagAttempts *attempts)
+{
+    const LagMethod *method = run->methods.table;
+    return attempts->rejected == 1 && method->is_clear && method->is_clear(run->methods.self);
+}
+
 /* Near singular positions at once, with a length that leads across, and for good: there will be more of them. Where time has no
  * shorter steps (what was held is let go, and begins from nothing), there is nothing to wait for; nor where a linkage is driven in
  * time, as a crank by its slide: short steps lead so near its dead points that rounding decides. There the others
@@ -125,7 +132,7 @@ int lag_attempts_leave(LagRun *run, const LagAttempts *attempts, double h, doubl
         return 0;
     const int sinks = is_loop && is_sinking(run, attempts);
     if (!run->model->loops_know_time && !is_last && !sinks) {
-        if (is_loop && is_mendable(run, attempts, h, error))
+        if (is_loop && (is_mendable(run, attempts, h, error) || is_clear(run, attempts)))
             return 0;
         if (attempts->rejected < HOPELESS && (!is_loop || lag_singularity(run, attempts->planned) < NEARLY))
             return 0;
