@@ -70,10 +70,11 @@ static void clear(LagRun *run)
     run->calm_step = run->refused = run->sunk_from = 0;
     lag_unsure_reset(run);
     lag_branch_forget(run);
-    run->carried_energy = run->motion.energy = run->motion.doubt = run->motion.looseness = run->motion.work_error = 0;
+    memset(run->risen, 0, (size_t)run->model->n * sizeof *run->risen);
+    run->carried_energy = run->risen_energy = run->motion.energy = run->motion.doubt = run->motion.looseness = run->motion.work_error = 0;
     run->wanted = run->paced = run->settings.t_start;
     run->row_spacing = 0;
-    run->paused_before = -INFINITY;
+    run->paused_before = run->looks.until = -INFINITY;
     run->logged = 0;
     run->scheduled = 0;
 }

@@ -54,6 +54,7 @@ static void layout_vectors(LagRun *run, LagArena *arena)
     run->inside = lag_take(arena, 2 * n + (size_t)model->n_power);
     run->inside_carry = lag_take(arena, 2 * n);
     run->careful_state = lag_take(arena, 2 * n);
+    run->risen = lag_take(arena, n);
     run->fixed = (int *)lag_take(arena, starts);
     run->work = lag_take(arena, work_size(model));
 }

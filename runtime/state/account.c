@@ -23,6 +23,7 @@ static const double LOOSE = 10;
 static const double DRIFT = 0.5, STEP_ROUNDING = 4 * DBL_EPSILON, STRICTER = 0.1, STRICTEST = 1e-3, LITTLE = 0.1;
 /* Where in the rest of a segment one looks for what prescribed motion will carry; energies that are less than this part of it are nothing. */
 static const double PLACES[] = {0.15, 0.4}, NOTHING = 1e-12;
+static const double RISEN = 2; /* rates, since energies were looked at */
 enum { ROUGH = 2 }; /* shorter attempts, with none in between that was much better */
 
 typedef struct {
@@ -79,17 +80,32 @@ static double rounding_of_loads(LagRun *run, double t, const double *y)
 }
 
 /* The kinetic energy of the largest rates so far: between looks energies may have come and gone, as in a pulse both ways, and of what
- * stands still on a support that moves they cancel. Loops have rates at dead points that are none elsewhere. */
+ * stands still on a support that moves they cancel. Loops have rates at dead points that are none elsewhere: there of the present ones,
+ * which cancel no more the other way round, and of those that were looked at as they rose. */
 static double energy_of_rates(LagRun *run, double t, const double *y)
 {
-    const int n = run->model->n;
+    const int n = run->model->n, is_loop = run->model->n_multipliers > 0;
     double *moved = run->motion.point, energies[3] = {0, 0, 0};
-    if (run->model->n_multipliers > 0)
-        return 0;
     memcpy(moved, y, (size_t)n * sizeof *moved);
-    memcpy(moved + n, run->scale.largest + n, (size_t)n * sizeof *moved);
+    for (int i = n; i < 2 * n; ++i)
+        moved[i] = is_loop ? -y[i] : run->scale.largest[i];
     lag_energies(run, t, moved, energies);
-    return isfinite(energies[KINETIC]) ? energies[KINETIC] : 0;
+    return lag_max(isfinite(energies[KINETIC]) ? energies[KINETIC] : 0, run->risen_energy);
+}
+
+void lag_account_rise(LagRun *run)
+{
+    const int n = run->model->n;
+    const double *rates = run->scale.largest + n;
+    int is_risen = 0;
+    for (int i = 0; i < n; ++i)
+        is_risen |= rates[i] > RISEN * run->risen[i];
+    if (!is_risen)
+        return;
+    memcpy(run->risen, rates, (size_t)n * sizeof *rates);
+    double energies[3] = {0, 0, 0};
+    lag_energies(run, run->motion.t, run->motion.y, energies);
+    run->risen_energy = lag_max(lag_max(energy_of_rates(run, run->motion.t, run->motion.y), run->risen_energy), energies[KINETIC]);
 }
 
 /* The miss that the tolerance explains, and rounding: each step may add a part of it. */

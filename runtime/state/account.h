@@ -20,6 +20,9 @@ double lag_account_count(LagMotion *motion, double h, double error);
 /* Notes how large the energies are in the present state: rows may all lie where there is none. */
 void lag_account_glance(LagRun *run);
 
+/* The same of loops, where rates have risen since: energies may come and go within a few steps. */
+void lag_account_rise(LagRun *run);
+
 /* A segment begins: what energies it will have where there are none yet, and whether errors of work count in it. */
 void lag_account_begin(LagRun *run);
 

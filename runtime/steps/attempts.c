@@ -40,6 +40,9 @@ LagAttempts lag_attempts_begin(LagRun *run)
     return attempts;
 }
 
+/* Whether positions that are nearly singular may reject steps: of loops, but for those that narrow places shorten. */
+static int may_be_singular(const LagRun *run) { return run->model->n_multipliers > 0 && !(run->motion.t < run->looks.until); }
+
 static int is_ordinary(const LagRun *run, const LagAttempts *attempts, double h, double error)
 {
     if (run->careful)
@@ -126,12 +129,13 @@ static int is_clear(const LagRun *run, const LagAttempts *attempts)
  * begin with steps of their own length. */
 int lag_attempts_leave(LagRun *run, const LagAttempts *attempts, double h, double error, double shorter)
 {
-    const int is_loop = run->model->n_multipliers > 0, leaves = run->methods.table->leaves_trouble;
+    const int is_loop = may_be_singular(run), leaves = run->methods.table->leaves_trouble;
+    const int knows_time = is_loop && run->model->loops_know_time;
     const int is_last = shorter < lag_step_smallest(run->motion.t);
     if (!leaves)
         return 0;
     const int sinks = is_loop && is_sinking(run, attempts);
-    if (!run->model->loops_know_time && !is_last && !sinks) {
+    if (!knows_time && !is_last && !sinks) {
         if (is_loop && (is_mendable(run, attempts, h, error) || is_clear(run, attempts)))
             return 0;
         if (attempts->rejected < HOPELESS && (!is_loop || lag_singularity(run, attempts->planned) < NEARLY))
@@ -141,7 +145,7 @@ int lag_attempts_leave(LagRun *run, const LagAttempts *attempts, double h, doubl
     run->calm_step *= is_loop ? TO_OTHERS : 1;
     if (!(is_loop && lag_turn_fall_back(run)) && !lag_turn_pass(run))
         return 0;
-    if (run->model->loops_know_time) {
+    if (knows_time) {
         const double slowness = lag_slowness(&run->motion, &run->scale, run->step, 0);
         run->calm_step = run->step = fmax(run->step, lag_first_step(&run->scale, slowness, run->methods.table->order));
     }
@@ -152,7 +156,7 @@ double lag_attempts_next(LagRun *run, LagAttempts *attempts, double h, double er
 {
     const int is_mended = is_mendable(run, attempts, h, error);
     attempts->last = error;
-    if (run->model->n_multipliers == 0 || is_mended || run->methods.table->leaves_trouble)
+    if (!may_be_singular(run) || is_mended || run->methods.table->leaves_trouble)
         return shorter;
     if (!run->careful) {
         run->careful = 1;

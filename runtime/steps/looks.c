@@ -304,6 +304,12 @@ static Narrow passed_over(LagRun *run)
     return first;
 }
 
+/* When it is behind. */
+static double end_of(const LagRun *run, Narrow at)
+{
+    return run->motion.t_old + (at.x + OUTSIDE * at.width) * (run->motion.t - run->motion.t_old);
+}
+
 /* To a few widths before it, or, from there, so short that stages see it. */
 static double shorter_step(const LagRun *run, Narrow at)
 {
@@ -356,6 +362,7 @@ LagStatus lag_looks_watch(LagRun *run)
         const double step = at.width > 0 ? shorter_step(run, at) : 0;
         if (!(step > 2 * lag_step_smallest(run->motion.t_old)))
             return LAG_OK;
+        run->looks.until = end_of(run, at);
         if (run->methods.solver == LAG_SOLVER_CONSERVATIVE) {
             lag_roots_take_back(run, step);
             return lag_roots_leave(run);

@@ -12,6 +12,7 @@ typedef struct {
     double *g, *pace; /* (LAG_LOOKS + 2) n_looks: along the latest step, and in between */
     double *ahead;    /* n_looks */
     double *state, *slope, *seen; /* size; size; LAG_SIGHTS size */
+    double until;     /* where the latest place that was passed over is behind: before, shorter steps mend what is rejected */
 } LagLooks;
 
 enum { LAG_LOOKS = 8, LAG_SIGHTS = 7 };

@@ -20,8 +20,11 @@ enum { GLANCE = 16 }; /* strides from one look at the energies to the next */
 /* The state reached. */
 static void note_state(LagRun *run)
 {
-    if (lag_step_is_every(run, 1))
+    if (lag_step_is_every(run, 1)) {
         lag_scale_note(&run->scale, run->motion.y);
+        if (run->model->n_multipliers > 0)
+            lag_account_rise(run);
+    }
     if (lag_step_is_every(run, GLANCE))
         lag_account_glance(run);
 }
