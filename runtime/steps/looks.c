@@ -359,9 +359,11 @@ LagStatus lag_looks_watch(LagRun *run)
         return LAG_OK;
     for (int k = 0; k < MOST_TRIES; ++k) {
         const Narrow at = passed_over(run);
-        const double step = at.width > 0 ? shorter_step(run, at) : 0;
-        if (!(step > 2 * lag_step_smallest(run->motion.t_old)))
+        if (!(at.width > 0))
             return LAG_OK;
+        const double step = shorter_step(run, at);
+        if (!(step > 2 * lag_step_smallest(run->motion.t_old)))
+            break;
         run->looks.until = end_of(run, at);
         if (run->methods.solver == LAG_SOLVER_CONSERVATIVE) {
             lag_roots_take_back(run, step);
@@ -371,5 +373,6 @@ LagStatus lag_looks_watch(LagRun *run)
         if (status != LAG_OK)
             return status;
     }
+    ++run->statistics.tolerance_missed;
     return LAG_OK;
 }

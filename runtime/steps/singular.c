@@ -1,5 +1,6 @@
 #include "steps/singular.h"
 
+#include <float.h>
 #include <math.h>
 #include <string.h>
 
@@ -70,6 +71,16 @@ static double along(const LagMotion *m, double h, const double *a, double *q)
     return largest;
 }
 
+/* Below which a displacement is rounding of the positions. */
+static double rounding(const LagRun *run)
+{
+    const double *size = run->scale.size, *q = run->motion.y;
+    double largest = 0;
+    for (int i = 0; i < run->model->n; ++i)
+        largest = lag_max(lag_max(fabs(q[i]), size[i]), largest);
+    return DBL_EPSILON * largest;
+}
+
 static double measure(LagRun *run, double h)
 {
     const LagMotion *m = &run->motion;
@@ -78,7 +89,9 @@ static double measure(LagRun *run, double h)
     if (!change(run, m->y, NULL, a))
         return INFINITY;
     const double size = along(m, h, a, way);
-    if (!(size > 0) || !across(run, size, q, normal))
+    if (size <= rounding(run)) /* what rests meets no singular position, whatever time does to it */
+        return 0;
+    if (!across(run, size, q, normal))
         return INFINITY;
     for (int i = 0; i < n; ++i)
         q[i] = m->y[i] + way[i];
