@@ -218,7 +218,7 @@ def test_what_stops_in_finite_time_rests(power: float, scene: Write) -> None:
       work {drag} on b.s;
     end Stops;""")
     way = 1 / (2 * (2 - power))
-    for solver in ("auto", "erk", "implicit", "pirk", "taylor"):
+    for solver in ("auto", "erk", "implicit", "pirk"):
         run = stops.simulate(solver=solver, tolerance=1e-8, at=[4, 10], max_steps=1000)
         assert run["b.s"] == pytest.approx(2 * [way], abs=1e-7)
         assert run["c.s"] == pytest.approx(np.cos(np.sqrt(10) * np.array([4, 10])), abs=1e-6)

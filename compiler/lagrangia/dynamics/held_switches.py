@@ -82,6 +82,15 @@ def _without_factors(numbering: Numbering, number: int) -> int:
     return _without_factors(numbering, left[0]) if len(left) == 1 else number
 
 
+def _exponent(op: int, operands: list[Expression]) -> float | None:
+    """Of x^b with b > 0 and not whole, which has no value where a step passes x = |a| = 0 with the sign of a held: b."""
+    if op == ca.OP_SQRT:
+        return 0.5
+    is_power = op in (ca.OP_POW, ca.OP_CONSTPOW) and operands[1].is_constant()
+    exponent = float(operands[1]) if is_power else 0.0
+    return exponent if exponent > 0 and not exponent.is_integer() else None
+
+
 class Holding:
     """`places`: the symbols of switches; `shares`: the hashes of those that may be between 0 and 1; `rests`: symbols that are 1
     where both of a pair are held equal, and 0 elsewhere."""
@@ -101,25 +110,22 @@ class Holding:
         pair = pair_of(self.numbering, op, numbers)
         if pair is not None and pair in self.places:
             return self._switched(op, numbers, operands, pair)
-        if self._is_bent(op, operands) and (length := self._clipped(numbers[0], operands[0])) is not None:
-            return self._combined(op, [length, operands[1]])
+        exponent = _exponent(op, operands)
+        if exponent is not None and (length := self._clipped(numbers[0], operands[0], exponent < 1)) is not None:
+            return self._combined(op, [length, *operands[1:]])
         directed = self._directed(op, numbers, operands)
         return self._combined(op, operands) if directed is None else directed
 
-    @staticmethod
-    def _is_bent(op: int, operands: list[Expression]) -> bool:
-        """Of |a|^b with b > 1 and not whole, which has no value where a step passes a = 0 with the sign of a held."""
-        is_power = op in (ca.OP_POW, ca.OP_CONSTPOW) and operands[1].is_constant()
-        return is_power and float(operands[1]) > 1 and not float(operands[1]).is_integer()
-
-    def _clipped(self, number: int, value: Expression) -> Expression | None:
-        """|a|, or a multiple of it, that is 0 where a has another sign than it is held with; of others, None."""
-        zero = self.numbering.of_number(0.0)
-        if self.numbering.keys[number][0] == ca.OP_FABS and ordered(int(self.numbering.keys[number][1]), zero) in self.places:
+    def _clipped(self, number: int, value: Expression, of_rates: bool) -> Expression | None:
+        """|a|, or a multiple of it, that is 0 where a has another sign than it is held with; of others, None, and of what is no
+        rate where only these are asked for: slopes of roots of places have no bounds, which implicit steps do not see."""
+        op, *inner = self.numbering.keys[number]
+        pair = ordered(int(inner[0]), self.numbering.of_number(0.0)) if op == ca.OP_FABS else None
+        if pair is not None and pair in self.places and (not of_rates or self.places[pair].__hash__() in self.shares):
             return self._noted(apply(ca.OP_FMAX, value, 0.0), self._jumps_of(value))
         op, numbers, operands = self.products.get(number, (ca.OP_INV, [], []))
         for k, (factor, x) in enumerate(zip(numbers, operands, strict=True)):
-            if (op != ca.OP_DIV or k == 0) and op != ca.OP_INV and (length := self._clipped(factor, x)) is not None:
+            if (op != ca.OP_DIV or k == 0) and op != ca.OP_INV and (length := self._clipped(factor, x, of_rates)) is not None:
                 return self._combined(op, [length if i == k else other for i, other in enumerate(operands)])
         return None
 
