@@ -11,23 +11,23 @@ from itertools import product
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 
 from lagrangia.algebra.numbering import Numbering, rebuilt
-from lagrangia.algebra.scalars import Expression, as_expression, operate, symbols_in
-from lagrangia.algebra.with_casadi import operations_in
+from lagrangia.algebra.orthogonal import Vector
+from lagrangia.algebra.scalars import Expression, as_expression, column, operate, symbols_in
+from lagrangia.algebra.with_casadi import CORNERS, operations_in
 from lagrangia.constraints.parameters import default_parameters, usual_parameters
 from lagrangia.frames.kinematics import Kinematics
 
 _RELATIONS = (ca.OP_LT, ca.OP_LE)
 _CHOICES = frozenset({*_RELATIONS, ca.OP_EQ, ca.OP_NE, ca.OP_FABS, ca.OP_SIGN, ca.OP_FMIN, ca.OP_FMAX})
-_SAME = 1e-9
+SAME = 1e-9  # relative difference of what is the same but for rounding
+_SEEDS, _MOST_SEEDS = 2, 6  # of random states: of what is smooth, and of what may have branches
 _TIMES = np.concatenate((np.geomspace(1e-6, 1e4, 2000), np.linspace(0, 20, 2001)))
 _SPEEDS = (1.0, *np.geomspace(1e-4, 1e4, 33))
 _SIZES = (1, -1, 10, -10, 100, -100)  # of walls that move
 _MOST_ARMS = 64
-_NONE = ca.SX(0, 1)
-Numbers = NDArray[np.float64]
+State = tuple[Vector, Vector, Vector]  # rates, all else that is known, and the arm
 
 
 class Look:
@@ -36,27 +36,28 @@ class Look:
 
     def __init__(self, kinematics: Kinematics, v: ca.SX, results: Sequence[ca.SX], wanted: Sequence[ca.SX]) -> None:
         symbols = kinematics.symbols
-        q = ca.vertcat(_NONE, *symbols.positions.values())
+        q = column(*symbols.positions.values())
         p, self.p = usual_parameters(kinematics)
         self.declared = np.array(default_parameters(kinematics)[1]).ravel()
         found = kinematics.algebra.with_modes([*results, *wanted])
-        stated = symbols_in(ca.vertcat(q, v, symbols.time, p))
-        others = [x for x in ca.symvar(ca.veccat(*found)) if x.__hash__() not in stated]
+        stated, whole = symbols_in(ca.vertcat(q, v, symbols.time, p)), ca.veccat(*found)
+        others = [x for x in ca.symvar(whole) if x.__hash__() not in stated]
+        self.seeds = range(3, 3 + (_SEEDS if operations_in(whole).isdisjoint(CORNERS) else _MOST_SEEDS))
         self.inputs = [v, ca.vertcat(q, symbols.time, *others), p]
         self.time = q.numel()
         self.operations, self.differences, symbols_of = list[int](), list[ca.SX](), list[ca.SX]()
         self.groups, self.numbering = dict[tuple[int, ...], tuple[ca.SX, bool]](), Numbering()
-        if any(not _CHOICES.isdisjoint(operations_in(x)) for x in found[len(results):]):
+        if len(self.seeds) == _MOST_SEEDS and any(not _CHOICES.isdisjoint(operations_in(x)) for x in found[len(results):]):
             symbols_of = self._find_choices(found[len(results):], [ca.vec(x) for x in found[:len(results)]])
         columns = [*map(ca.vec, found[:len(results)]), *self.differences]
         freed = rebuilt(columns, self.numbering, self._made) if symbols_of else columns
-        chosen = ca.vertcat(_NONE, *symbols_of)
+        chosen = column(*symbols_of)
         self.look = ca.Function("look", [*self.inputs, chosen], [
             ca.reshape(x, result.shape) for x, result in zip(freed, results, strict=False)])
         given, times = symbols_in(p), symbols_in(ca.vertcat(p, symbols.time))
         self.by_parameters, self.by_time = ([symbols_in(x) <= known for x in self.differences] for known in (given, times))
         self.by_rates = [not symbols_in(x).isdisjoint(symbols_in(v)) for x in self.differences]
-        beyond = ca.vertcat(_NONE, *freed[len(results):])
+        beyond = column(*freed[len(results):])
         self.beyond = ca.Function("beyond", [*self.inputs, chosen], [beyond]) if symbols_of else None
 
     def _find_choices(self, wanted: list[ca.SX], results: list[ca.SX]) -> list[ca.SX]:
@@ -108,17 +109,25 @@ class Look:
                 return as_expression(operate(ca.OP_IF_ELSE_ZERO, [first, a]) + operate(ca.OP_IF_ELSE_ZERO, [other, b]))
         return first
 
-    def where(self, p: Numbers) -> "Look":
+    def where(self, p: Vector) -> "Look":
         """The same for other parameters."""
         found = copy(self)
         found.p = p
         return found
 
-    def at(self, v: Numbers, known: Numbers, arm: Numbers) -> list[Numbers]:
+    def at(self, v: Vector, known: Vector, arm: Vector) -> list[Vector]:
         """The results, of their shapes."""
         return [np.array(x) for x in self.look(v, known, self.p, arm)]
 
-    def arms(self, known: Numbers) -> Iterator[tuple[Numbers, Numbers]]:
+    def states(self, spreads: Sequence[int] = (1,)) -> Iterator[list[State]]:
+        """Random states about 1, each in all its arms; time is such a number to the power of each of `spreads`."""
+        for seed, spread in product(self.seeds, spreads):
+            random = np.random.default_rng(seed)
+            v, known = (random.uniform(0.4, 1.6, x.numel()) for x in self.inputs[:2])
+            known[self.time] **= spread
+            yield [(v, *state) for state in self.arms(known)]
+
+    def arms(self, known: Vector) -> Iterator[tuple[Vector, Vector]]:
         """All that is known, at times that bring them about, and arms."""
         arm = np.zeros(len(self.differences))
         for k in np.flatnonzero(self.by_parameters).tolist():
@@ -130,7 +139,7 @@ class Look:
             arm[free] = case
             yield from self._at_times(known, arm)
 
-    def _at_times(self, known: Numbers, arm: Numbers) -> Iterator[tuple[Numbers, Numbers]]:
+    def _at_times(self, known: Vector, arm: Vector) -> Iterator[tuple[Vector, Vector]]:
         timed = [k for k in np.flatnonzero(self.by_time).tolist() if not self.by_parameters[k]]
         if not timed or self.beyond is None:
             yield known, arm.copy()
@@ -143,12 +152,12 @@ class Look:
         for place in np.unique(arms[timed], axis=1, return_index=True)[1]:
             yield states[:, place], arms[:, place]
 
-    def _chosen(self, k: int, known: Numbers, p: Numbers, arm: Numbers) -> float:
+    def _chosen(self, k: int, known: Vector, p: Vector, arm: Vector) -> float:
         assert self.beyond is not None
         v = np.ones(self.inputs[0].numel())
         return float(self._is_true(k, np.array(self.beyond(v, known, p, arm)).ravel()[k]))
 
-    def _is_true(self, k: int, beyond: Numbers) -> Numbers:
+    def _is_true(self, k: int, beyond: Vector) -> Vector:
         match self.operations[k]:
             case ca.OP_LE:
                 return np.asarray(beyond <= 0)
@@ -158,8 +167,8 @@ class Look:
                 return np.asarray(beyond != 0)
         return np.asarray(beyond < 0)
 
-    def approaches(self, v: Numbers, step: Numbers, pace: float, slope: Numbers, state: tuple[Numbers, Numbers]
-                   ) -> Iterator[tuple[Numbers, Numbers, bool]]:
+    def approaches(self, v: Vector, step: Vector, pace: float, slope: Vector, state: tuple[Vector, Vector]
+                   ) -> Iterator[tuple[Vector, Vector, bool]]:
         """Rates that go with a wall, those that approach it along `step`, so fast that the arm is chosen, and whether it is with
         the first, too. `pace` and `slope` are those of the gap at v; the state is all else that is known, and the arm."""
         known, arm = state
@@ -175,13 +184,7 @@ class Look:
             beyond = np.array(self.beyond(both, np.tile(known[:, None], shape), self.p, np.tile(arm[:, None], shape)))[rates]
             is_true = np.array([self._is_true(k, x) for k, x in zip(rates.tolist(), beyond, strict=True)])
             chosen = is_true == (arm[rates, None] > 0.5)
-            is_level = np.abs(beyond[:, 0]) <= _SAME*np.abs(beyond).max(axis=1)
+            is_level = np.abs(beyond[:, 0]) <= SAME*np.abs(beyond).max(axis=1)
             place = next(iter(np.flatnonzero(chosen[:, 1:].all(axis=0))), None)
             if place is not None:
                 yield still, both[:, 1 + place], bool((chosen[:, 0] | is_level).all())
-
-
-def random_state(look: Look, random: "np.random.Generator") -> tuple[Numbers, Numbers]:
-    """Rates, and all else that is known, about 1."""
-    v, known = (random.uniform(0.4, 1.6, x.numel()) for x in look.inputs[:2])
-    return v, known

@@ -8,24 +8,22 @@ With constraints J v = 0, M^-1 is that of what these leave free.
 from collections.abc import Sequence
 from enum import IntEnum
 from functools import cached_property
-from itertools import product
+from itertools import islice
 
 import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from lagrangia.algebra.scalars import symbols_in
+from lagrangia.algebra.orthogonal import Vector
+from lagrangia.algebra.scalars import column, symbols_in
 from lagrangia.constraints.parameters import parameter_symbols, parameters_of, usual_parameters
 from lagrangia.constraints.rows import Row
-from lagrangia.dynamics.arms import Look, random_state
+from lagrangia.dynamics.arms import SAME, Look, State
 from lagrangia.frames.kinematics import Kinematics
 
-_SAME = 1e-9  # relative difference of what is the same but for rounding
 _ROUNDING = 1e-14  # of rates of what is at rest
-_NONE = ca.SX(0, 1)
 STILL, MOVED, BODIES = range(3)  # walls
-_SEEDS = range(3, 9)  # of random states
-Numbers = NDArray[np.float64]
+_SPREAD = 25  # 0.4 to 1.6 become times of 1e-10 s to 1e5 s
 
 
 class Meeting(IntEnum):
@@ -47,7 +45,7 @@ class Mobility:
         self.kinematics, self.v, self.kinetic, self.rows = kinematics, v, kinetic, rows
 
     @cached_property
-    def bound(self) -> Numbers:
+    def bound(self) -> Vector:
         """Usual parameters, where those that follow from others do."""
         p, usual = usual_parameters(self.kinematics)
         return np.array(ca.Function("bound", [p], [parameters_of(self.kinematics, p)])(usual)).ravel()
@@ -56,15 +54,15 @@ class Mobility:
     def function(self) -> ca.Function:
         """M (n, n) and J (m, n) of v, of places and time, of parameters, and of what else is given."""
         symbols, v = self.kinematics.symbols, self.v
-        rates = ca.vertcat(_NONE, *(ca.substitute(ca.SX(row.rate(self.kinematics)), symbols.tau, ca.SX(1)) for row in self.rows))
+        rates = column(*(ca.substitute(ca.SX(row.rate(self.kinematics)), symbols.tau, ca.SX(1)) for row in self.rows))
         results = self.kinematics.algebra.with_modes([ca.hessian(self.kinetic, v)[0], ca.jacobian(rates, v)])
-        places = ca.vertcat(_NONE, *symbols.positions.values(), symbols.time)
+        places = column(*symbols.positions.values(), symbols.time)
         stated = [v, places, parameter_symbols(self.kinematics)]
         known = symbols_in(ca.vertcat(*stated))
-        others = ca.vertcat(_NONE, *(x for x in ca.symvar(ca.veccat(*results)) if x.__hash__() not in known))
+        others = column(*(x for x in ca.symvar(ca.veccat(*results)) if x.__hash__() not in known))
         return ca.Function("mobility", [*stated, others], [ca.densify(x) for x in results])
 
-    def moved(self, look: Look, v: Numbers, known: Numbers, impulses: Numbers) -> Numbers:
+    def moved(self, look: Look, v: Vector, known: Vector, impulses: Vector) -> Vector:
         """The changes of v by impulses, both (n, k), at a state."""
         others = np.full(self.function.numel_in(3), 0.7)
         M, J = (np.array(x) for x in self.function(v, known[:look.time + 1], look.p, others))
@@ -80,14 +78,13 @@ def shares_of(pace: ca.SX, rates: ca.SX, v: ca.SX) -> ca.SX:
     return ca.solve(R @ R.T, R @ ca.gradient(pace, v))
 
 
-def turned_back(look: Look, k: int, j: int, spreads: Sequence[int]) -> tuple[Meeting, int]:
+def turned_back(look: Look, k: int, j: int, is_timed: bool) -> tuple[Meeting, int]:
     """Whether reset j leaves as it is what goes at the rate of the wall of gap k, and turns back what approaches; and the sign of
-    the factor between their rates. `look` gives the rates of gaps, r, w, and the slopes of rates of gaps and of r."""
+    the factor between their rates; also early and late where time is written in the gap, as a wall may set out after any time.
+    `look` gives the rates of gaps, r, w, and the slopes of rates of gaps and of r."""
     signs = set[int]()
-    for seed, spread in product(_SEEDS, spreads):
-        v, given = random_state(look, np.random.default_rng(seed))
-        given[look.time] **= spread
-        found = [x for known, arm in look.arms(given) if (x := _turned_back(look, k, j, v, known, arm)) is not None]
+    for states in look.states((1, _SPREAD) if is_timed else (1,)):
+        found = [x for state in states if (x := _turned_back(look, k, j, *state)) is not None]
         if not found:
             continue
         if not all(found):
@@ -96,10 +93,10 @@ def turned_back(look: Look, k: int, j: int, spreads: Sequence[int]) -> tuple[Mee
     return (Meeting.BACK, signs.pop()) if len(signs) == 1 else (Meeting.NONE, 0)
 
 
-def _turned_back(look: Look, k: int, j: int, v: Numbers, known: Numbers, arm: Numbers) -> int | None:
+def _turned_back(look: Look, k: int, j: int, v: Vector, known: Vector, arm: Vector) -> int | None:
     """The sign in one arm, twice that where only what is fast chooses it, 0 where it is not turned back; None: cannot be."""
 
-    def at(v: Numbers) -> list[Numbers]:
+    def at(v: Vector) -> list[Vector]:
         paces, rates, wanted, slopes, own = look.at(v, known, arm)
         return [paces.ravel()[k], rates.ravel()[j], wanted.ravel()[j], slopes[k], own[j]]
 
@@ -107,7 +104,7 @@ def _turned_back(look: Look, k: int, j: int, v: Numbers, known: Numbers, arm: Nu
     square, along = np.dot(own, own), float(np.dot(slope, own))
     if not np.isfinite([pace, rate, *slope, *own]).all():
         return None
-    if not abs(along) > _SAME * np.linalg.norm(slope) * np.linalg.norm(own) > 0:
+    if not abs(along) > SAME * np.linalg.norm(slope) * np.linalg.norm(own) > 0:
         return 0
     found, is_slow = set[bool](), False
     for still, turned, is_both in look.approaches(v, own * (np.sign(along) / square), float(pace), slope, (known, arm)):
@@ -115,27 +112,25 @@ def _turned_back(look: Look, k: int, j: int, v: Numbers, known: Numbers, arm: Nu
         size = np.abs(own) @ np.abs(turned) + abs(rate) + abs(wall)
         if not arm.size or np.isfinite([wall, back]).all():
             is_slow |= is_both
-            found.add(bool((not is_both or abs(left - wall) <= _SAME * size) and (back - wall) * np.sign(along) <= _SAME * size))
+            found.add(bool((not is_both or abs(left - wall) <= SAME * size) and (back - wall) * np.sign(along) <= SAME * size))
     return int(np.sign(along)) * (1 if is_slow else 2) if found == {True} else 0 if found else None
 
 
 def look_at_meeting(look: Look, k: int, own: NDArray[np.intp], mobility: Mobility) -> Meeting:
     """What the resets `own` do together at gap k."""
     found = set[Meeting]()
-    for seed in (3, 4):
-        v, given = random_state(look, np.random.default_rng(seed))
-        found |= {x for known, arm in look.arms(given) if (x := _meeting(look, k, own, mobility, (v, known, arm))) is not None}
+    for states in islice(look.states(), 2):
+        found |= {x for state in states if (x := _meeting(look, k, own, mobility, state)) is not None}
         if max(found, default=Meeting.NONE) == Meeting.NONE:
             return Meeting.NONE
     return min(found) or Meeting.IN_SOME
 
 
-def _meeting(look: Look, k: int, own: NDArray[np.intp], mobility: Mobility, state: tuple[Numbers, Numbers, Numbers]
-             ) -> Meeting | None:
+def _meeting(look: Look, k: int, own: NDArray[np.intp], mobility: Mobility, state: State) -> Meeting | None:
     """That in one arm; None where it cannot be so."""
     v, known, arm = state
 
-    def at(v: Numbers) -> list[Numbers]:
+    def at(v: Vector) -> list[Vector]:
         paces, r, w, slopes, R = look.at(v, known, arm)
         return [paces.ravel()[k], r.ravel()[own], w.ravel()[own], slopes[k], R[own]]
 
@@ -146,36 +141,42 @@ def _meeting(look: Look, k: int, own: NDArray[np.intp], mobility: Mobility, stat
     if not np.linalg.norm(c) > 0 or np.linalg.matrix_rank(R) < len(r):
         return Meeting.NONE
     found, way = list[Meeting](), R @ mobility.moved(look, v, known, (R.T @ c)[:, None]).ravel()
-    are_all = np.linalg.norm(R.T @ c - s) <= _SAME * np.linalg.norm(s)
+    are_all = np.linalg.norm(R.T @ c - s) <= SAME * np.linalg.norm(s)
     for still, towards, is_both in look.approaches(v, s / np.dot(s, s), float(pace), s, (known, arm)):
         (_, r_still, w_still, *_), (fast, r, w, *_) = at(still), at(towards)
         change, size = w - r, np.abs(R) @ np.abs(towards) + np.abs(r)
         if arm.size and not np.isfinite(change).all():
             continue
-        is_left = not is_both or (np.abs(w_still - r_still) <= _SAME * size).all()
+        is_left = not is_both or (np.abs(w_still - r_still) <= SAME * size).all()
         off = change - way * (np.dot(c, change) / np.dot(c, way))
-        is_between = are_all and np.linalg.norm(off) <= _SAME * np.linalg.norm(change)
-        found.append(Meeting.NONE if not is_left or not fast + np.dot(c, change) <= _SAME * fast else
+        is_between = are_all and np.linalg.norm(off) <= SAME * np.linalg.norm(change)
+        found.append(Meeting.NONE if not is_left or not fast + np.dot(c, change) <= SAME * fast else
                      Meeting.BETWEEN if is_between else Meeting.BACK)
     return min(found, default=None)
 
 
-def wall_at(look: ca.Function, p: Numbers, random: "np.random.Generator") -> int:
-    """At a random state: STILL where two rates are the same but for a factor, MOVED where their slopes are, else BODIES."""
-    v, known = (random.uniform(0.4, 1.6, look.numel_in(k)) for k in range(2))
-    (_,), (_,), slope, own = (np.array(x).ravel() for x in look(v, known, p))
-    (pace,), (rate,), *_ = (np.array(x).ravel() for x in look(0 * v, known, p))
+def wall_of(look: Look, k: int, j: int) -> int:
+    """Against what reset j is turned back at gap k: STILL where the two rates are the same but for a factor, MOVED where their
+    slopes are, else BODIES."""
+    return max((_wall(look, k, j, state) for states in look.states((_SPREAD,)) for state in states), default=STILL)
+
+
+def _wall(look: Look, k: int, j: int, state: State) -> int:
+    """That at a state."""
+    v, known, arm = state
+    slope, own = (x[i] for x, i in zip(look.at(v, known, arm)[3:], (k, j), strict=True))
+    pace, rate = (x.ravel()[i] for x, i in zip(look.at(0 * v, known, arm)[:2], (k, j), strict=True))
     if not np.isfinite([pace, rate, *slope, *own]).all():
         return STILL
     factor = np.dot(slope, own) / np.dot(own, own)
-    if np.linalg.norm(slope - factor * own) > _SAME * np.linalg.norm(slope):
+    if np.linalg.norm(slope - factor * own) > SAME * np.linalg.norm(slope):
         return BODIES
     return STILL if abs(pace - factor * rate) <= _ROUNDING * np.abs(slope) @ np.abs(v) else MOVED
 
 
 def is_carried(look: Look, mobility: Mobility) -> bool:
     """Whether an impulse along a rate changes that of its wall. `look` gives the slopes of both."""
-    v, known = random_state(look, np.random.default_rng(3))
-    wall, own = (x.ravel() for x in look.at(v, known, np.zeros(0)))
+    v, known, arm = next(look.states())[0]
+    wall, own = (x.ravel() for x in look.at(v, known, arm))
     moved = mobility.moved(look, v, known, own[:, None]).ravel()
-    return not abs(np.dot(wall, moved)) <= _SAME * np.linalg.norm(wall) * np.linalg.norm(moved)
+    return not abs(np.dot(wall, moved)) <= SAME * np.linalg.norm(wall) * np.linalg.norm(moved)

@@ -19,20 +19,20 @@ from itertools import accumulate
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 
 from lagrangia.algebra.duals import Scalar, rate_of, value_of
-from lagrangia.algebra.scalars import symbols_in
+from lagrangia.algebra.scalars import column, symbols_in
 from lagrangia.algebra.with_casadi import operations_in
 from lagrangia.base.diagnostics import fail
 from lagrangia.base.records import dataclass
-from lagrangia.constraints.parameters import parameter_symbols, usual_parameters
+from lagrangia.constraints.parameters import parameter_symbols
 from lagrangia.constraints.rows import Row
 from lagrangia.dynamics import collisions as meets
 from lagrangia.dynamics.arms import Look
 from lagrangia.dynamics.collisions import BODIES, MOVED, STILL, Meeting, Mobility
 from lagrangia.dynamics.energies import Load, paced
 from lagrangia.dynamics.levels import EDGE, JUMPS, Levels, Meetings, Steps, level_of_parts
+from lagrangia.dynamics.limits import changes_nothing, side_of
 from lagrangia.frames.evaluation import scalars_of
 from lagrangia.frames.kinematics import Kinematics
 from lagrangia.language.consequences import contact_forces_in
@@ -53,11 +53,7 @@ from lagrangia.language.flat import Reset, When, Work
 from lagrangia.language.tree import Binary, Flat, Number, Unary
 
 KICK, CONTACT, ONE_WAY = range(3)  # LAG_KICK, ...
-_SAME = 1e-9  # relative difference of what is the same but for rounding
-_SOME = range(3, 9)  # seeds of random states, in all branches that time may decide on
-_SPREAD = 25  # 0.4 to 1.6 become times of 1e-10 s to 1e5 s
 _NONE = ca.SX(0, 1)
-Numbers = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -121,7 +117,7 @@ def find_impacts(kinematics: Kinematics, kinetic: ca.SX, rows: Sequence[Row]) ->
     forces, impulses = ca.SX.sym("contact", len(found)), ca.SX.sym("impulse", len(places))
     strengths = iter(impulses.elements())
     loads = [load for event, force in zip(found, forces.elements(), strict=True) for load in event.loads(force, strengths)]
-    conditions, gaps, arms, rates, wanted = (ca.vertcat(_NONE, *parts) for parts in (
+    conditions, gaps, arms, rates, wanted = (column(*parts) for parts in (
         [event.g for event in found], [event.gap for event in found], [event.arm for event in found],
         [x for event in found for x in event.rates],
         [x for event in found for x in event.wanted]))
@@ -208,7 +204,7 @@ class _Event:
             (drift,) = ca.substitute([pace], [v], [ca.SX.zeros(v.numel())])
             slopes = [ca.densify(ca.jacobian(x, v)) for x in (pace, rate)]
             look = self._look([pace - drift, rate, wanted, *slopes], [wanted])
-            if meets.turned_back(look.where(self.mobility.bound), 0, 0, self._spreads(node))[0] == Meeting.BACK:
+            if meets.turned_back(look.where(self.mobility.bound), 0, 0, self._is_timed(self._level_at(node)))[0] == Meeting.BACK:
                 return node
         return None
 
@@ -248,8 +244,8 @@ class _Event:
         self.wanted += in_force([self._expression(x) for x in wanted])
 
     def _check(self) -> None:
-        symbols, rates = self.kinematics.symbols, ca.vertcat(_NONE, *self.rates)
-        accelerations = ca.vertcat(_NONE, *symbols.accelerations.values())
+        symbols, rates = self.kinematics.symbols, column(*self.rates)
+        accelerations = column(*symbols.accelerations.values())
         known = ca.vertcat(self.kinematics.algebra.state, symbols.time, self.kinematics.algebra.mode_symbols)
         if not ca.depends_on(self.g, known):
             fail("L0225", "this is true or false for good, and no event", self.when.condition.span.within(self.when.span),
@@ -257,7 +253,7 @@ class _Event:
         if ca.depends_on(ca.vertcat(self.g, *self.wanted), accelerations):
             fail("L0501", "an event cannot depend on accelerations", self.when.span)
         for reset, rate in zip(self.when.resets, rates.elements(), strict=False):
-            if not ca.depends_on(rate, ca.vertcat(_NONE, *symbols.rates.values())):
+            if not ca.depends_on(rate, column(*symbols.rates.values())):
                 fail("L0225", "this is given in time, and cannot be reset", reset.rate.span.within(reset.span),
                      "name a rate that the motion decides")
 
@@ -291,8 +287,7 @@ class _Event:
         """Of each reset the comparison at which it is one of a contact; where there is none, a comparison at which all that meet
         are turned back together, or at which some are, but nothing is held, and how."""
         turned = self._find_turned(parts)
-        self.walls = {k: (self._wall(self._level_at(node), self.rates[k]), side)
-                      for k, (node, meeting, side) in turned.items() if meeting == Meeting.BACK}
+        self.walls = {j: (self._wall(node, j), side) for j, (node, meeting, side) in turned.items() if meeting == Meeting.BACK}
         contacts = [turned[k][0] if k in self.walls and self._is_free(k, turned[k][0]) else None for k in range(len(self.rates))]
         if any(contacts):
             return contacts, None
@@ -318,7 +313,7 @@ class _Event:
     def _look_at(self, nodes: list[Flat]) -> Look:
         """The rates of gaps, of what is reset, what that is reset to, and the slopes of both rates."""
         v = self.meetings.rates
-        paces, rates, wanted = (ca.vertcat(_NONE, *x) for x in (
+        paces, rates, wanted = (column(*x) for x in (
             [self._pace_of(self._level_at(x)) for x in nodes], self.rates, self.wanted))
         slopes = [ca.densify(ca.jacobian(x, v)) for x in (paces, rates)]
         return self._look([*map(ca.densify, (paces, rates, wanted)), *slopes], self.wanted)
@@ -339,16 +334,14 @@ class _Event:
 
     def _turned(self, k: int, j: int, node: Flat) -> tuple[Meeting, int]:
         """How reset j is turned back at gap k, `node`: for parameters beside those that are declared, or else as declared."""
-        spreads = self._spreads(node)
-        general, own = (meets.turned_back(self.look.where(p), k, j, spreads) for p in (self.mobility.bound, self.look.declared))
-        if own[0] == Meeting.BACK and general[0] != Meeting.BACK:
+        is_timed = self._is_timed(self._level_at(node))
+        general = meets.turned_back(self.look.where(self.mobility.bound), k, j, is_timed)
+        if general[0] == Meeting.BACK:
+            return general
+        own = meets.turned_back(self.look.where(self.look.declared), k, j, is_timed)
+        if own[0] == Meeting.BACK:
             self.beside.append(node)
-            return own
-        return general
-
-    def _spreads(self, node: Flat) -> tuple[int, ...]:
-        """Of which degree numbers about 1 are the roots of times: also early and late ones, where time is written in a gap."""
-        return (1, _SPREAD) if self._is_timed(self._level_at(node)) else (1,)
+        return max(own, general)
 
     def _is_timed(self, value: ca.SX) -> bool:
         """Whether time is written in it, whenever it may come to count: a wall may set out after any time that is looked at."""
@@ -396,7 +389,7 @@ class _Event:
 
     def _pace_of(self, g: ca.SX) -> ca.SX:
         symbols = self.kinematics.symbols
-        q, rates = (ca.vertcat(_NONE, *x.values()) for x in (symbols.positions, symbols.rates))
+        q, rates = (column(*x.values()) for x in (symbols.positions, symbols.rates))
         (arm,) = self.kinematics.algebra.arms_in_force([g])
         return ca.jtimes(arm, ca.vertcat(q, symbols.time), ca.vertcat(self.kinematics.paced(rates.elements()), 1))
 
@@ -413,75 +406,34 @@ class _Event:
         return [next((node for node, g in parts if may_rest and self._stops(g, rate, wanted)), None)
                 for rate, wanted, may_rest in zip(self.rates, self.wanted, self.may_rest, strict=True)]
 
-    def _wall(self, g: ca.SX, rate: ca.SX) -> int:
+    def _wall(self, node: Flat, j: int) -> int:
         """Against what a contact turns a rate back: STILL, MOVED in time, or BODIES that move as they may."""
-        slopes = [ca.densify(ca.gradient(x, self.meetings.rates)) for x in (self._pace_of(g), rate)]
-        look, numbers = self._numbers_of([self._pace_of(g), rate, *slopes], _SPREAD)
-        found = max(meets.wall_at(look, numbers, np.random.default_rng(seed)) for seed in _SOME)
-        return MOVED if found == STILL and self._is_timed(g) and not self._is_timed(rate) else found
+        found = meets.wall_of(self.look, self.gaps.index(node), j)
+        is_moved = found == STILL and self._is_timed(self._level_at(node)) and not self._is_timed(self.rates[j])
+        return MOVED if is_moved else found
 
     def _stops(self, g: ca.SX, rate: ca.SX, wanted: ca.SX) -> int:
         """On which side of what the rate is reset to g is positive: 1 above, -1 below, 0 if it does not end there. By numbers."""
         v = self.meetings.rates
         if not ca.depends_on(g, v) or len(self.places) != len(self.positions):
             return 0
-        beyond = rate - wanted
-        look, numbers = self._numbers_of([g, beyond, *(ca.densify(ca.gradient(x, v)) for x in (g, beyond, rate, wanted))])
-        first, second = (_stops(look, numbers, np.random.default_rng(seed)) for seed in (3, 4))
-        return first if first == second else 0
+        slopes = [ca.densify(ca.gradient(x, v)) for x in (g, rate - wanted, rate, wanted)]
+        return side_of(self._look([g, rate - wanted, *slopes], [wanted]))
 
     def _require_change(self) -> None:
         """A rate comes to the place where its condition changes without a jump: there, it has to be set to something else."""
         v = self.meetings.rates
-        for reset, rate, wanted in zip(self.when.resets, self.rates, self.wanted, strict=False):
-            if reset.is_kept:
+        if len(self.rates) != len(self.when.resets):
+            return
+        for reset, rate, wanted in zip(self.when.resets, self.rates, self.wanted, strict=True):
+            if reset.is_kept or not ca.depends_on(self.g, v):
                 continue
             slopes = [ca.densify(ca.gradient(x, v)) for x in (self.g, rate)]
-            look, numbers = self._numbers_of([self.g, rate - wanted, *slopes])
-            if len(self.rates) == len(self.when.resets) and all(_stays(look, numbers, np.random.default_rng(k)) for k in (3, 4)):
+            if changes_nothing(self._look([self.g, rate - wanted, *slopes], [wanted])):
                 text = reset.rate.span.text
                 fail("L0230", f"this changes nothing: where the event comes, '{text}' is what it is set to", reset.span,
                      f"to keep '{text}' from going on, set it to the value at which it is to stay: reinit({text}, 0)",
                      "a collision is told by a distance: when gap < 0 then reinit(der(gap), -e*pre(der(gap)))")
-
-    def _numbers_of(self, results: list[ca.SX], spread: int = 1) -> tuple[ca.Function, Numbers]:
-        """Of rates, all else that moves or is given, as discrete variables are, and parameters; and the parameters. Modes
-        are what they are at the time, of which a number about 1 is the root, of the degree `spread`."""
-        symbols, v = self.kinematics.symbols, self.meetings.rates
-        q = ca.vertcat(_NONE, *symbols.positions.values())
-        p, numbers = usual_parameters(self.kinematics)
-        known = ca.vertcat(q, v, symbols.time, p)
-        found = ca.substitute(self.kinematics.algebra.with_modes(results), [symbols.time], [symbols.time**spread])
-        others = [x for x in ca.symvar(ca.veccat(*found)) if not ca.depends_on(x, known)]
-        return ca.Function("look", [v, ca.vertcat(q, symbols.time, *others), p], found), numbers
-
-
-def _stops(look: ca.Function, p: Numbers, random: "np.random.Generator") -> int:
-    """The sign of the factor by which, at a random state, g is the rate less what it is reset to; 0 where there is none, or where
-    that goes with the rate."""
-    v, known = (random.uniform(0.4, 1.6, look.numel_in(k)) for k in range(2))
-    (g,), (beyond,), slope, own, rate, wanted = (np.array(x).ravel() for x in look(v, known, p))
-    square = np.dot(own, own)
-    if not (np.isfinite([g, beyond, *slope, *own]).all() and square > 0 and np.dot(slope, slope) > 0):
-        return 0
-    factor, size = np.dot(slope, own) / square, np.abs(own) @ np.abs(v) + abs(beyond)
-    is_same = (np.linalg.norm(slope - factor * own) <= _SAME * np.linalg.norm(slope)
-               and abs(g - factor * beyond) <= _SAME * abs(factor) * size)
-    follows = abs(np.dot(rate, wanted)) > (1 - _SAME) * np.linalg.norm(rate) * np.linalg.norm(wanted) > 0
-    return int(np.sign(factor)) if is_same and not follows else 0
-
-
-def _stays(look: ca.Function, p: Numbers, random: "np.random.Generator") -> bool:
-    """Whether, where a condition on rates alone changes along the rate that is reset, that is what it is set to, and goes on."""
-    v, known = (random.uniform(0.4, 1.6, look.numel_in(k)) for k in range(2))
-    (g,), _, slope, own = (np.array(x).ravel() for x in look(v, known, p))
-    along = float(np.dot(slope, own))
-    if not (np.isfinite([g, along]).all() and abs(along) > _SAME * np.linalg.norm(slope) * np.linalg.norm(own) > 0):
-        return False
-    there = v - own * g / along
-    (left,), (change,), *_ = (np.array(x).ravel() for x in look(there, known, p))
-    return bool(abs(left) <= _SAME * (abs(g) + np.abs(slope) @ np.abs(v))
-                and abs(change) <= _SAME * (np.abs(own) @ (np.abs(v) + np.abs(there))))
 
 
 def _is_comparison(node: Flat) -> bool:
