@@ -109,10 +109,13 @@ class Look:
                 return as_expression(operate(ca.OP_IF_ELSE_ZERO, [first, a]) + operate(ca.OP_IF_ELSE_ZERO, [other, b]))
         return first
 
-    def where(self, p: Vector) -> "Look":
-        """The same for other parameters."""
+    def where(self, p: Vector, is_free: bool = False) -> "Look":
+        """The same for other parameters, which may choose as they will if `is_free`."""
         found = copy(self)
         found.p = p
+        if is_free:
+            found.by_time = [own and not by_p for own, by_p in zip(self.by_time, self.by_parameters, strict=True)]
+            found.by_parameters = [False] * len(self.by_parameters)
         return found
 
     def at(self, v: Vector, known: Vector, arm: Vector) -> list[Vector]:

@@ -80,8 +80,8 @@ def shares_of(pace: ca.SX, rates: ca.SX, v: ca.SX) -> ca.SX:
 
 def turned_back(look: Look, k: int, j: int, is_timed: bool) -> tuple[Meeting, int]:
     """Whether reset j leaves as it is what goes at the rate of the wall of gap k, and turns back what approaches; and the sign of
-    the factor between their rates; also early and late where time is written in the gap, as a wall may set out after any time.
-    `look` gives the rates of gaps, r, w, and the slopes of rates of gaps and of r."""
+    the factor between their rates, 0 where it is met from both sides; also early and late where time is written in the gap, as a
+    wall may set out after any time. `look` gives the rates of gaps, r, w, and the slopes of rates of gaps and of r."""
     signs = set[int]()
     for states in look.states((1, _SPREAD) if is_timed else (1,)):
         found = [x for state in states if (x := _turned_back(look, k, j, *state)) is not None]
@@ -90,7 +90,12 @@ def turned_back(look: Look, k: int, j: int, is_timed: bool) -> tuple[Meeting, in
         if not all(found):
             return (Meeting.IN_SOME if {1, -1} & {*found} else Meeting.NONE), 0
         signs |= {int(np.sign(found[0]))}
-    return (Meeting.BACK, signs.pop()) if len(signs) == 1 else (Meeting.NONE, 0)
+    return (Meeting.BACK, sum(signs)) if signs else (Meeting.NONE, 0)
+
+
+def turns_somewhere(look: Look, k: int, j: int) -> bool:
+    """Whether reset j is turned back at gap k in some arm."""
+    return any(_turned_back(look, k, j, *state) for states in islice(look.states(), 2) for state in states)
 
 
 def _turned_back(look: Look, k: int, j: int, v: Vector, known: Vector, arm: Vector) -> int | None:

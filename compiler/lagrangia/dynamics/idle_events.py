@@ -16,6 +16,8 @@ from lagrangia.constraints.rows import Constraints
 from lagrangia.dynamics.collisions import Meeting
 from lagrangia.dynamics.impacts import Impacts
 from lagrangia.frames.kinematics import Kinematics
+from lagrangia.language.flat import When
+from lagrangia.language.tree import Flat
 
 _SIZES = (1e-3, 0.03, 1.0, 1e-3, 0.03, 1.0)  # m or rad about 1: what saturates does not do so at all of them
 _NOTHING = 1e-11
@@ -54,22 +56,35 @@ def find_idle_events(kinematics: Kinematics, constraints: Constraints, impacts: 
             report.warning("L0224", f"{name}: what it compares never changes", when.span,
                            "its two ends are held to each other: give it other ends, or leave it out")
     for k, when in whens:
-        if (end := impacts.alternatives[k]) is not None:
-            report.warning("L0224", f"'{end.span.text}' holds nothing here: beside `or` it is no contact, and the event comes "
-                           "where the whole condition comes true, not again while it stays so", end.span.within(when.span),
-                           f"give each alternative a `when` of its own: when {end.span.text} then ... end when")
-        if (wall := impacts.as_declared[k]) is not None:
-            report.warning("L0224", f"where '{wall.span.text}', what is set turns back what comes there for parameters as they "
-                           "are declared, not for others, and is taken for a contact", wall.span.within(when.span), _FROM_WALL)
-        if (wall := impacts.as_if_still[k]) is not None:
-            report.warning("L0224", f"where '{wall.span.text}', this turns back as from what stands still, but that moves: it is "
-                           "a kick, and what comes to rest there is not kept from going on", wall.span.within(when.span),
-                           _FROM_WALL)
-        if (met := impacts.collisions[k]) is not None and met[1] != Meeting.BETWEEN:
-            text, how = met[0].span.text, met[1]
-            report.warning("L0224", f"where '{text}' {_HELD_BY[how]}", met[0].span.within(when.span),
-                           _BETTER[how == Meeting.IN_SOME])
+        _tell_contacts(report, impacts, k, when)
     return report
+
+
+def _tell_contacts(report: Report, impacts: Impacts, k: int, when: When) -> None:
+    """What may be taken for a contact, and is none, or for some parameters alone."""
+    def tell(node: Flat, text: str, hint: str) -> None:
+        report.warning("L0224", text, node.span.within(when.span), hint)
+
+    if (node := impacts.alternatives[k]) is not None:
+        tell(node, f"'{node.span.text}' holds nothing here: beside `or` it is no contact, and the event comes where the whole "
+             "condition comes true, not again while it stays so",
+             f"give each alternative a `when` of its own: when {node.span.text} then ... end when")
+    if (node := impacts.as_declared[k]) is not None:
+        tell(node, f"where '{node.span.text}', what is set turns back what comes there for parameters as they are declared, not "
+             "for others, and is taken for a contact", _FROM_WALL)
+    if (node := impacts.as_if_still[k]) is not None:
+        tell(node, f"where '{node.span.text}', this turns back as from what stands still, but that moves: it is a kick, and what "
+             "comes to rest there is not kept from going on", _FROM_WALL)
+    if (node := impacts.unheld[k]) is not None:
+        tell(node, f"where '{node.span.text}', this turns back what comes there, but is no contact in all that this may be: each "
+             "event sets what is written, and when bounces have ended nothing keeps what is there from going on",
+             "give each wall a `when` of its own, with its gap by itself: when gap < 0 and ... then ... end when")
+    if (node := impacts.for_others[k]) is not None:
+        tell(node, f"where '{node.span.text}', this turns back what comes there for other parameters than those that are "
+             "declared, but is a kick for all: when bounces have ended nothing keeps what is there from going on",
+             "declare parameters for which it turns back")
+    if (met := impacts.collisions[k]) is not None and met[1] != Meeting.BETWEEN:
+        tell(met[0], f"where '{met[0].span.text}' {_HELD_BY[met[1]]}", _BETTER[met[1] == Meeting.IN_SOME])
 
 
 def _constant(kinematics: Kinematics, constraints: Constraints, values: list[ca.SX]) -> list[bool]:

@@ -14,30 +14,28 @@ there by a force on x that only pushes.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import field
+from dataclasses import field, replace
 from itertools import accumulate
 
 import casadi as ca
-import numpy as np
 
 from lagrangia.algebra.duals import Scalar, rate_of, value_of
 from lagrangia.algebra.scalars import column, symbols_in
-from lagrangia.algebra.with_casadi import operations_in
+from lagrangia.algebra.with_casadi import CORNERS, jumps_with, operations_in
 from lagrangia.base.diagnostics import fail
 from lagrangia.base.records import dataclass
 from lagrangia.constraints.parameters import parameter_symbols
 from lagrangia.constraints.rows import Row
 from lagrangia.dynamics import collisions as meets
-from lagrangia.dynamics.arms import Look
-from lagrangia.dynamics.collisions import BODIES, MOVED, STILL, Meeting, Mobility
+from lagrangia.dynamics.collisions import BODIES, STILL, Meeting, Mobility
 from lagrangia.dynamics.energies import Load, paced
-from lagrangia.dynamics.levels import EDGE, JUMPS, Levels, Meetings, Steps, level_of_parts
+from lagrangia.dynamics.levels import EDGE, JUMPS, Levels, Meetings, Steps, least_of, level_of_parts, without_odd_power
 from lagrangia.dynamics.limits import changes_nothing, side_of
+from lagrangia.dynamics.resets import Resets, is_comparison
 from lagrangia.frames.evaluation import scalars_of
 from lagrangia.frames.kinematics import Kinematics
 from lagrangia.language.consequences import contact_forces_in
 from lagrangia.language.events import (
-    COMPARED,
     are_alike,
     comparisons_in,
     condition_of,
@@ -50,9 +48,10 @@ from lagrangia.language.events import (
     without_not,
 )
 from lagrangia.language.flat import Reset, When, Work
-from lagrangia.language.tree import Binary, Flat, Number, Unary
+from lagrangia.language.tree import Binary, Call, Flat, Number, Unary
 
 KICK, CONTACT, ONE_WAY = range(3)  # LAG_KICK, ...
+_TOLD = ("as_declared", "as_if_still", "unheld", "for_others")
 _NONE = ca.SX(0, 1)
 
 
@@ -77,6 +76,8 @@ class Impacts:
     collisions: tuple[tuple[Flat, Meeting] | None, ...] = ()  # (w,): a comparison at which all that meet are turned back, and how
     as_declared: tuple[Flat | None, ...] = ()  # (w,): a comparison that is a contact for parameters as they are declared alone
     as_if_still: tuple[Flat | None, ...] = ()  # (w,): one that would be a contact if what is met there stood still
+    unheld: tuple[Flat | None, ...] = ()  # (w,): one that turns back what comes there, and that holds nothing
+    for_others: tuple[Flat | None, ...] = ()  # (w,): one that would be a contact for other parameters
 
     def may_hide(self, t: ca.SX) -> bool:
         """Whether conditions may come and go however slow the motion is: with time, or where they jump."""
@@ -131,7 +132,7 @@ def find_impacts(kinematics: Kinematics, kinetic: ca.SX, rows: Sequence[Row]) ->
     alternatives = tuple(event.alternative for event in found)
     return Impacts(conditions, gaps, arms, rates, wanted, forces, impulses, flags, one_way, on_level, known, tuple(loads),
                    pressing, alternatives, tuple(event.collision for event in found),
-                   tuple(event.as_declared for event in found), tuple(event.as_if_still for event in found))
+                   *(tuple(getattr(event, name) for event in found) for name in _TOLD))
 
 
 def _find_known(kinematics: Kinematics, rates: ca.SX, wanted: ca.SX) -> tuple[bool, ...]:
@@ -146,20 +147,16 @@ def _find_known(kinematics: Kinematics, rates: ca.SX, wanted: ca.SX) -> tuple[bo
     return tuple(own in discrete or value <= known for own, value in found)
 
 
-class _Event:
+class _Event(Resets):
     """One `when`, evaluated."""
 
     def __init__(self, kinematics: Kinematics, when: When, steps: Steps, mobility: Mobility) -> None:
-        self.kinematics, self.when, self.steps, self.mobility = kinematics, when, steps, mobility
-        model = kinematics.graph.model
-        self.condition = without_not(when.condition)
+        super().__init__(kinematics, mobility, without_not(when.condition))
+        self.when, self.steps, model = when, steps, kinematics.graph.model
         self.moving = ca.vertcat(kinematics.symbols.time, kinematics.algebra.state, *kinematics.symbols.held.values())
-        self.meetings = Meetings(kinematics)
         g = self._level(self.condition)
         self.g = g if ca.depends_on(g, self.moving) else ca.fmax(ca.fmin(g, 1), -1)
         self.positions = [position_of(reset, model) for reset in when.resets]
-        self.places, self.rates, self.wanted = list[Flat](), list[ca.SX](), list[ca.SX]()  # of each scalar that is reset
-        self.may_rest = list[bool]()  # likewise: no discrete variable, which nothing moves
         for reset, position in zip(when.resets, self.positions, strict=True):
             self._add(reset, position)
         self._check()
@@ -167,51 +164,58 @@ class _Event:
         kept = next((k for k, x in enumerate(self.places) if are_alike(x, self.kept_position)), None)
         self.gap = self.arm = ca.SX(0)
         self.held: Flat | None = None
-        self.as_declared: Flat | None = None
-        self.as_if_still: Flat | None = None
-        self._take_apart()
-        parts = list(parts_of(self.condition))
-        contacts, self.collision = self._find_contacts(parts)
+        self.sense = ca.SX(1)
+        self.condition = condition_of(when, model)
+        self.parts = self._find_parts()
+        contacts, self.collision = self._find_contacts()
         if self.collision is not None and self.collision[1] > Meeting.BACK:
             kept, contacts = None, self._strike(self.collision[0])
-        limits = [] if any(contacts) else self._find_limits(parts)
+        limits = [] if any(contacts) else self._find_limits(self.parts)
         kind, found = (ONE_WAY, limits) if any(limits) else (CONTACT, contacts)
         chosen = next((x for x in (found[kept] if kept is not None else None, *found) if x is not None), None)
-        self.alternative = self._find_alternative(parts) if chosen is None else None
         self.kinds = [kind if chosen is not None and x is chosen else KICK for x in found]
         self.kept = kept if kept is not None and self.kinds[kept] != KICK else None  # whose contact force may be asked for
         if chosen is not None:
             self._divide(chosen, kind)
             self._ride()
-        elif _is_comparison(self.condition):
+        elif is_comparison(self.condition):
             self._require_change()
-        if chosen is None and self.collision is None and sum(self.may_rest) == 1:
-            self.as_if_still = self._find_alone(parts)
+        self._find_what_is_told(chosen)
 
-    def _take_apart(self) -> None:
-        """Of what is the largest each by itself, unless several of them turn a rate back: abs(x) < 1 is a wall on both sides."""
-        if (apart := condition_of(self.when, self.kinematics.graph.model)) != self.condition:
-            turned = [j for part in parts_of(apart) for j, x in self._find_turned([part]).items() if x[1] == Meeting.BACK]
-            self.condition = apart if len({*turned}) == len(turned) else self.condition
+    def _find_what_is_told(self, chosen: Flat | None) -> None:
+        """What people may take for a contact, and is none."""
+        is_kick = chosen is None and self.collision is None
+        turning = [node for nodes in self.back.values() for node in nodes]
+        self.as_declared = chosen if any(x is chosen for x in self.beside) and self.collision is None else None
+        self.unheld = None if chosen is None else next((x for x in turning if x is not chosen), None)
+        others = self._find_for_others() if is_kick else None
+        self.alternative = self._find_alternative() if chosen is None else None
+        self.as_if_still = self._find_alone() if is_kick and sum(self.may_rest) == 1 else None
+        if is_kick and self.alternative is None and self.as_if_still is None and others is None:
+            self.unheld = self._find_in_some()
+        self.for_others = others
 
-    def _find_alone(self, parts: list[Flat]) -> Flat | None:
-        """The comparison at which what is reset would be turned back if all else that moves there stood still."""
-        v, (j,) = self.meetings.rates, np.flatnonzero(self.may_rest).tolist()
-        own = ca.densify(ca.gradient(self.rates[j], v))
-        alone = own * (ca.dot(own, v) / ca.dot(own, own))
-        for node in (x for x in parts if _is_comparison(x) and not ca.depends_on(self._level_at(x), v)):
-            pace, rate, wanted = ca.substitute([self._pace_of(self._level_at(node)), self.rates[j], self.wanted[j]], [v], [alone])
-            (drift,) = ca.substitute([pace], [v], [ca.SX.zeros(v.numel())])
-            slopes = [ca.densify(ca.jacobian(x, v)) for x in (pace, rate)]
-            look = self._look([pace - drift, rate, wanted, *slopes], [wanted])
-            if meets.turned_back(look.where(self.mobility.bound), 0, 0, self._is_timed(self._level_at(node)))[0] == Meeting.BACK:
-                return node
-        return None
+    def _find_parts(self) -> list[Flat]:
+        """What all has to be true; of comparisons that jump where something moves, the comparisons that these are made of."""
+        found, q = list[Flat](), column(*self.kinematics.symbols.positions.values())
+        for node in map(without_odd_power, parts_of(self.condition)):
+            if not (isinstance(node, Binary) and is_comparison(node) and jumps_with(self._level_at(node), q)):
+                found.append(node)
+                continue
+            for level in least_of(self._level(node)):
+                found.append(replace(node))
+                self.levels[id(found[-1])] = level
+                self.branches.add(id(found[-1]))
+        return found
 
-    def _expression(self, x: Scalar) -> ca.SX:
-        """With der(n) = 0 of discrete variables."""
-        tau, at_rest = self.kinematics.symbols.tau, self.meetings.at_rest
-        return ca.substitute(ca.SX(x), ca.vertcat(tau, at_rest), ca.vertcat(1, ca.SX.zeros(at_rest.numel())))
+    def _join(self) -> None:
+        """Where several parts turn the same rate back, as both sides of an obstacle do, they are one contact."""
+        several = next((x for x in self.back.values() if len(x) > 1), [])
+        if several and all(id(x) not in self.branches for x in several):
+            span = several[0].span
+            least: Flat = Binary(">", Call("min", tuple(map(level_of, several)), (), span), Number(0.0, None, span), span)
+            self.parts = [*(x for x in self.parts if all(x is not own for own in several)), least]
+            self.turned = self._find_turned(self.parts)
 
     def _level(self, node: Flat) -> ca.SX:
         """Positive where a condition is true, else 0 or negative."""
@@ -220,10 +224,10 @@ class _Event:
     def _level_of_part(self, node: Flat) -> ca.SX:
         value, level = self.kinematics.evaluator.value, level_of(node)
         g = self._expression(value(level))
-        truth = self._expression(value(node)) if _is_comparison(node) else g
+        truth = self._expression(value(node)) if is_comparison(node) else g
         self.meetings.note(node, g)
         goes_on = ca.depends_on(g, self.moving) and operations_in(g).isdisjoint(JUMPS)
-        if goes_on or self.steps.decide(g) or not _is_comparison(node):
+        if goes_on or self.steps.decide(g) or not is_comparison(node):
             return self.steps.level(node, g)
         found = Levels(self.steps.beside(self.moving), edge=EDGE).of(truth)
         if found is None:
@@ -263,30 +267,35 @@ class _Event:
         unit = Number(1.0, None, span)
         if self.held is not None:
             work = Work(unit, self.held, component, span)
-            yield paced(Load((force,), tuple(scalars_of(value(work.position))), work), self.kinematics)
+            yield paced(Load((force * self.sense,), tuple(scalars_of(value(work.position))), work), self.kinematics)
         for position in self.positions:
             moved = tuple(scalars_of(value(position)))
             yield Load(tuple(next(impulses) for _ in moved), moved, Work(unit, position, component, span))
 
     def _divide(self, chosen: Flat, kind: int) -> None:
         """The condition into what was chosen, and what else has to be true; and along what a force holds what rests."""
-        guards = [self._level(x) for x in parts_of(self.condition) if x is not chosen]
-        self.gap = self._expression(self.kinematics.evaluator.value(level_of(chosen)))
+        guards = [self._level_at(x) if id(x) in self.branches else self._level(x) for x in self.parts if x is not chosen]
+        self.gap = self._level_at(chosen)
         (self.arm,) = self.kinematics.algebra.arms_in_force([self.gap])
         self.g = ca.mmin(ca.vertcat(*guards)) if guards else ca.SX(1)
         own = next(k for k, x in enumerate(self.kinds) if x == kind)
-        if kind == CONTACT and self.collision is None and chosen in self.beside:
-            self.as_declared = chosen
-        if kind == CONTACT and self.walls[own][0] != BODIES:
+        if kind == CONTACT and self.walls[own][0] != BODIES and id(chosen) not in self.branches:
             self.held = Unary("-", level_of(chosen), self.when.span)
+            return
+        if kind == CONTACT and not operations_in(self.gap).isdisjoint(CORNERS):  # its sense is that of the side that is met
+            v = self.meetings.rates
+            slope, along = (ca.densify(ca.gradient(x, v)) for x in (self._pace_of(self.gap), self.rates[own]))
+            self.held, self.sense = self.places[own], -ca.dot(slope, along) / ca.dot(along, along)
             return
         is_least = (self.walls[own][1] if kind == CONTACT else self._stops(self.gap, self.rates[own], self.wanted[own])) < 0
         self.held = self.places[own] if is_least else Unary("-", self.places[own], self.when.span)
 
-    def _find_contacts(self, parts: list[Flat]) -> tuple[list[Flat | None], tuple[Flat, Meeting] | None]:
+    def _find_contacts(self) -> tuple[list[Flat | None], tuple[Flat, Meeting] | None]:
         """Of each reset the comparison at which it is one of a contact; where there is none, a comparison at which all that meet
         are turned back together, or at which some are, but nothing is held, and how."""
-        turned = self._find_turned(parts)
+        self.turned = self._find_turned(self.parts)
+        self._join()
+        turned = self.turned
         self.walls = {j: (self._wall(node, j), side) for j, (node, meeting, side) in turned.items() if meeting == Meeting.BACK}
         contacts = [turned[k][0] if k in self.walls and self._is_free(k, turned[k][0]) else None for k in range(len(self.rates))]
         if any(contacts):
@@ -296,56 +305,13 @@ class _Event:
 
     def _is_free(self, k: int, node: Flat) -> bool:
         """Whether neither reset k, which is turned back at `node`, changes the rate of the wall, nor others of the event."""
-        if self.walls[k][0] != BODIES:
-            return True
+        if self.walls[k][0] != BODIES or self.walls[k][1] == 0:
+            return self.walls[k][1] != 0 or id(node) not in self.branches
         v, wall = self.meetings.rates, self._wall_of(self._level_at(node), self.rates[k])[0]
         moving = symbols_in(wall) & symbols_in(v)
         if not all(moving.isdisjoint(symbols_in(rate)) for j, rate in enumerate(self.rates) if j != k):
             return False
         return not meets.is_carried(self._look([ca.densify(ca.gradient(x, v)) for x in (wall, self.rates[k])], []), self.mobility)
-
-    def _level_at(self, node: Flat) -> ca.SX:
-        return self._expression(self.kinematics.evaluator.value(level_of(node)))
-
-    def _look(self, results: list[ca.SX], wanted: list[ca.SX]) -> Look:
-        return Look(self.kinematics, self.meetings.rates, results, wanted)
-
-    def _look_at(self, nodes: list[Flat]) -> Look:
-        """The rates of gaps, of what is reset, what that is reset to, and the slopes of both rates."""
-        v = self.meetings.rates
-        paces, rates, wanted = (column(*x) for x in (
-            [self._pace_of(self._level_at(x)) for x in nodes], self.rates, self.wanted))
-        slopes = [ca.densify(ca.jacobian(x, v)) for x in (paces, rates)]
-        return self._look([*map(ca.densify, (paces, rates, wanted)), *slopes], self.wanted)
-
-    def _find_turned(self, nodes: list[Flat]) -> dict[int, tuple[Flat, Meeting, int]]:
-        """Of resets that turn back, or do so in some arms, the comparison among `nodes`, which of both, and the sign of the
-        factor between its rate and theirs."""
-        self.gaps, self.beside = list[Flat](), list[Flat]()
-        nodes = [x for x in nodes if _is_comparison(x) and not ca.depends_on(self._level_at(x), self.meetings.rates)]
-        if not nodes or not any(self.may_rest):
-            return {}
-        self.gaps, self.look, found = nodes, self._look_at(nodes), dict[int, tuple[Flat, Meeting, int]]()
-        for j in np.flatnonzero(self.may_rest).tolist():
-            best = max(((node, *self._turned(k, j, node)) for k, node in enumerate(nodes)), key=lambda way: way[1])
-            if best[1] != Meeting.NONE:
-                found[j] = best
-        return found
-
-    def _turned(self, k: int, j: int, node: Flat) -> tuple[Meeting, int]:
-        """How reset j is turned back at gap k, `node`: for parameters beside those that are declared, or else as declared."""
-        is_timed = self._is_timed(self._level_at(node))
-        general = meets.turned_back(self.look.where(self.mobility.bound), k, j, is_timed)
-        if general[0] == Meeting.BACK:
-            return general
-        own = meets.turned_back(self.look.where(self.look.declared), k, j, is_timed)
-        if own[0] == Meeting.BACK:
-            self.beside.append(node)
-        return max(own, general)
-
-    def _is_timed(self, value: ca.SX) -> bool:
-        """Whether time is written in it, whenever it may come to count: a wall may set out after any time that is looked at."""
-        return bool(ca.depends_on(value, ca.vertcat(self.kinematics.symbols.time, self.kinematics.algebra.mode_symbols)))
 
     def _ride(self) -> None:
         """Of contacts whose wall moves: rates, and what these are reset to, as they are seen from it."""
@@ -353,18 +319,6 @@ class _Event:
             if self.kinds[k] == CONTACT and self.walls[k][0] != STILL:
                 wall, riding = self._wall_of(self.gap, rate)
                 self.rates[k], self.wanted[k] = rate - wall, wanted - ca.substitute(wanted, self.meetings.rates, riding)
-
-    def _find_collision(self) -> tuple[Flat, Meeting] | None:
-        """The comparison at which several that are reset are turned back together, and how."""
-        if sum(self.may_rest) < 2:
-            return None
-        found = [(x, self._meeting(k)) for k, x in enumerate(self.gaps)]
-        return max((x for x in found if x[1] != Meeting.NONE), key=lambda x: x[1], default=None)
-
-    def _meeting(self, k: int) -> Meeting:
-        general, own = (meets.look_at_meeting(self.look.where(x), k, np.flatnonzero(self.may_rest), self.mobility)
-                        for x in (self.mobility.bound, self.look.declared))
-        return Meeting.AS_DECLARED if own > max(general, Meeting.BACK) else min(general, own)
 
     def _strike(self, node: Flat) -> list[Flat | None]:
         """The reset of the rate of the gap in the place of those of what meets there; returns of each reset whether it is one."""
@@ -378,39 +332,18 @@ class _Event:
         self.may_rest, self.walls = [True] + [False] * len(others), {0: (STILL, 1)}
         return [node] + [None] * len(others)
 
-    def _wall_of(self, g: ca.SX, rate: ca.SX) -> tuple[ca.SX, ca.SX]:
-        """The rate at which g stays as it is; and all rates, where that is reset to it."""
-        v = self.meetings.rates
-        own, pace = ca.densify(ca.gradient(rate, v)), self._pace_of(g)
-        square = ca.dot(own, own)
-        wall = rate - pace * square / ca.dot(ca.gradient(pace, v), own)
-        (wall,) = ca.substitute([wall], [v], [v - own * (ca.dot(own, v) / square)])
-        return wall, v + own * ((wall - rate) / square)
-
-    def _pace_of(self, g: ca.SX) -> ca.SX:
-        symbols = self.kinematics.symbols
-        q, rates = (column(*x.values()) for x in (symbols.positions, symbols.rates))
-        (arm,) = self.kinematics.algebra.arms_in_force([g])
-        return ca.jtimes(arm, ca.vertcat(q, symbols.time), ca.vertcat(self.kinematics.paced(rates.elements()), 1))
-
-    def _find_alternative(self, parts: list[Flat]) -> Flat | None:
-        """Where some of `parts`, which all have to be true, are alternatives: a comparison in one at which a reset would hold."""
-        among = [x for part in parts if not _is_comparison(part) for x in comparisons_in(part)]
+    def _find_alternative(self) -> Flat | None:
+        """Where some parts are alternatives: a comparison in one at which a reset would hold."""
+        among = [x for part in self.parts if not is_comparison(part) for x in comparisons_in(part)]
         turned = (node for node, meeting, _ in self._find_turned(among).values() if meeting == Meeting.BACK)
         return next(turned, None) or next((end for end in self._find_limits(among) if end is not None), None)
 
     def _find_limits(self, nodes: list[Flat]) -> list[Flat | None]:
         """Of each reset the comparison among `nodes` at which it leaves its rate."""
         value = self.kinematics.evaluator.value
-        parts = [(node, self._expression(value(level_of(node)))) for node in nodes if _is_comparison(node)]
+        parts = [(node, self._expression(value(level_of(node)))) for node in nodes if is_comparison(node)]
         return [next((node for node, g in parts if may_rest and self._stops(g, rate, wanted)), None)
                 for rate, wanted, may_rest in zip(self.rates, self.wanted, self.may_rest, strict=True)]
-
-    def _wall(self, node: Flat, j: int) -> int:
-        """Against what a contact turns a rate back: STILL, MOVED in time, or BODIES that move as they may."""
-        found = meets.wall_of(self.look, self.gaps.index(node), j)
-        is_moved = found == STILL and self._is_timed(self._level_at(node)) and not self._is_timed(self.rates[j])
-        return MOVED if is_moved else found
 
     def _stops(self, g: ca.SX, rate: ca.SX, wanted: ca.SX) -> int:
         """On which side of what the rate is reset to g is positive: 1 above, -1 below, 0 if it does not end there. By numbers."""
@@ -434,10 +367,6 @@ class _Event:
                 fail("L0230", f"this changes nothing: where the event comes, '{text}' is what it is set to", reset.span,
                      f"to keep '{text}' from going on, set it to the value at which it is to stay: reinit({text}, 0)",
                      "a collision is told by a distance: when gap < 0 then reinit(der(gap), -e*pre(der(gap)))")
-
-
-def _is_comparison(node: Flat) -> bool:
-    return isinstance(node, Binary) and node.operator in COMPARED
 
 
 def _counted(n: int) -> str:

@@ -1,0 +1,116 @@
+"""Conditions of resets that turn back: each is that of a contact, which holds what comes to rest, or is told to hold nothing."""
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+import lagrangia as lag
+from lagrangia.native.build import find_compiler
+
+pytestmark = pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
+Write = Callable[[str], lag.Model]
+SOLVERS = ("auto", "erk", "implicit")
+AT = [0.4, 0.7, 0.9, 3.0]
+
+
+def thrown(event: str, declared: str = "", g: float = -10, start: float = 1) -> str:
+    return f"""model Thrown
+      parameter Real e = 0.5;
+      World world(gravity = {{{g}, 0}});
+      Block b(m = 1, base = world, s(start = {start}));
+      {declared}
+    equation
+      {event}
+    end Thrown;"""
+
+
+def height(t: float, h: float, e: float = 0.5) -> float:
+    """Above a floor, of what falls from h with 10 m/s2."""
+    begin, v = 0.0, 0.0
+    while True:
+        hit = (v + np.sqrt(v**2 + 20*h))/10
+        if t < begin + hit:
+            return h + v*(t - begin) - 5*(t - begin)**2
+        begin, v, h = begin + hit, e*(10*hit - v), 0.0
+        if v < 1e-9:
+            return 0.0
+
+
+START = "initial equation b.v = 0.1;"
+BACK = "reinit(b.v, -e*b.v); end when;"
+OBSTACLES = [("b.s < 0.5 and b.s > -0.5", 0.0), ("b.s > -0.5 and b.s < 0.5", 0.0), ("b.s > 0.7 and b.s < 1.7", 1.2),
+             ("abs(b.s - 1) < 0.5", 1.0), ("min(0.5 - b.s, b.s + 0.5) > 0", 0.0), ("not (b.s >= 0.5 or b.s <= -0.5)", 0.0)]
+
+
+@pytest.mark.parametrize(("condition", "middle"), OBSTACLES)
+@pytest.mark.parametrize("side", [1, -1])
+def test_obstacles_are_contacts_on_both_sides(scene: Write, condition: str, middle: float, side: int) -> None:
+    """The side that is written last was gone through when bounces had ended (30 for -0.5)."""
+    model = scene(thrown(f"when {condition} then {BACK}", g=-10*side, start=middle + side))
+    assert not model.warnings
+    right = [middle + side*(0.5 + height(t, 0.5)) for t in AT]
+    for solver in SOLVERS:
+        np.testing.assert_allclose(model.simulate(at=AT, solver=solver, tolerance=1e-9)["b.s"], right, rtol=0, atol=1e-8)
+
+
+@pytest.mark.parametrize("side", [1, -1])
+@pytest.mark.parametrize("wall", ["Block x(m = 1e9, base = world, v(start = 0.1));", "Prismatic x(a = world);"])
+def test_plates_that_move_are_contacts_on_both_sides(scene: Write, wall: str, side: int) -> None:
+    """A force on what is reset alone holds it there: its sense is that of the side on which it lies."""
+    law = "x.s = 0.1[m/s]*time;" if "Prismatic" in wall else ""
+    for parts in ("b.s > x.s - 0.5 and b.s < x.s + 0.5", "b.s < x.s + 0.5 and b.s > x.s - 0.5"):
+        text = thrown(f"when {parts} then reinit(b.v, x.v - e*(b.v - x.v)); end when; {law} {START}", wall, 0, side)
+        model = scene(text.replace("    equation", f"energy work {-10*side}[N] on b.s; equation"))
+        right = [0.1*t + side*(0.5 + height(t, 0.5)) for t in AT]
+        for solver in SOLVERS:
+            run = model.simulate(at=AT, solver=solver, tolerance=1e-9)
+            np.testing.assert_allclose(run["b.s"], right, rtol=0, atol=2e-8, err_msg=solver)
+            assert np.abs(run.energy.residual).max() < 1e-6*abs(run.energy.kinetic).max()
+
+
+BESIDE = "Block x(m = 1, base = world, along = {0, 1}, s(start = 0.5));"
+HOLDING = ["(if x.s > 0 and x.s < 1 then b.s else 1) < 0", "sign(b.s) < 0", "floor(b.s) < 0", "(if b.s < 0 then 1 else 0) > 0.5",
+           "b.s^3 < 0", "0 > b.s^5", "exp(b.s/1[m]) < 1", "b.s/(1 + abs(b.s)) < 0", "-1e6*b.s > 0", "not (b.s >= 0)",
+           "b.s*(b.s + 2) < 0", "1/(b.s + 1) > 1", "sqrt(b.s + 1) < 1", "b.s < 0 and b.s < 1", "b.s < 0 and b.v < 0"]
+
+
+@pytest.mark.parametrize("condition", HOLDING)
+def test_what_comes_to_rest_is_held_by_conditions_of_all_kinds(scene: Write, condition: str) -> None:
+    """The first four let it fall when bounces had ended, and cubes ended at the limit of steps, or 0.014 m off."""
+    model = scene(thrown(f"when {condition} then {BACK}", BESIDE))
+    assert not model.warnings
+    for solver in SOLVERS:
+        found = model.simulate(at=AT, solver=solver, tolerance=1e-9)["b.s"]
+        np.testing.assert_allclose(found, [height(t, 1) for t in AT], rtol=0, atol=1e-8, err_msg=solver)
+
+
+@pytest.mark.parametrize("condition", ["min(b.s, x.s) < 0", "abs(b.s) - b.s > 0", "sqrt(b.s^2) > b.s", "b.s*x.s < 0",
+                                       "(if x.s > 0 then b.s else b.s + 1) < 0", "b.s + x.s < 0.5", "b.s - abs(x.s - 0.5) < 0"])
+def test_conditions_that_hold_nothing_are_told(scene: Write, condition: str) -> None:
+    warnings = scene(thrown(f"when {condition} then {BACK}", BESIDE)).warnings
+    assert any("L0224" in x and ("nothing keeps" in x or "not kept" in x) for x in warnings)
+
+
+def test_a_side_of_a_box_that_holds_nothing_is_told(scene: Write) -> None:
+    """One `when` is one contact, here of b."""
+    box = "when b.s > -0.5 and b.s < 0.5 and x.s > -0.5 and x.s < 0.6 then reinit(b.v, -e*b.v); reinit(x.v, -e*x.v); end when;"
+    (warning,) = scene(thrown(box, BESIDE)).warnings
+    assert "where 'x.s" in warning
+
+
+@pytest.mark.parametrize("event", ["when x.s > 1 then reinit(x.v, x.v - 1); end when;",
+                                   "when b.s < 0 then reinit(b.v, 3); end when;",
+                                   "when b.s < 0 or time > 3 then reinit(b.v, b.v + 1); end when;",
+                                   "when abs(b.s) > 2 and x.s > 0 then reinit(x.v, -x.v); end when;",
+                                   "when sin(time/1[s]) > 0.5 then reinit(b.v, -b.v); end when;"])
+def test_kicks_are_not_told(scene: Write, event: str) -> None:
+    assert not any("nothing keeps" in x for x in scene(thrown(event, BESIDE)).warnings)
+
+
+@pytest.mark.parametrize(("declared", "value"), [("parameter Real r = -0.5;", "-r*b.v"),
+                                                 ("parameter Real k = 0;", "if k > 0.5 then -e*b.v else b.v + 1")])
+def test_what_would_turn_back_for_other_parameters_is_told(scene: Write, declared: str, value: str) -> None:
+    """It is a kick, as declared, and let fall what comes to rest for others."""
+    warnings = scene(thrown(f"when b.s < 0 then reinit(b.v, {value}); end when;", declared)).warnings
+    assert any("for other parameters" in x for x in warnings)
