@@ -10,6 +10,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "base/registers.h"
+
 enum { LAG_CACHE_LINE = 8 }; /* doubles */
 
 typedef struct {

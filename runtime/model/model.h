@@ -12,6 +12,8 @@
 
 #include <stddef.h>
 
+#include "base/registers.h"
+
 #if defined(LAG_STATIC)
 #define LAG_API
 #elif defined(_WIN32)

@@ -1,6 +1,8 @@
 """The run time that comes with the package: which library is taken, and what runs without a C compiler."""
 
 import ctypes
+import re
+import subprocess
 import sys
 from importlib.util import cache_from_source, module_from_spec, spec_from_file_location
 from pathlib import Path
@@ -78,6 +80,24 @@ def test_the_loop_of_tapes_begins_a_line_of_the_cache() -> None:
     assert library is not None
     address = ctypes.cast(ctypes.CDLL(str(library)).lag_tape_run, ctypes.c_void_p).value
     assert address is not None and address % 64 == 0
+
+
+@pytest.mark.skipif(find_compiler() is None or prebuilt.kinds() == ("any",), reason="no C compiler, or no registers of 256 bits")
+def test_wide_registers_are_cleared_before_calls() -> None:
+    """GCC 12 by itself leaves them to a function of the same file, and holds them for clean behind it (base/registers.h)."""
+    compiler = find_compiler()
+    assert compiler is not None
+    command = [*compiler.command, *prebuilt.FLAGS, *prebuilt.flags_of("avx2"), prebuilt.LEVEL, f"-I{RUNTIME}", "-S", "-o", "-"]
+    code = subprocess.run([*command, str(RUNTIME / "state" / "attitudes.c")], capture_output=True, text=True, check=True).stdout
+    is_wide, calls = False, 0
+    for line in code.splitlines():
+        is_wide = is_wide or re.search(r"%ymm\d\b|%ymm1[0-5]", line) is not None
+        if re.match(r"\S+:|\s*(jmp|ret|vzeroupper)\b", line):
+            is_wide = False
+        elif re.match(r"\s*call", line):
+            assert not is_wide, line
+            calls += 1
+    assert calls > 0
 
 
 def test_what_is_compiled_once_computes_nothing_by_registers() -> None:
