@@ -166,6 +166,8 @@ def test_auto_takes_it_where_nothing_needs_others(scene: Write) -> None:
     assert taken(pair, rows=500) is Solver.TAYLOR
     assert taken(lag.load(EXAMPLES / "chain.lag", n=25), rows=20_000) is Solver.ADAMS
     assert Solver.PIRK not in (taken(chain, 1e-2), taken(crank, 1e-3))  # steps as long as errors would allow are too long
+    assert taken(lag.load(EXAMPLES / "bricard.lag"), 1e-2) is Solver.PIRK  # long equations of few coordinates
+    assert taken(lag.load(EXAMPLES / "scissor_lift.lag"), 1e-2) is not Solver.PIRK  # so are these, but it swings back
     assert taken(lag.load(EXAMPLES / "spring_pendulum.lag")) is Solver.TAYLOR  # what vibrates
     assert taken(lag.load(EXAMPLES / "four_bar.lag"), rows=5000) is Solver.PIRK  # its steps are kept: it may swing back
     assert taken(scene(RARE)) is not Solver.PIRK  # what may be narrow within a step

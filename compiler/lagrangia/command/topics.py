@@ -185,10 +185,10 @@ pirk    Gauss collocation of order 16 whose eight stages are found by iteration 
         Houwen, Sommeijer, J. Comput. Appl. Math. 29, 1990). A sweep evaluates all eight at once, in registers of up to eight
         numbers or on the tape, for the time of one to three evaluations; a step takes some six sweeps and is three to six times
         as long as one of erk. Same digits whatever the registers. Rows inside a step ask for two to four sweeps more, however
-        many they are. auto takes it at tolerances up to 2e-3, in closed loops 2e-4, where no conditions on the state, corners or
-        exponentials of what changes ask for closer looks, up to a hundred rows a step; from series it takes over where poles
-        of the motion in complex time keep their steps short, not vibration. Where sweeps hardly come nearer (stiffness) or a loop
-        comes near a singular position, auto goes on with the others.
+        many they are. auto takes it at tolerances up to 2e-3, in closed loops 2e-4 (of more than 75 operations a coordinate
+        1.5e-2), where no conditions on the state, corners or exponentials of what changes ask for closer looks, up to a hundred
+        rows a step; from series it takes over where poles of the motion in complex time keep their steps short, not vibration.
+        Where sweeps hardly come nearer (stiffness) or a loop comes near a singular position, auto goes on with the others.
 adams   Adams' methods of order 1 to 13 in variable steps (Shampine, Gordon, Computer Solution of Ordinary Differential Equations,
         1975; integrated twice for positions, Krogh 1974): one evaluation a step, half as many to an error as erk, rows for next
         to nothing, and more work beside each evaluation. After an event they begin anew at order 1, behind a step of erk, which
