@@ -45,6 +45,33 @@ def test_a_loop_that_moves() -> None:
     assert model.modes(about="start", initial=start).damped and not len(model.modes(about="start", initial=start))
 
 
+SHAKEN = """model Shaken "a four-bar, one of whose bearings is shaken"
+  World world;
+  Prismatic lift(a = world, along = {0, 1}, s(start = 0.3));
+  Revolute A(a = world, phi(start = 1.2), w(start = 2)); Bar crank(m = 1, L = 0.4, a = A.b);
+  Revolute B(a = crank.b); Bar coupler(m = 1, L = 1, a = B.b);
+  Revolute C(a = shift(lift.b, {1.2, 0})); Bar rocker(m = 1, L = 0.8, a = C.b);
+  Revolute D(a = coupler.b, b = rocker.b);
+equation
+  lift.s = 0.3*cos(5*time);
+end Shaken;"""
+
+
+def test_a_small_change_goes_on_as_the_matrices_of_a_shaken_loop_say() -> None:
+    """Runs from starts beside each other, closed anew, part as x'' = A21 x + A22 x' over a short while."""
+    model, t, h = lag.loads(SHAKEN), 1e-3, 1e-3
+    linear = model.linearize(about="start")
+    assert linear.states == ("A.phi", "der(A.phi)") and "not steady" in linear.notes[-1]
+
+    def end(phi: float, w: float) -> np.ndarray:
+        run = model.simulate(at=[0, t, 2 * t], tolerance=1e-13, initial={"A.phi": 1.2 + phi, "A.w": 2 + w})
+        return np.array([-3, 4, -1]) @ np.array(run["der(A.phi)"]) / (2 * t)  # its rate at the start, to t^2
+
+    slopes = [(end(h, 0) - end(-h, 0)) / (2 * h), (end(0, h) - end(0, -h)) / (2 * h)]
+    assert linear.A[1] == pytest.approx(slopes, rel=1e-4)
+    assert linear.drift[1] == pytest.approx(end(0, 0), rel=1e-4)
+
+
 @pytest.mark.parametrize("spin", [2.0, 8.0])
 def test_a_disc_that_rolls_upright(spin: float) -> None:
     """E.J. Routh: it stays upright above a speed, and else falls. What turns it about the vertical answers as it should."""

@@ -334,6 +334,8 @@ class Study(Beginning):
         N, free = linear.tangent.N, e.multipliers()
         if e.is_bent and bends_at(lambda dq, side: self._sided(e, N, q + dq, side), N, self.reach):
             linear = replace(linear, notes=(*linear.notes, BENT))
+        if linear.free_rates:  # of a moment while time goes on: moving.py says so
+            return linear
         if self._is_held_by_time:
             return replace(linear, notes=(*linear.notes, _STOPPED.format(self.time)))
         if not e.is_timed:

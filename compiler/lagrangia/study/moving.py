@@ -129,16 +129,17 @@ def moving_linearization(parts: TangentParts, held: Held, given: Given, a: Matri
 
 
 def about_motion(study: Study, e: SmallMotion, state: State, pace: float) -> Linearization:
-    """About q, v and, behind the multipliers, forces of contacts and shares of friction. Raises LagError L0916, RunError."""
-    what = "first-order states" if study.scene.flowing else "supports that move" if pace == 0.0 else ""
-    if what:
-        fail("L0916", f"not supported yet: {what} in small motion of a scene that moves while constraints hold it",
+    """About q, v and, behind the multipliers, forces of contacts and shares of friction. Time goes on, whatever `pace` says of it
+    at rest: supports that move have their rates and accelerations. Raises LagError L0916, RunError."""
+    if study.scene.flowing:
+        fail("L0916", "not supported yet: first-order states in small motion of a scene that moves while constraints hold it",
              study.c.flat.span, "linearise about the equilibrium found from there: --about equilibrium")
     centred, place, choice = _centred(study, e, state, pace)
     here = _at(centred, e, place, choice).linear
     size = _STEADY * float(np.abs(here.A).max(initial=1e-300))
     later = (_later(study, e, state, choice, moment) for moment in _LATER)
-    stays = not e.is_timed and all(other is not None and np.abs(other.A - here.A).max(initial=0.0) <= size for other in later)
+    alike = (other is not None and np.abs(other.A - here.A).max(initial=0.0) <= size for other in later)
+    stays = pace != 0.0 and not e.is_timed and all(alike)
     is_steady = stays and float(np.abs(here.drift).max(initial=0.0)) <= size
     if not is_steady and (turned := in_turning_axes(study, e, state, pace)) is not None:
         return turned
