@@ -194,16 +194,17 @@ def build(runtime: Path, folder: Path, command: Sequence[str]) -> None:
 
         own = units([file for file in sources(runtime) if not is_shared(file)])
         objects = {kind: [pool.submit(compiled, kind, unit) for unit in own] for kind in _wanted()}
-        once = [pool.submit(compiled, "any", unit) for unit in units([file for file in sources(runtime) if is_shared(file)])]
+        shared = units([file for file in sources(runtime) if is_shared(file)])
+        once = [pool.submit(compiled, "any", unit, LEVEL) for unit in shared]  # the library of this machine is made of them, too
         told = (f"-I{runtime / 'standard'}", f'-DLAG_BUILD="{digest(runtime)}"')
         glue = {version: [pool.submit(compiled, "any", unit, *told, *_OF_VERSION)
                           for unit in units(sorted((runtime / "fmi").glob(f"fmi{version}*.c")))] for version in FMI_VERSIONS}
-        shared = [pool.submit(compiled, "any", unit, *told)
+        around = [pool.submit(compiled, "any", unit, *told)
                   for unit in units([file for file in sorted((runtime / "fmi").glob("*.c")) if file.stem in _FMI])]
         for kind, made in objects.items():
             linked(kind, [*made, *once])
-        for version, made in glue.items() if shared else ():
-            linked(f"fmu{version}", [*objects["any"], *once, *shared, *made], *_exported(work))
+        for version, made in glue.items() if around else ():
+            linked(f"fmu{version}", [*objects["any"], *once, *around, *made], *_exported(work))
     (folder / "digest").write_text(digest(runtime) + "\n")
 
 
