@@ -54,7 +54,7 @@ def joint(random: np.random.Generator, parent: int | None, kind: str, at: int, a
 def solve(joints: Sequence[SpatialJoint], size: int, r: Sequence[Any], gravity: Sequence[Any]) -> tuple[SpatialTree, list[Any]]:
     links, _ = lay_axes(joints)
     tree, drift = SpatialTree(links, size), drift_of(links)
-    return tree, tree.solve(r, tree.bias_loads(drift), drift, [-x for x in gravity])
+    return tree, tree.solve(r, {}, drift, [-x for x in gravity])
 
 
 def check(joints: Sequence[SpatialJoint], size: int, within: float = 1e-11) -> None:

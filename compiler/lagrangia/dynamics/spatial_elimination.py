@@ -17,6 +17,7 @@ from functools import cached_property
 
 from lagrangia.algebra.duals import Scalar, added, dot, is_zero, minus, plus, times
 from lagrangia.base.records import dataclass
+from lagrangia.dynamics.spatial_crossing import PLAIN, Oblique, crossings
 from lagrangia.dynamics.spatial_drift import STILL, Drift, Link
 from lagrangia.frames.spatial_inertia import (
     SIZE,
@@ -57,11 +58,12 @@ class SpatialTree:
     def __init__(self, links: Sequence[Link], size: int) -> None:
         self.links, self.size = links, size
         self.factors: list[_Factor] = []
-        feels = self._inertias()
+        self.told, self.crossings = crossings(links)
+        feels = [told.inertia(I) for told, I in zip(self.told, self._inertias(), strict=True)]
         for k in reversed(range(len(links))):
             link, I = links[k], feels[k]
             directions = tuple(_reduce(I, index, s) for index, s in reversed(link.directions))
-            felt, shifted = self._to_parent(link, I)
+            felt, shifted = self._to_parent(k, I)
             self.factors.append(_Factor(directions, I, shifted))
             if link.parent is not None:
                 feels[link.parent] = together(felt, feels[link.parent])
@@ -72,24 +74,32 @@ class SpatialTree:
     def _inertias(self) -> list[Inertia]:
         return [link.body.matrix() if link.body is not None else no_inertia() for link in self.links]
 
-    def _to_parent(self, link: Link, I: Inertia) -> tuple[Inertia, tuple[Inertia | None, ...]]:
+    def _to_parent(self, k: int, I: Inertia) -> tuple[Inertia, tuple[Inertia | None, ...]]:
         """What the parent feels, and what is felt at the child's end of each shift. Nobody feels for the world."""
-        shifted: list[Inertia | None] = [None] * len(link.moves)
-        if link.parent is None:
+        moves, crossing = self.links[k].moves, self.crossings[k]
+        shifted: list[Inertia | None] = [None] * len(moves)
+        if self.links[k].parent is None:
             return I, tuple(shifted)
-        for at in reversed(range(len(link.moves))):
-            move = link.moves[at]
+        if crossing is None:
+            I = self.told[k].plain_inertia(I)
+        for at in reversed(range(self._crossed(k), len(moves))):
+            move = moves[at]
             shifted[at] = I if isinstance(move, Shift) else None
             I = move.inertia_to_parent(I)
-        return I, tuple(shifted)
+        return crossing.inertia_to_parent(I) if crossing else I, tuple(shifted)
+
+    def _crossed(self, k: int) -> int:
+        """How many of a link's moves it is come to by its crossing."""
+        crossing = self.crossings[k]
+        return crossing.count if crossing else 0
 
     @property
     def pivots(self) -> list[Scalar]:
         """D of each coordinate, (n,)."""
         found: list[Scalar] = [1.0] * self.size
-        for factor in self.factors:
+        for told, factor in zip(self.told, self.factors, strict=True):
             for direction in factor.directions:
-                found[direction.index] = -1.0 / direction.inverse
+                found[direction.index] = times(-told.s * told.s, 1.0 / direction.inverse)
         return found
 
     @cached_property
@@ -101,54 +111,60 @@ class SpatialTree:
             for index, s in link.directions:
                 found[index] = dot(s, momentum(whole[k], s))
             if link.parent is not None:
-                whole[link.parent] = together(self._to_parent(link, whole[k])[0], whole[link.parent])
+                whole[link.parent] = together(link.inertia_to_parent(whole[k]), whole[link.parent])
         return found
 
-    def bias_loads(self, drift: Drift) -> dict[int, Vector]:
+    def bias_loads(self, drift: Drift, is_plain: bool = True) -> dict[int, Vector]:
         """The wrenches that the bodies ask for where they turn as they do and have the accelerations taken for granted, by their
-        places."""
+        places; along axes or, if not plain, by the numbers that twists are told by."""
         leading = {link.parent for link in self.links if link.moves and isinstance(link.moves[0], Shift)}
-        return {k: link.body.load(drift.w[k], drift.granted[k], k in leading)
-                for k, link in enumerate(self.links) if link.body is not None}
+        return {k: (PLAIN if is_plain else told).load(link.body, drift.w[k], drift.granted[k], k in leading)
+                for k, (link, told) in enumerate(zip(self.links, self.told, strict=True)) if link.body is not None}
 
     def solve(self, r: Sequence[Scalar], loads: Mapping[int, Vector], drift: Drift | None = None,
               base: Sequence[Scalar] = STILL) -> list[Scalar]:
         """The accelerations (n,) with M a = r less what the wrenches on links take from the motion, in their axes; with `drift`
         also what bodies and joints ask for at dv/dt = 0. `base`: the acceleration of the world, (3,)."""
-        left = self._leaf_to_root(r, loads, drift)
+        p = self.bias_loads(drift, is_plain=False) if drift else {}
+        for k, load in loads.items():
+            p[k] = added(p.get(k, [0.0] * SIZE), self.told[k].wrench(load))
+        left = self._leaf_to_root(r, [p.get(k, [0.0] * SIZE) for k in range(len(self.links))], drift)
         found: list[Scalar] = [0.0] * self.size
         for k in self.alone:
             found[k] = r[k]
         twists: list[Vector] = []
         for k, link in enumerate(self.links):
             twist = twists[link.parent] if link.parent is not None else [*base, *STILL]
-            for at, move in enumerate(link.moves):
+            told, crossing = self.told[k], self.crossings[k]
+            twist = crossing.twist_to_child(twist) if crossing else twist
+            for at, move in enumerate(link.moves[self._crossed(k) :], self._crossed(k)):
                 if isinstance(move, Shift):
                     twist = move.twist_to_child(twist)
                     twist = [*added(twist[:3], drift.shifts[k][at]), *twist[3:]] if drift else twist
                 else:
                     twist = move.to_child(twist)
+            twist = twist if crossing else told.of_plain(twist)
             if drift:
                 twist = [*twist[:3], *added(twist[3:], drift.spins[k])]
             for direction in reversed(self.factors[k].directions):
-                found[direction.index], twist = _accelerated(direction, left[direction.index], twist)
+                found[direction.index], twist = _accelerated(direction, left[direction.index], twist, told)
             twists.append(twist)
         return found
 
-    def _leaf_to_root(self, r: Sequence[Scalar], loads: Mapping[int, Vector], drift: Drift | None) -> dict[int, Scalar]:
+    def _leaf_to_root(self, r: Sequence[Scalar], p: list[Vector], drift: Drift | None) -> dict[int, Scalar]:
         """u of each coordinate."""
-        p = [loads.get(k, [0.0] * SIZE) for k in range(len(self.links))]
         left: dict[int, Scalar] = {}
         for k in reversed(range(len(self.links))):
-            link, factor, load = self.links[k], self.factors[k], p[k]
+            link, factor, load, told, crossing = self.links[k], self.factors[k], p[k], self.told[k], self.crossings[k]
             for direction in factor.directions:
-                u = minus(r[direction.index], dot(direction.direction, load))
-                load, left[direction.index] = _passed_on(direction, load, r[direction.index], u), u
+                u = minus(times(1.0 / told.s, r[direction.index]), dot(direction.direction, load))
+                load, left[direction.index] = told.of_hinge(_passed_on(direction, load, r[direction.index], u)), u
             if link.parent is None:
                 continue
             if drift and not is_nothing(drift.spins[k]):
                 load = added(load, momentum(factor.left, [*STILL, *drift.spins[k]]))
-            for at in reversed(range(len(link.moves))):
+            load = load if crossing else told.plain_wrench(load)
+            for at in reversed(range(self._crossed(k), len(link.moves))):
                 move = link.moves[at]
                 if not isinstance(move, Shift):
                     load = move.to_parent(load)
@@ -157,7 +173,7 @@ class SpatialTree:
                 if drift and felt is not None and not is_nothing(drift.shifts[k][at]):
                     load = added(load, momentum(felt, [*drift.shifts[k][at], *STILL]))
                 load = move.wrench_to_parent(load)
-            p[link.parent] = added(load, p[link.parent])
+            p[link.parent] = added(crossing.wrench_to_parent(load) if crossing else load, p[link.parent])
         return left
 
 
@@ -188,7 +204,7 @@ def _passed_on(direction: _Direction, p: Vector, r: Scalar, u: Scalar) -> Vector
     return found
 
 
-def _accelerated(direction: _Direction, u: Scalar, twist: Vector) -> tuple[Scalar, Vector]:
+def _accelerated(direction: _Direction, u: Scalar, twist: Vector, told: Oblique) -> tuple[Scalar, Vector]:
     """The coordinate's acceleration, and the twist with it."""
     axis, s = direction.axis, direction.direction
     others = minus(dot(direction.share, twist), times(u, direction.inverse))
@@ -197,7 +213,7 @@ def _accelerated(direction: _Direction, u: Scalar, twist: Vector) -> tuple[Scala
     found = [*twist]
     if isinstance(s[axis], float) and s[axis] == 1.0:  # u / D - U . A / D is the whole component, which knows no rounding of A's
         found[axis] = others
-        return minus(others, twist[axis]), found
+        return minus(others if told.is_plain else told.hinge_rate(found), twist[axis]), found
     found[axis] = times(s[axis], others)
     rest = 0.0 if is_zero(twist[axis]) else twist[axis] / s[axis]
     return minus(others, rest), found

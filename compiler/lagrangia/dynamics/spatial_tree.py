@@ -94,7 +94,7 @@ class SpatialBodies:
 
     def yield_to(self, forces: Forces) -> ca.SX:
         """The solution a (n,) of M a = -h, where h is what the forces take from the motion."""
-        return self._yield_to(forces, {}, None, STILL)
+        return self._yield_to(forces, None, STILL)
 
     def accelerate(self, energies: Energies) -> ca.SX | None:
         """The accelerations, as solve(-h) would give them, but with every force on the body it acts on. None where that is not
@@ -104,7 +104,7 @@ class SpatialBodies:
             return None
         field, forces = self._without_field(forces)
         drift = drift_of(self.tree.links)
-        return self._yield_to(forces, self.tree.bias_loads(drift), drift, [minus(0.0, x) for x in field])
+        return self._yield_to(forces, drift, [minus(0.0, x) for x in field])
 
     def granted(self, energies: Energies) -> Granted | None:
         """What acts where bodies are accelerated as the rates alone do; None where that is not known."""
@@ -122,10 +122,8 @@ class SpatialBodies:
         forces = find_forces(self.kinematics, energies)
         return (STILL, None) if forces is None else self._without_field(forces)
 
-    def _yield_to(self, forces: Forces, loads: dict[int, Vector], drift: Drift | None, base: Sequence[Scalar]) -> ca.SX:
-        for joint, load in self.on_carriers(forces)[0].items():
-            loads[joint] = added(loads.get(joint, [0.0] * 6), load)
-        return ca.vertcat(*self.tree.solve(self._on_coordinates(forces), loads, drift, base))
+    def _yield_to(self, forces: Forces, drift: Drift | None, base: Sequence[Scalar]) -> ca.SX:
+        return ca.vertcat(*self.tree.solve(self._on_coordinates(forces), self.on_carriers(forces)[0], drift, base))
 
     def _on_coordinates(self, forces: Forces) -> Vector:
         """r, (n,)."""

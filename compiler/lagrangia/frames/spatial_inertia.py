@@ -98,6 +98,11 @@ class RigidInertia:
         J = [added(a, b) for a, b in zip(self.second_moment, other.second_moment, strict=True)]
         return RigidInertia(plus(self.mass, other.mass), added(self.moment, other.moment), J)
 
+    def scaled(self, factor: float) -> "RigidInertia":
+        """Of as many times the mass."""
+        J = [scaled(factor, row) for row in self.second_moment]
+        return RigidInertia(times(factor, self.mass), scaled(factor, self.moment), J, self.is_flat)
+
     def turned(self, turn: "Turn") -> "RigidInertia":
         """The same body in a frame that is followed by the turn."""
         I = turn.inertia_to_parent([[0.0] * SIZE] * 3 + [[0.0] * 3 + [*row] for row in self.second_moment])
