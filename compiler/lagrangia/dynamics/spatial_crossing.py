@@ -1,11 +1,12 @@
 """From a hinge to the next one whose axis is aslant: in oblique numbers, where less is to be done than for a shift and a turn.
 
-Both axes are across x, their common perpendicular: the shift a is along it, the tilt, of cosine c and sine s, about it. With y', z'
-of the parent's axes and y, z of the child's, y' = c y - s z and s z' = y - c y': rows of an inertia along y', then along s z',
-follow from those along y and z. Of the parent's angular velocity w = c wy' + s wz', which is the child's wy, stands for wz': it is
-what the parent's hinge moves alone, so that it is eliminated, and the child's rows of angular velocities stay as they are. The
-child's origin moves with it by a / s along y', and with wy' by -a / s along y. Wrenches are told by their power with these
-numbers: fx, fy, s fz, tx, ty - c / s tz, tz / s.
+Both axes are across x, their common perpendicular: the shift a is along it, the tilt, of cosine c and sine s, about it. With the
+parent's axes y', z' and the child's y, z, y' = c y - s z and s z' = y - c y': rows of an inertia along y', then along s z',
+follow from those along y and z. Of the parent's angular velocity w = c wy' + s wz', which is the child's wy, stands for wz': it
+alone is what the parent's hinge moves, so that it is eliminated, and the child's rows of angular velocities stay as they are.
+The child's origin moves with it by a / s along y', and with wy' by -a / s along y. Wrenches are told by their power with these
+numbers: fx, fy, s fz, tx, ty - c / s tz, tz / s. Where c is 0 nothing is saved, and where s is small digits are lost: there
+shifts and turns stay.
 """
 
 from collections import Counter
@@ -13,7 +14,7 @@ from collections.abc import Sequence
 
 from lagrangia.algebra.duals import Scalar, minus, plus, times
 from lagrangia.base.records import dataclass
-from lagrangia.dynamics.spatial_drift import Link
+from lagrangia.dynamics.spatial_drift import Link, feels_shift
 from lagrangia.frames.spatial_inertia import SIZE, Inertia, RigidInertia, Shift, Turn, Vector, is_nothing, no_inertia
 
 _LEAST_SINE = 0.25  # between two hinges: digits are lost as its square
@@ -112,7 +113,7 @@ class Crossing:
         own = put(y, y, plus(times(c, minus(near, skew)), times(k * k, of(z, z))))
         mixed = put(y, z, minus(near, times(c, own)))
         put(z, z, minus(far, times(c, mixed)))
-        for at, to, ahead in ((x, x, own), (wx, wx, own), (wy, w, own)):
+        for at, to in ((x, x), (wx, wx), (wy, w)):
             along = put(to, y, minus(times(c, of(at, y)), times(k, of(at, z))))
             put(to, z, minus(of(at, y), times(c, along)))
         pulled = found[y][w]
@@ -157,7 +158,9 @@ def crossings(links: Sequence[Link]) -> tuple[list[Oblique], list[Crossing | Non
     told, found = [PLAIN for _ in links], list[Crossing | None]([None] * len(links))
     for k in reversed(range(len(links))):  # of which the last are told first
         parent = links[k].parent
-        if parent is None or children[parent] != 1 or not _is_hinge(links[parent]) or (way := _aslant(links[k])) is None:
+        if parent is None or children[parent] != 1 or not _is_hinge(links[parent]) or feels_shift(links[k]):
+            continue
+        if (way := _aslant(links[k])) is None:
             continue
         told[parent], a, count = way
         found[k] = Crossing(told[parent], a if isinstance(a, float) and a == 0.0 else a / told[parent].s, told[k].s, count)
@@ -165,7 +168,9 @@ def crossings(links: Sequence[Link]) -> tuple[list[Oblique], list[Crossing | Non
 
 
 def _is_hinge(link: Link) -> bool:
-    return len(link.directions) == 1 and all(isinstance(x, float) and x == y for x, y in zip(link.directions[0][1], _HINGE))
+    """Whether it gives way about z alone, by a coordinate that is the angle."""
+    return len(link.directions) == 1 and all(
+        isinstance(x, float) and x == y for x, y in zip(link.directions[0][1], _HINGE, strict=True))
 
 
 def _aslant(link: Link) -> tuple[Oblique, Scalar, int] | None:
@@ -186,5 +191,6 @@ def _aslant(link: Link) -> tuple[Oblique, Scalar, int] | None:
 
 def _is_along(move: object) -> bool:
     """Whether it is about z or along it."""
-    return isinstance(move, Turn) and move.axis == 2 or isinstance(move, Shift) and is_nothing(
-        [*move.ahead[:2], *move.rate, *move.second])
+    if isinstance(move, Shift):
+        return is_nothing([*move.ahead[:2], *move.rate, *move.second])
+    return isinstance(move, Turn) and move.axis == 2

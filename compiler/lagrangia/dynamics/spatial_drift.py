@@ -65,7 +65,7 @@ def drift_of(links: Sequence[Link], base: Sequence[Scalar] | None = None) -> Dri
     for link in links:
         w = found.w[link.parent] if link.parent is not None else STILL
         granted = found.granted[link.parent] if link.parent is not None else [*(base or STILL), *STILL]
-        is_reset, shifts = not is_granted and _feels_shift(link), []
+        is_reset, shifts = not is_granted and feels_shift(link), []
         spins: Vector | None = None
         for at, move in enumerate(link.moves):
             shifts.append([*STILL])
@@ -95,7 +95,7 @@ def _spun(link: Link, w: Sequence[Scalar], granted: Vector, is_granted: bool) ->
     return spins, added(w, link.spin), [*granted[:3], *kept]
 
 
-def _feels_shift(link: Link) -> bool:
+def feels_shift(link: Link) -> bool:
     """Whether the acceleration of its origin is reset."""
     body = link.body
     carried = _turns(link) + (0 if body is None or is_zero(body.mass) else 6 + 4 * _count(body.moment))

@@ -7,7 +7,8 @@ of the joint; there its directions are, for a hinge the unit vector of wz. Towar
 
 Of a unit vector U is a column, and its row and column of what is left are 0, so that the turn that comes next is cheaper. Then
 p += I c with c, the acceleration at dv/dt = 0 of the link against its parent (spatial_drift.py), and I and p go the moves back.
-From the root: A = X A + c, a = (u - U . A) / D, A += s a. A uniform field is an acceleration of the root.
+From the root: A = X A + c, a = (u - U . A) / D, A += s a. A uniform field is an acceleration of the root. To a hinge that is
+aslant to the one before it ways are shorter in oblique numbers (spatial_crossing.py), by which the twist of the parent is told.
 Source: Featherstone, Rigid Body Dynamics Algorithms (2008), chapter 7; McMillan and Orin, Efficient computation of
 articulated-body inertias using successive axial screws (1995), for the turns about two axes instead of one matrix.
 """
@@ -99,7 +100,7 @@ class SpatialTree:
         found: list[Scalar] = [1.0] * self.size
         for told, factor in zip(self.told, self.factors, strict=True):
             for direction in factor.directions:
-                found[direction.index] = times(-told.s * told.s, 1.0 / direction.inverse)
+                found[direction.index] = -told.s * told.s / direction.inverse
         return found
 
     @cached_property
