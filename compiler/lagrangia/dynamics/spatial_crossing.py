@@ -45,7 +45,8 @@ class Oblique:
         """The wrench that a body asks for (RigidInertia.load); s is a factor of the body's own numbers."""
         found = body.load(w, granted, is_shared)
         if not self.is_plain:
-            found[2], found[5] = (body.scaled(x).load(w, granted, is_shared)[k] for x, k in ((self.s, 2), (1.0 / self.s, 5)))
+            found[2] = body.scaled(self.s).force(w, granted, is_shared)[2]
+            found[5] = body.scaled(1.0 / self.s).torque(w, granted)[2]
             found[3 + self.j] = minus(found[3 + self.j], times(self.c, found[5]))
         return found
 

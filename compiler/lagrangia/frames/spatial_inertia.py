@@ -134,9 +134,15 @@ class RigidInertia:
     def load(self, w: Sequence[Scalar], granted: Sequence[Scalar], is_shared: bool = False) -> Vector:
         """The wrench (6,) that the body asks for when it turns with w and its frame has the acceleration (6,). `is_shared`:
         whether others need products of w."""
-        rest, turning = granted[:3], granted[3:]
-        force = added(scaled(self.mass, rest), carried(w, turning, self.moment, is_shared))
-        return [*force, *added(cross(self.moment, rest), self._torque(w, turning))]
+        return [*self.force(w, granted, is_shared), *self.torque(w, granted)]
+
+    def force(self, w: Sequence[Scalar], granted: Sequence[Scalar], is_shared: bool = False) -> Vector:
+        """Of its load, (3,)."""
+        return added(scaled(self.mass, granted[:3]), carried(w, granted[3:], self.moment, is_shared))
+
+    def torque(self, w: Sequence[Scalar], granted: Sequence[Scalar]) -> Vector:
+        """Of its load, (3,)."""
+        return added(cross(self.moment, granted[:3]), self._torque(w, granted[3:]))
 
     def _torque(self, w: Sequence[Scalar], turning: Sequence[Scalar]) -> Vector:
         """J a + w x J w; of a flat body by the sums that carried() has."""
