@@ -22,8 +22,8 @@ static void look_at(LagRun *run, double t, const double *y, double *g, double *r
         lag_sliding_margins(run, is_held, g);
 }
 
-/* Of contact k, by its condition, its gap and whether something rests: the event comes where its gap has closed and all else holds; while
- * something rests, it is over where all else fails. */
+/* Of a contact, by the number of its condition, that of its gap and whether something rests: the event comes where its gap has closed
+ * and all else holds; while something rests, it is over where all else fails. */
 static void set_contact(int i, int gap, int rests, double *g, double *rate)
 {
     if (rests) {

@@ -83,6 +83,8 @@ class CasadiAlgebra:
                 lines, _ = crossing.events([0.0])
                 mode = self._mode(("floor", crossing.number), ca.floor(crossing.value), lines, [1] * len(lines))
                 return mode if function == "floor" else -mode
+        if function == "sign" and (crossing := self._crossing(self._at_rest(arguments[0]), may_wave=True)) is not None:
+            return self._sign(crossing)
         if function == "mod":
             a, b = arguments
             if isinstance(b, float | int) and b == 0:
@@ -131,8 +133,7 @@ class CasadiAlgebra:
 
     def side(self, x: Scalar) -> Scalar:
         """The sign of x; of modes where time decides."""
-        crossing = self._crossing(self._at_rest(x), may_wave=True)
-        return self.call("sign", x) if crossing is None else self._sign(crossing)
+        return self.call("sign", x)
 
     def _sign(self, crossing: Crossing) -> ca.SX:
         return as_expression(self._relation(">", crossing) - self._relation("<", crossing))
