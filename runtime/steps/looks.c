@@ -3,7 +3,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "model/function.h"
+#include "events/narrow.h"
 #include "numbers/extremes.h"
 #include "state/inside.h"
 #include "state/project.h"
@@ -18,7 +18,6 @@
 static const double SEEN = 4;
 static const double FAINT = -36;  /* g of exponentials that are rounding */
 static const double QUIET = 1.5;  /* g that changes less in a step has nothing narrow in it */
-static const double AHEAD = 1e-6; /* share of a step: by which paces are told */
 static const double FINE = 0.1, NARROWER = 0.7;  /* change of g; share of a width that is tried next */
 static const double APART = 1.5, OUTSIDE = 6, SHORTER = 0.9; /* widths, but for the last one: a share */
 static const double FADED = 4;    /* change of g */
@@ -58,26 +57,15 @@ static double place(LagRun *run, double x)
 }
 
 /* Switches that are live are those of the latest accelerations. */
-static void ask(LagRun *run, double x, double *g)
+static const double *state_at(LagRun *run, double x)
 {
     const double t = place(run, x), *y = run->looks.state;
-    const double *in[] = {&t, y, y + run->model->n, run->u, run->d, run->c};
-    double *out[] = {g};
-    lag_inputs_at(&run->inputs, t, run->u);
     if (run->switches.is_live)
         lag_motion_slope(&run->motion, t, y, y + run->model->n, run->looks.slope);
-    lag_call(&run->model->looks, in, out, run->work);
+    return y;
 }
 
-/* g and its change in a step by its present pace, at a share of the step. */
-static void look(LagRun *run, double x, double *g, double *pace)
-{
-    const double ahead = x < 1 ? AHEAD : -AHEAD;
-    ask(run, x, g);
-    ask(run, x + ahead, run->looks.ahead);
-    for (int i = 0; i < run->model->n_looks; ++i)
-        pace[i] = (run->looks.ahead[i] - g[i]) / ahead;
-}
+static const LagNarrowView VIEW = {state_at, 1e-6};
 
 typedef struct {
     double x, width; /* shares of the step; no width: there is none */
@@ -89,12 +77,12 @@ static double width_about(LagRun *run, int i, double x)
 {
     LagLooks *s = &run->looks;
     double width = 1 / SEEN;
-    ask(run, x, s->ahead);
+    lag_narrow_ask(run, &VIEW, x, s->ahead);
     const double middle = s->ahead[i];
     for (int round = 0; round < MOST_HALVINGS; ++round) {
-        ask(run, x - width, s->ahead);
+        lag_narrow_ask(run, &VIEW, x - width, s->ahead);
         const double before = fabs(s->ahead[i] - middle);
-        ask(run, x + width, s->ahead);
+        lag_narrow_ask(run, &VIEW, x + width, s->ahead);
         if (lag_max(before, fabs(s->ahead[i] - middle)) <= 1)
             break;
         width *= NARROWER;
@@ -109,39 +97,26 @@ static double flank_about(LagRun *run, int i, double x, double width)
     LagLooks *s = &run->looks;
     double rise = 0;
     for (int side = -1; side <= 1; side += 2) {
-        ask(run, x + side * width, s->ahead);
+        lag_narrow_ask(run, &VIEW, x + side * width, s->ahead);
         const double here = s->ahead[i];
-        ask(run, x + side * (1 + BESIDE) * width, s->ahead);
+        lag_narrow_ask(run, &VIEW, x + side * (1 + BESIDE) * width, s->ahead);
         rise = lag_max(fabs(s->ahead[i] - here) / (BESIDE * width), rise);
     }
     return lag_min(ROUND / rise, width);
 }
 
-/* Where g of place i is 0 (or turns, if `turns`) between two looks. */
-static Narrow close_in(LagRun *run, int i, double low, double high, int turns)
+/* Where g of place i is 0 (or turns, if `turns`) after look k. */
+static Narrow close_in(LagRun *run, int i, int k, int turns)
 {
     LagLooks *s = &run->looks;
-    const int count = run->model->n_looks, k = (int)(low * LAG_LOOKS + 0.5);
-    double *g = s->g + (size_t)((LAG_LOOKS + 1) * count), *pace = s->pace + (size_t)((LAG_LOOKS + 1) * count);
-    const double *all = turns ? s->pace : s->g;
-    double a = all[k * count + i], b = all[(k + 1) * count + i];
-    for (int round = 0; round < MOST_HALVINGS; ++round) {
-        if ((turns ? (high - low) * lag_max(fabs(a), fabs(b)) : fabs(b - a)) < FINE)
-            break;
-        const double x = low + (high - low) / 2;
-        look(run, x, g, pace);
-        const double here = turns ? pace[i] : g[i];
-        if ((here < 0) == (a < 0)) {
-            low = x;
-            a = here;
-        } else {
-            high = x;
-            b = here;
-        }
-    }
-    const double x = low + (high - low) / 2;
-    ask(run, x, g);
-    const double width = !turns ? (high - low) / fabs(b - a) : g[i] < FAINT ? 0 : width_about(run, i, x);
+    const int count = run->model->n_looks;
+    double *g = s->g + (size_t)((LAG_LOOKS + 1) * count);
+    const double *all = (turns ? s->pace : s->g) + (size_t)(k * count + i);
+    LagNarrowPart part = {(double)k / LAG_LOOKS, (k + 1.0) / LAG_LOOKS, all[0], all[count]};
+    lag_narrow_close_in(run, &VIEW, i, turns, FINE, &part);
+    const double length = part.high - part.low, x = part.low + length / 2;
+    lag_narrow_ask(run, &VIEW, x, g);
+    const double width = !turns ? length / fabs(part.after - part.before) : g[i] < FAINT ? 0 : width_about(run, i, x);
     return (Narrow){x, width, turns && width > 0 ? flank_about(run, i, x, width) : width};
 }
 
@@ -262,7 +237,7 @@ static Narrow find(LagRun *run, int i)
             const double *all = (turns ? s->pace : s->g) + (size_t)(k * count + i);
             if ((all[0] < 0) == (all[count] < 0)) /* which may be 0 at a look itself, as in the middle of a run */
                 continue;
-            at = close_in(run, i, (double)k / LAG_LOOKS, (k + 1.0) / LAG_LOOKS, turns);
+            at = close_in(run, i, k, turns);
             if (is_passed_over(run, at))
                 return at;
         }
@@ -277,9 +252,9 @@ static int is_suspect(LagRun *run)
     const size_t count = (size_t)run->model->n_looks;
     double *change = s->pace;
     memset(change, 0, count * sizeof *change);
-    ask(run, 0, s->g);
+    lag_narrow_ask(run, &VIEW, 0, s->g);
     for (size_t k = 0; k < sizeof AT / sizeof *AT; ++k) {
-        ask(run, AT[k], s->ahead);
+        lag_narrow_ask(run, &VIEW, AT[k], s->ahead);
         for (size_t i = 0; i < count; ++i)
             change[i] += fabs(s->ahead[i] - s->g[i]);
         memcpy(s->g, s->ahead, count * sizeof *change);
@@ -296,7 +271,7 @@ static Narrow passed_over(LagRun *run)
         return first;
     for (int i = 0; i < count; ++i) {
         for (int k = 0; k <= LAG_LOOKS; ++k) /* closing in overwrites them */
-            look(run, (double)k / LAG_LOOKS, s->g + (size_t)(k * count), s->pace + (size_t)(k * count));
+            lag_narrow_look(run, &VIEW, (double)k / LAG_LOOKS, s->g + (size_t)(k * count), s->pace + (size_t)(k * count));
         const Narrow found = find(run, i);
         if (found.width > 0 && !(first.width > 0 && first.x < found.x))
             first = found;
