@@ -108,9 +108,38 @@ def test_kicks_are_not_told(scene: Write, event: str) -> None:
     assert not any("nothing keeps" in x for x in scene(thrown(event, BESIDE)).warnings)
 
 
-@pytest.mark.parametrize(("declared", "value"), [("parameter Real r = -0.5;", "-r*b.v"),
-                                                 ("parameter Real k = 0;", "if k > 0.5 then -e*b.v else b.v + 1")])
-def test_what_would_turn_back_for_other_parameters_is_told(scene: Write, declared: str, value: str) -> None:
-    """It is a kick, as declared, and let fall what comes to rest for others."""
-    warnings = scene(thrown(f"when b.s < 0 then reinit(b.v, {value}); end when;", declared)).warnings
-    assert any("for other parameters" in x for x in warnings)
+ARM = "if r > 0.5 then -e*b.v else b.v + 1"
+
+
+@pytest.mark.parametrize(("declared", "value", "within", "beyond"), [
+    ("r = -0.5", "-r*b.v", -0.1, [0, 0.5]), ("r = 0.5", "-r*b.v", 0, [-0.1]), ("r = 0.5", "(1 - r)*b.v", -3, [1, 1.5]),
+    ("r = 1.5", "(1 - r)*b.v", 1, [0.9]), ("r = 0", ARM, 0.5, [0.6]), ("r = 1", ARM, 0.6, [0.5]),
+    ("r = 1; constant Velocity up = 1", "-e*b.v + r*up", 0.1, [0]), ("r = 0.5; parameter Real k = 2*r", "-k*b.v", 0.1, [-0.1])])
+def test_runs_whose_parameters_make_or_end_contacts_are_told(scene: Write, declared: str, value: str, within: float,
+                                                             beyond: list[float]) -> None:
+    """They went through what holds for these parameters: b.s(3) = 13.75 for 0 with r*b.v, from 0.5 to -0.5."""
+    model = scene(thrown(f"when b.s < 0 then reinit(b.v, {value}); end when;", f"parameter Real {declared};"))
+    assert all("nothing reads the parameter 'e'" in x for x in model.warnings)
+    model.simulate(at=[0.6], parameters={"r": within})
+    run = model.prepare(parameters={"r": within}, at=[0.6])
+    for r in beyond:
+        for call in (lambda: model.simulate(at=[0.6], parameters={"r": r}), lambda: run((), [r])):  # noqa: B023 (called here)
+            with pytest.raises(lag.LagError, match=r"L0605.*\n.*the event at 'b.s < 0' becomes a contact"):
+                call()
+    failures = model.simulate_many(stop=0.6, parameters={"r": [within, *beyond]}).failures
+    assert len(failures) == len(beyond)
+
+
+def test_parameters_that_decide_nothing_have_no_limits(scene: Write) -> None:
+    text = thrown("when b.s < x0 then reinit(b.v, if abs(b.v) < slow then 0 else -e*b.v); reinit(x.v, x.v + kick); end when;",
+                  "Block x(m = 1, base = world, along = {0, 1}); parameter Real x0 = 0, slow = 0.1, kick = 1;")
+    limits = {p.name: (p.minimum, p.maximum) for p in scene(text).scene.parameters}
+    assert [limits[name] for name in ("e", "x0", "slow", "kick")] == [(0, None), *[(None, None)]*3]
+
+
+def test_impulses_that_move_nothing_make_no_contact(scene: Write) -> None:
+    """The constraint takes them all; it was a contact without a word."""
+    law = "b.s + 0.1[m]*sin(b.s/1[m]) = 1[m] - 1[m/s]*time;"
+    event = f"{law} when b.s < x.s then reinit(b.v, x.v - e*(b.v - x.v)); end when;"
+    (warning,) = scene(thrown(event, "Block x(m = 1, base = world);")).warnings
+    assert "moves along what it is turned back from" in warning

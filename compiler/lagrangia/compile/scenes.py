@@ -1,9 +1,9 @@
 """Functions -> Scene: names, units, defaults and tapes, as plain data."""
 
+import math
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from math import prod
 from typing import Any
 
 import casadi as ca
@@ -73,7 +73,7 @@ def build_scene(
     turning = ((v.name, of) for v in model.variables.values() if (of := rate_of(v)) in attitudes and of is not None)
     aliases |= {f"{name}[{k}]": len(slots) + slots[part] for name, of in turning for k, part in enumerate(parts_of(of), 1)}
     experiment = model.experiment
-    parameters = _parameters(model, "parameter", kinematics.symbols.compiled)
+    parameters, recognized = _recognized(_parameters(model, "parameter", kinematics.symbols.compiled), model, motion.impacts)
     inputs = _parameters(model, "input", {})
     sizes = _sizes(len(coordinates), len(parameters), len(inputs), len(kinematics.algebra.modes), functions, motion, tapes) | {
         "n_outputs": len(outputs), "n_initial": initial.residuals.numel(), "n_initial_positions": initial.n_positions,
@@ -92,7 +92,7 @@ def build_scene(
         notes=_notes(motion, tapes)
         | {"form": functions.form.why if functions.form else "", "thresholds": [*functions.thresholds]}
         | _freedom(kinematics, motion, constraints, is_still) | _told(kinematics, constraints, initial, functions, motion.impacts)
-        | ({"guards": tell_guards(model, functions.guarding)} if model.guards else {}),
+        | ({"guards": tell_guards(model, functions.guarding)} if model.guards else {}) | recognized,
         refused={**functions.refused, **({"conservative": no_momenta} if no_momenta else {}), **_refusals(kinematics)},
     ))
 
@@ -367,7 +367,7 @@ def columns_of(kinematics: Kinematics, name: str) -> tuple[Column, ...]:
 
 def _starts(variable: Variable, source: Flat, values: Sequence[float | None]) -> Sequence[float | None]:
     """Of the elements of an input: what is one number is that of each. Raises LagError L0605."""
-    count = prod(variable.shape)
+    count = math.prod(variable.shape)
     if None in values and not isinstance(source, Array):
         values = numbers_of(source, ()) * count
     if len(values) != count:
@@ -381,7 +381,7 @@ def _parameters(model: FlatModel, kind: str, compiled_in: Mapping[str, Any]) -> 
     found = []
     for variable in (v for v in model.variables.values() if v.kind == kind):
         source = variable.binding if kind == "parameter" else variable.start or variable.binding
-        values: Sequence[float | None] = [0.0] * prod(variable.shape)
+        values: Sequence[float | None] = [0.0] * math.prod(variable.shape)
         if source is not None:
             values = numbers_of(source, variable.shape)
         if kind == "input" and source is not None:
@@ -394,6 +394,23 @@ def _parameters(model: FlatModel, kind: str, compiled_in: Mapping[str, Any]) -> 
             found.append(Parameter(name, variable.unit, value, variable.minimum, variable.maximum, variable.description,
                                    str(variable.span), number, variable.locked, source is not None))
     return tuple(found)
+
+
+def _recognized(parameters: tuple[Parameter, ...], model: FlatModel, impacts: Impacts
+                ) -> tuple[tuple[Parameter, ...], dict[str, object]]:
+    """The same within the values for which contacts and kicks are what they were taken for; and whose these limits are."""
+    found = {x.name: x for x in parameters}
+    told = dict[str, dict[str, object]]()
+    for when, ranges in zip(model.whens, impacts.ranges, strict=False):
+        for name, (low, high) in ranges.items():
+            known = found[name]
+            if low > (-math.inf if known.minimum is None else known.minimum):
+                found[name] = known = replace(known, minimum=low)
+                told.setdefault(name, {})["minimum"] = when.condition.span.text
+            if high < (math.inf if known.maximum is None else known.maximum):
+                found[name] = replace(known, maximum=high)
+                told.setdefault(name, {})["maximum"] = when.condition.span.text
+    return tuple(found.values()), {"recognized": told} if told else {}
 
 
 def _called(model: FlatModel, when: When) -> str:

@@ -43,7 +43,7 @@ class Look:
         stated, whole = symbols_in(ca.vertcat(q, v, symbols.time, p)), ca.veccat(*found)
         others = [x for x in ca.symvar(whole) if x.__hash__() not in stated]
         self.seeds = range(3, 3 + (_SEEDS if operations_in(whole).isdisjoint(CORNERS) else _MOST_SEEDS))
-        self.inputs = [v, ca.vertcat(q, symbols.time, *others), p]
+        self.expressions, self.inputs = found, [v, ca.vertcat(q, symbols.time, *others), p]
         self.time = q.numel()
         self.operations, self.differences, symbols_of = list[int](), list[ca.SX](), list[ca.SX]()
         self.groups, self.numbering = dict[tuple[int, ...], tuple[ca.SX, bool]](), Numbering()
@@ -109,13 +109,10 @@ class Look:
                 return as_expression(operate(ca.OP_IF_ELSE_ZERO, [first, a]) + operate(ca.OP_IF_ELSE_ZERO, [other, b]))
         return first
 
-    def where(self, p: Vector, is_free: bool = False) -> "Look":
-        """The same for other parameters, which may choose as they will if `is_free`."""
+    def where(self, p: Vector, choosing: Vector | None = None) -> "Look":
+        """The same for other parameters, and others that choose."""
         found = copy(self)
-        found.p = p
-        if is_free:
-            found.by_time = [own and not by_p for own, by_p in zip(self.by_time, self.by_parameters, strict=True)]
-            found.by_parameters = [False] * len(self.by_parameters)
+        found.p, found.declared = p, self.declared if choosing is None else choosing
         return found
 
     def at(self, v: Vector, known: Vector, arm: Vector) -> list[Vector]:

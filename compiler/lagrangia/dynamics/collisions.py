@@ -20,6 +20,7 @@ from lagrangia.constraints.parameters import parameter_symbols, parameters_of, u
 from lagrangia.constraints.rows import Row
 from lagrangia.dynamics.arms import SAME, Look, State
 from lagrangia.frames.kinematics import Kinematics
+from lagrangia.language.mentions import leaves
 
 _ROUNDING = 1e-14  # of rates of what is at rest
 STILL, MOVED, BODIES = range(3)  # walls
@@ -48,6 +49,9 @@ class Mobility:
     def bound(self) -> Vector:
         """Usual parameters, where those that follow from others do."""
         p, usual = usual_parameters(self.kinematics)
+        bindings = (x.binding for x in self.kinematics.graph.model.variables.values() if x.kind == "parameter")
+        if all(binding is None or not {*leaves([binding], {})} for binding in bindings):
+            return usual
         return np.array(ca.Function("bound", [p], [parameters_of(self.kinematics, p)])(usual)).ravel()
 
     @cached_property
@@ -62,10 +66,11 @@ class Mobility:
         others = column(*(x for x in ca.symvar(ca.veccat(*results)) if x.__hash__() not in known))
         return ca.Function("mobility", [*stated, others], [ca.densify(x) for x in results])
 
-    def moved(self, look: Look, v: Vector, known: Vector, impulses: Vector) -> Vector:
-        """The changes of v by impulses, both (n, k), at a state."""
+    def moved(self, look: Look, v: Vector, known: Vector, impulses: Vector, is_bound: bool = True) -> Vector:
+        """The changes of v by impulses, both (n, k), at a state; without the constraints if not `is_bound`."""
         others = np.full(self.function.numel_in(3), 0.7)
         M, J = (np.array(x) for x in self.function(v, known[:look.time + 1], look.p, others))
+        J = J if is_bound else J[:0]
         both, pushed = np.block([[M, J.T], [J, np.zeros((len(J), len(J)))]]), np.vstack((impulses, np.zeros((len(J), 1))))
         if not (np.isfinite(both).all() and np.isfinite(pushed).all()):
             return np.full(impulses.shape, np.nan)
@@ -180,8 +185,10 @@ def _wall(look: Look, k: int, j: int, state: State) -> int:
 
 
 def is_carried(look: Look, mobility: Mobility) -> bool:
-    """Whether an impulse along a rate changes that of its wall. `look` gives the slopes of both."""
+    """Whether an impulse along a rate changes that of its wall, or none of both, as constraints take it. `look` gives the slopes
+    of both."""
     v, known, arm = next(look.states())[0]
     wall, own = (x.ravel() for x in look.at(v, known, arm))
-    moved = mobility.moved(look, v, known, own[:, None]).ravel()
-    return not abs(np.dot(wall, moved)) <= SAME * np.linalg.norm(wall) * np.linalg.norm(moved)
+    moved, unbound = (mobility.moved(look, v, known, own[:, None], is_bound).ravel() for is_bound in (True, False))
+    size = np.linalg.norm(moved)
+    return not (size > SAME * np.linalg.norm(unbound) and abs(np.dot(wall, moved)) <= SAME * np.linalg.norm(wall) * size)

@@ -79,10 +79,6 @@ def _tell_contacts(report: Report, impacts: Impacts, k: int, when: When) -> None
         tell(node, f"where '{node.span.text}', this turns back what comes there, but is no contact in all that this may be: each "
              "event sets what is written, and when bounces have ended nothing keeps what is there from going on",
              "give each wall a `when` of its own, with its gap by itself: when gap < 0 and ... then ... end when")
-    if (node := impacts.for_others[k]) is not None:
-        tell(node, f"where '{node.span.text}', this turns back what comes there for other parameters than those that are "
-             "declared, but is a kick for all: when bounces have ended nothing keeps what is there from going on",
-             "declare parameters for which it turns back")
     if (met := impacts.collisions[k]) is not None and met[1] != Meeting.BETWEEN:
         tell(met[0], f"where '{met[0].span.text}' {_HELD_BY[met[1]]}", _BETTER[met[1] == Meeting.IN_SOME])
 

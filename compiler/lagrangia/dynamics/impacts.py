@@ -31,6 +31,7 @@ from lagrangia.dynamics.collisions import BODIES, STILL, Meeting, Mobility
 from lagrangia.dynamics.energies import Load, paced
 from lagrangia.dynamics.levels import EDGE, JUMPS, Levels, Meetings, Steps, least_of, level_of_parts, without_odd_power
 from lagrangia.dynamics.limits import changes_nothing, side_of
+from lagrangia.dynamics.recognized_ranges import Range
 from lagrangia.dynamics.resets import Resets, is_comparison
 from lagrangia.frames.evaluation import scalars_of
 from lagrangia.frames.kinematics import Kinematics
@@ -45,13 +46,12 @@ from lagrangia.language.events import (
     name_of_contact,
     parts_of,
     position_of,
-    without_not,
 )
 from lagrangia.language.flat import Reset, When, Work
 from lagrangia.language.tree import Binary, Call, Flat, Number, Unary
 
 KICK, CONTACT, ONE_WAY = range(3)  # LAG_KICK, ...
-_TOLD = ("as_declared", "as_if_still", "unheld", "for_others")
+_TOLD = ("as_declared", "as_if_still", "unheld", "ranges")
 _NONE = ca.SX(0, 1)
 
 
@@ -77,7 +77,7 @@ class Impacts:
     as_declared: tuple[Flat | None, ...] = ()  # (w,): a comparison that is a contact for parameters as they are declared alone
     as_if_still: tuple[Flat | None, ...] = ()  # (w,): one that would be a contact if what is met there stood still
     unheld: tuple[Flat | None, ...] = ()  # (w,): one that turns back what comes there, and that holds nothing
-    for_others: tuple[Flat | None, ...] = ()  # (w,): one that would be a contact for other parameters
+    ranges: tuple[Mapping[str, Range], ...] = ()  # (w,): of parameters with which it stays what it is taken for
 
     def may_hide(self, t: ca.SX) -> bool:
         """Whether conditions may come and go however slow the motion is: with time, or where they jump."""
@@ -151,8 +151,8 @@ class _Event(Resets):
     """One `when`, evaluated."""
 
     def __init__(self, kinematics: Kinematics, when: When, steps: Steps, mobility: Mobility) -> None:
-        super().__init__(kinematics, mobility, without_not(when.condition))
-        self.when, self.steps, model = when, steps, kinematics.graph.model
+        super().__init__(kinematics, mobility, when)
+        self.steps, model = steps, kinematics.graph.model
         self.moving = ca.vertcat(kinematics.symbols.time, kinematics.algebra.state, *kinematics.symbols.held.values())
         g = self._level(self.condition)
         self.g = g if ca.depends_on(g, self.moving) else ca.fmax(ca.fmin(g, 1), -1)
@@ -164,7 +164,7 @@ class _Event(Resets):
         kept = next((k for k, x in enumerate(self.places) if are_alike(x, self.kept_position)), None)
         self.gap = self.arm = ca.SX(0)
         self.held: Flat | None = None
-        self.sense = ca.SX(1)
+        self.sense, self.is_sided = ca.SX(1), False  # whether the force is along what is reset by a side that is found
         self.condition = condition_of(when, model)
         self.parts = self._find_parts()
         contacts, self.collision = self._find_contacts()
@@ -188,12 +188,11 @@ class _Event(Resets):
         turning = [node for nodes in self.back.values() for node in nodes]
         self.as_declared = chosen if any(x is chosen for x in self.beside) and self.collision is None else None
         self.unheld = None if chosen is None else next((x for x in turning if x is not chosen), None)
-        others = self._find_for_others() if is_kick else None
+        self.ranges = self._find_ranges(self.collision, self.is_sided)
         self.alternative = self._find_alternative() if chosen is None else None
         self.as_if_still = self._find_alone() if is_kick and sum(self.may_rest) == 1 else None
-        if is_kick and self.alternative is None and self.as_if_still is None and others is None:
+        if is_kick and self.alternative is None and self.as_if_still is None:
             self.unheld = self._find_in_some()
-        self.for_others = others
 
     def _find_parts(self) -> list[Flat]:
         """What all has to be true; of comparisons that jump where something moves, the comparisons that these are made of."""
@@ -288,7 +287,7 @@ class _Event(Resets):
             self.held, self.sense = self.places[own], -ca.dot(slope, along) / ca.dot(along, along)
             return
         is_least = (self.walls[own][1] if kind == CONTACT else self._stops(self.gap, self.rates[own], self.wanted[own])) < 0
-        self.held = self.places[own] if is_least else Unary("-", self.places[own], self.when.span)
+        self.held, self.is_sided = self.places[own] if is_least else Unary("-", self.places[own], self.when.span), True
 
     def _find_contacts(self) -> tuple[list[Flat | None], tuple[Flat, Meeting] | None]:
         """Of each reset the comparison at which it is one of a contact; where there is none, a comparison at which all that meet

@@ -4,22 +4,28 @@ import casadi as ca
 import numpy as np
 
 from lagrangia.algebra.duals import Scalar
-from lagrangia.algebra.scalars import column
+from lagrangia.algebra.orthogonal import Vector
+from lagrangia.algebra.scalars import column, symbols_in
 from lagrangia.algebra.with_casadi import CORNERS, operations_in
+from lagrangia.constraints.parameters import default_parameters
 from lagrangia.dynamics import collisions as meets
 from lagrangia.dynamics.arms import Look
 from lagrangia.dynamics.collisions import MOVED, STILL, Meeting, Mobility
 from lagrangia.dynamics.levels import Meetings
+from lagrangia.dynamics.recognized_ranges import EVERYWHERE, Range, parameters_in, range_of
 from lagrangia.frames.kinematics import Kinematics
-from lagrangia.language.events import COMPARED, level_of
+from lagrangia.language.events import COMPARED, level_of, without_not
+from lagrangia.language.flat import When
 from lagrangia.language.tree import Binary, Flat
+
+_FEW = 2  # of the random states that are looked at, for each of many values of parameters
 
 
 class Resets:
     """Of one event, with the `parts` of its condition, which all have to be true."""
 
-    def __init__(self, kinematics: Kinematics, mobility: Mobility, condition: Flat) -> None:
-        self.condition, self.g = condition, ca.SX(0)
+    def __init__(self, kinematics: Kinematics, mobility: Mobility, when: When) -> None:
+        self.when, self.condition, self.g = when, without_not(when.condition), ca.SX(0)
         self.kinematics, self.mobility, self.meetings = kinematics, mobility, Meetings(kinematics)
         self.positions, self.places = list[Flat](), list[Flat]()  # of what is reset, and for each scalar of it
         self.rates, self.wanted, self.may_rest = list[ca.SX](), list[ca.SX](), list[bool]()  # may_rest: no discrete variable
@@ -145,13 +151,41 @@ class Resets:
                 return self.condition
         return None
 
-    def _find_for_others(self) -> Flat | None:
-        """The comparison at which a reset is turned back for other signs of parameters, or where these choose otherwise."""
-        if not self.gaps or not (any(self.look.by_parameters) or (self.mobility.bound < 0).any()):
-            return None
-        look = self.look.where(np.abs(self.mobility.bound), is_free=True)
-        ways = ((k, j) for k in range(len(self.gaps)) for j in np.flatnonzero(self.may_rest).tolist())
-        return next((self.gaps[k] for k, j in ways if meets.turns_somewhere(look, k, j)), None)
+    def _find_ranges(self, collision: tuple[Flat, Meeting] | None, is_sided: bool) -> dict[str, Range]:
+        """Of parameters that decide at which comparisons what comes is turned back, and where `is_sided` from which side: the
+        values for which it is so. None where that holds for parameters as they are declared alone."""
+        if not self.gaps or self.beside or (collision is not None and collision[1] == Meeting.AS_DECLARED):
+            return {}
+        model, (symbols, values) = self.kinematics.graph.model, default_parameters(self.kinematics)
+        roots = [*(reset.value for reset in self.when.resets), *(level_of(x) for x in self.gaps if id(x) not in self.branches)]
+        written, ranges = parameters_in(model, roots), dict[str, Range]()
+        felt = symbols_in(ca.veccat(*self.look.expressions))
+        elements = [(v, name) for v in model.variables.values() if v.kind == "parameter" for name, _ in v.elements()]
+        struck = [k for k, x in enumerate(self.gaps) if collision is not None and x is collision[0]]
+        known = self._recognized(self.mobility.bound, self.look.declared, struck, is_sided)
+
+        def is_same(value: float) -> bool:
+            p, declared = self.mobility.bound.copy(), self.look.declared.copy()
+            p[k] = declared[k] = value
+            return self._recognized(p, declared, struck, is_sided) == known
+
+        for k, ((variable, name), declared) in enumerate(zip(elements, np.array(values).ravel(), strict=True)):
+            if variable.name in written and symbols[k].__hash__() in felt:
+                within = tuple(side if x is None else x for x, side in (
+                    (variable.minimum, EVERYWHERE[0]), (variable.maximum, EVERYWHERE[1])))
+                if (found := range_of(is_same, float(declared), (within[0], within[1]))) != EVERYWHERE:
+                    ranges[name] = found
+        return ranges
+
+    def _recognized(self, p: Vector, declared: Vector, struck: list[int], is_sided: bool) -> list[object]:
+        """Of each gap and reset whether that is turned back there, and of each gap that is `struck` how."""
+        look = self.look.where(p, declared)
+        look.seeds = look.seeds[:_FEW]
+        own = np.flatnonzero(self.may_rest)
+        found = [meets.turned_back(look, k, j, self._is_timed(self._level_at(node)))
+                 for k, node in enumerate(self.gaps) for j in own.tolist()]
+        return [*((meeting == Meeting.BACK, side if is_sided else 0) for meeting, side in found),
+                *(meets.look_at_meeting(look, k, own, self.mobility) for k in struck)]
 
 
 def is_comparison(node: Flat) -> bool:
