@@ -96,6 +96,13 @@ def test_accelerations_are_those_of_jacobians_in_the_world(name: str) -> None:
     check(joints, at)
 
 
+def test_a_hinge_that_time_moves_is_felt_by_the_one_before() -> None:
+    random = np.random.default_rng(3)
+    joints = [joint(random, k - 1 if k else None, "turn", k) for k in range(2)]
+    joints.append(replace(joint(random, 1, "turn", 2), coordinates=(), slopes=()))
+    check([*joints, joint(random, 2, "turn", 2)], 3)
+
+
 def test_pivots_of_hinges_that_are_aslant() -> None:
     """Their product is the determinant of M."""
     random = np.random.default_rng(7)

@@ -40,7 +40,8 @@ def accelerations(joints: Sequence[SpatialJoint], size: int, r: np.ndarray, grav
         elif joint.kind == "turn":
             R = R @ turned(joint.axis, joint.amount)
             alpha, w = alpha + np.cross(w, n * rate[0]), w + n * rate[0]
-            Jw[:, joint.coordinates[0]] += n
+            for index in joint.coordinates:  # none where time moves it
+                Jw[:, index] += n
         else:
             R = R @ np.asarray(joint.attitude, float)
             spin = R @ rate

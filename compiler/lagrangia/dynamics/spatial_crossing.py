@@ -12,7 +12,7 @@ shifts and turns stay.
 from collections import Counter
 from collections.abc import Sequence
 
-from lagrangia.algebra.duals import Scalar, minus, plus, times
+from lagrangia.algebra.duals import Scalar, is_zero, minus, plus, times
 from lagrangia.base.records import dataclass
 from lagrangia.dynamics.spatial_drift import Link, feels_shift
 from lagrangia.frames.spatial_inertia import SIZE, Inertia, RigidInertia, Shift, Turn, Vector, is_nothing, no_inertia
@@ -161,6 +161,8 @@ def crossings(links: Sequence[Link]) -> tuple[list[Oblique], list[Crossing | Non
         parent = links[k].parent
         if parent is None or children[parent] != 1 or not _is_hinge(links[parent]) or feels_shift(links[k]):
             continue
+        if not _gives_way(links[k]):  # time moves it
+            continue
         if (way := _aslant(links[k])) is None:
             continue
         told[parent], a, count = way
@@ -172,6 +174,11 @@ def _is_hinge(link: Link) -> bool:
     """Whether it gives way about z alone, by a coordinate that is the angle."""
     return len(link.directions) == 1 and all(
         isinstance(x, float) and x == y for x, y in zip(link.directions[0][1], _HINGE, strict=True))
+
+
+def _gives_way(link: Link) -> bool:
+    """Whether a turn about z is left to itself, so that it is not felt ahead of the link."""
+    return any([k for k, x in enumerate(s) if not is_zero(x)] == [5] for _, s in link.directions)
 
 
 def _aslant(link: Link) -> tuple[Oblique, Scalar, int] | None:
