@@ -1,6 +1,5 @@
 #include "methods/wide_orders.h"
 
-#include <float.h>
 #include <math.h>
 
 #include "methods/taylor.h"
@@ -14,17 +13,15 @@ static const double NEAR = 4;
 
 /* -------- of as many lanes from `lane` on as a register holds */
 
-static void weigh(LagWideTaylor *s, int lane)
+/* Where no step has: by that before, whose end is the present. */
+static void weigh_entered(LagWideTaylor *s, int lane)
 {
-    const LagWide zero = LAG_WIDE_OF(0), one = LAG_WIDE_OF(1), step = lag_wide_read(s->lanes.length + lane);
-    const LagWide uncertain = LAG_WIDE_OF(DBL_EPSILON) / step;
-    for (int i = 0; i < s->lanes.n; ++i) {
-        LagWide unit[2];
-        lag_wide_scale_units(&s->lanes.scale, i, lane, s->lanes.y, s->lanes.old, step, uncertain, &unit[0], &unit[1]);
-        for (int is_rate = 0; is_rate < 2; ++is_rate)
-            lag_wide_write(s->weight + (size_t)(i + is_rate * s->lanes.n) * LAG_ABREAST + lane,
-                           LAG_WIDE_SELECT(unit[is_rate] > zero, one / unit[is_rate], zero));
-    }
+    const LagWide entered = lag_wide_read(s->entered + lane);
+    if (!lag_wide_is_some(entered))
+        return;
+    lag_wide_weigh(s, lane, s->lanes.old, lag_wide_read(s->lanes.length + lane), s->next_weight);
+    lag_wide_take_over(s->weight, s->next_weight, 2 * s->lanes.n, lane, entered, 0);
+    lag_wide_write(s->entered + lane, LAG_WIDE_OF(0));
 }
 
 /* The coefficients of the orders p and p - 1 in units of error: what they are at lengths of 1. */
@@ -147,7 +144,7 @@ static int find_orders(LagWideTaylor *s)
 void lag_wide_orders_expand(LagWideTaylor *s)
 {
     for (int lane = 0; lane < LAG_ABREAST; lane += LAG_WIDE) {
-        weigh(s, lane);
+        weigh_entered(s, lane);
         wait_for_order(s, lane);
     }
     s->made_to = s->order;

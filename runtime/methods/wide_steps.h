@@ -114,8 +114,8 @@ LAG_UNROLLED void lag_wide_take_over(double *to, const double *from, int count, 
         lag_wide_choose(to, i, lane, good, lag_wide_of(from, i, lane));
 }
 
-/* Steps of length h are taken where they are good. */
-LAG_UNROLLED void lag_wide_accept(LagWideSteps *s, int lane, LagWide good, LagWide h)
+/* Steps of length h are taken where they are good. Returns whether they all are. */
+LAG_UNROLLED int lag_wide_accept(LagWideSteps *s, int lane, LagWide good, LagWide h)
 {
     const LagWide zero = LAG_WIDE_OF(0), one = LAG_WIDE_OF(1);
     const int are_all = !lag_wide_is_some(good - one);
@@ -133,6 +133,7 @@ LAG_UNROLLED void lag_wide_accept(LagWideSteps *s, int lane, LagWide good, LagWi
     lag_wide_write(s->steps + lane, lag_wide_read(s->steps + lane) + good);
     const LagWide vain = lag_wide_read(s->in_vain + lane) + one;
     lag_wide_write(s->in_vain + lane, LAG_WIDE_SELECT(good > zero, zero, vain));
+    return are_all;
 }
 
 #endif

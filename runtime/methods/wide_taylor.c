@@ -32,6 +32,7 @@ static void layout(void *self, const LagRun *like, LagArena *arena)
     lag_wide_steps_layout(&s->lanes, like, arena);
     lag_wide_series_layout(&s->series, model, arena);
     s->weight = lag_take(arena, 2 * (size_t)model->n * LAG_ABREAST);
+    s->next_weight = lag_take(arena, 2 * (size_t)model->n * LAG_ABREAST);
     s->slope = lag_take(arena, (size_t)model->n_inputs * LAG_ABREAST);
     s->rate = LAG_TAYLOR_REST / (like->settings.t_stop - like->settings.t_start);
 }
@@ -96,6 +97,7 @@ static void enter(void *self, int lane, LagRun *run)
     const int n_inputs = s->lanes.model->n_inputs;
     s->lanes.stop[lane] = lag_min(run->segment_end, run->settings.t_stop);
     s->lanes.is_fresh |= s->lanes.model->n_modes > 0;
+    s->entered[lane] = 1;
     if (s->lanes.model->n_modes > 0) { /* what jumps may have set it in motion */
         lag_wide_scale_load(&s->lanes.scale, lane, &run->scale);
         lag_wide_place(s->lanes.y, lane, run->motion.y, s->lanes.size);
@@ -308,16 +310,13 @@ LAG_UNROLLED LagWide rounding_of(const LagWideTaylor *s, int lane, int i)
  * worth `share` of an error each; `is_rounded`: what is rounding counts for nothing where it would be too many. */
 LAG_UNROLLED LagWide gap_of(const LagWideTaylor *s, int lane, LagWide h, LagWide share, LagWide own, int is_own, int is_rounded)
 {
-    const LagWide zero = LAG_WIDE_OF(0), square = h * h, before = lag_wide_read(s->lanes.length + lane);
-    const LagWide uncertain = LAG_WIDE_OF(DBL_EPSILON) / before;
+    const LagWide zero = LAG_WIDE_OF(0), square = h * h;
     LagWide largest = zero;
     for (int i = 0; i < s->lanes.n; ++i) {
         const int place = s->lanes.model->jet_places[i];
         const LagWide slope = series(lag_wide_jet(s, place) + lane, s->made_to - 1, h, square, own, is_own);
         const LagWide miss = LAG_WIDE_ABS(lag_wide_of(s->series.line, place, lane) - slope);
-        LagWide unit[2];
-        lag_wide_scale_units(&s->lanes.scale, i, lane, s->lanes.y, s->lanes.made, before, uncertain, &unit[0], &unit[1]);
-        LagWide gap = LAG_WIDE_SELECT(unit[1] > zero, miss / unit[1], zero);
+        LagWide gap = miss * lag_wide_of(s->next_weight, s->lanes.n + i, lane);
         if (is_rounded) {
             const LagWide counted = LAG_WIDE_SELECT(miss <= rounding_of(s, lane, i), zero, gap);
             gap = LAG_WIDE_SELECT(gap * share <= LAG_WIDE_OF(WRONG), gap, counted);
@@ -370,6 +369,7 @@ LAG_UNROLLED void judge(LagWideTaylor *s, int lane, int is_own)
     const LagWide part = is_own ? LAG_WIDE_OF(1) / (own + LAG_WIDE_OF(1)) : LAG_WIDE_OF(1.0 / (s->order + 1));
     const LagWide zero = LAG_WIDE_OF(0), one = LAG_WIDE_OF(1), infinite = LAG_WIDE_OF((double)INFINITY);
     const LagWide t = lag_wide_read(s->lanes.t + lane), h = lag_wide_read(s->lanes.next + lane) - t;
+    lag_wide_weigh(s, lane, s->lanes.made, h, s->next_weight);
     const LagWide before = lag_wide_read(s->wrong + lane), wrong = gap(s, lane, h, h * part, own, is_own) * h * part;
     const LagWide is_faint = LAG_WIDE_SELECT(wrong * LAG_WIDE_OF(s->lanes.scale.tolerance) < LAG_WIDE_OF(NOISE), one, zero);
     const LagWide is_noise = LAG_WIDE_SELECT(wrong > LAG_WIDE_OF(REMAINS) * before, is_faint, zero);
@@ -381,7 +381,8 @@ LAG_UNROLLED void judge(LagWideTaylor *s, int lane, int is_own)
     lag_wide_write(s->lanes.missed + lane, lag_wide_read(s->lanes.missed + lane) + LAG_WIDE_SELECT(wrong > one, good, zero));
     lag_wide_write(s->wrong + lane, LAG_WIDE_SELECT(good > zero, infinite, wrong));
     lag_wide_write(s->limit + lane, LAG_WIDE_SELECT(good > zero, infinite, LAG_WIDE_OF(SHRINK) * h));
-    lag_wide_accept(&s->lanes, lane, good, h);
+    const int are_all = lag_wide_accept(&s->lanes, lane, good, h);
+    lag_wide_take_over(s->weight, s->next_weight, 2 * s->lanes.n, lane, good, are_all);
 }
 
 static void go_all(LagWideTaylor *s, int is_own)

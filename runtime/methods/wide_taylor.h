@@ -20,7 +20,8 @@ typedef struct {
     double faint, rate;       /* units that the last terms of short steps may be worth: so many, or so many over their time */
     LagWideSeries series;     /* its line is that of the states made last */
     int numbers_of[LAG_ABREAST]; /* the parameters that what is constant was made of: LagRun.parameters_version */
-    double *weight;           /* 2 n: 1 / units */
+    double *weight, *next_weight; /* 2 n: 1 / units of the latest steps that were good, and of those that are tried */
+    double entered[LAG_ABREAST]; /* 1: no step has weighed what is there */
     double *slope;            /* of inputs */
     double own[LAG_ABREAST];  /* the orders of the steps that are tried */
     double first[LAG_ABREAST]; /* those that are looked at first */
