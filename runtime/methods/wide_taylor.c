@@ -16,6 +16,7 @@
 #include "state/state.h"
 
 enum { MOST_SLOTS = 1200 }; /* that stay near the processor */
+static const double FIRST_PART = 0.5; /* of the time in which what moves changes: about a first step */
 static const double FAINT = 1e-16; /* what the last two terms of short steps may be in any case, relative to the state */
 
 int lag_wide_taylor_serves(const LagModel *model)
@@ -74,13 +75,36 @@ static double energy_weight(const LagRun *run)
     return unit > 0 ? 1 / unit : 0;
 }
 
+/* How long what moves takes to become another motion, about, of the kind for which that is soonest: the step that a run plans itself,
+ * which asks for more accelerations, is not worth its time here, as series tell how long they serve. */
+static double pace_of(const LagRun *run)
+{
+    const LagMotion *m = &run->motion;
+    const LagScale *scale = &run->scale;
+    const double *y = m->y, *a = m->slope + m->n;
+    double soonest = run->step;
+    for (int kind = 0; kind < scale->kinds; ++kind) {
+        double place = 0, rate = 0, change = 0;
+        for (int i = 0; i < m->n; ++i) {
+            if (scale->kind[i] != kind)
+                continue;
+            place = lag_max(fabs(y[i]), place);
+            rate = lag_max(fabs(y[m->n + i]), rate);
+            change = lag_max(fabs(a[i]), change);
+        }
+        const double time = change > 0 ? (rate + sqrt(change * place)) / change : 0;
+        soonest = time > 0 ? lag_min(time, soonest) : soonest;
+    }
+    return soonest;
+}
+
 /* About where the first step of a segment leads: a state which units of error are taken for. Returns 0 where nothing tells how fast
  * something will be that rests so far. */
 static int foresee(LagRun *run)
 {
     LagMotion *m = &run->motion;
     const int n = m->n;
-    const double h = run->step, *a = m->slope + n;
+    const double h = run->step = FIRST_PART * pace_of(run), *a = m->slope + n;
     for (int i = 0; i < n; ++i) {
         m->other[i] = m->y[i] + h * (m->y[n + i] + h / 2 * a[i]);
         m->other[n + i] = m->y[n + i] + h * a[i];

@@ -230,7 +230,7 @@ void lag_batch_conclude(LagBatch *batch, LagFollower *f, int64_t i, LagStatus st
     LagOutcome *outcome = &batch->outcomes[i];
     if (status == LAG_OK)
         status = close_account(f);
-    const LagStatistics *statistics = lag_run_statistics(f->run);
+    const LagStatistics *statistics = &f->run->statistics;
     for (size_t k = rows_size(batch, f->next_row); k < rows_size(batch, batch->sweep.n_rows); ++k)
         f->rows[k] = NAN;
     outcome->warned = outcome->kind == LAG_RUN_PARAMETER ? 0 : warned_of(f->run); /* of what did not start: of another run */

@@ -164,6 +164,8 @@ LagRunLanes *lag_lanes_new(LagBatch *batch)
     const int is_served = choose(s, model, &settings);
     s->may_turn = lag_methods_turn(&settings) && lag_methods_alternate(model, s->method->solver);
     settings.solver = s->method->solver;
+    if (s->method == &lag_wide_taylor && settings.first_step == 0)
+        settings.first_step = INFINITY; /* found where they are loaded */
     if (!is_served || !open(s, &settings)) {
         lag_lanes_free(s);
         return NULL;

@@ -7,6 +7,7 @@ import ctypes as c
 import math
 from collections.abc import Mapping, Sequence
 from enum import IntEnum
+from functools import cache
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, NamedTuple, Self
 
@@ -152,12 +153,24 @@ MIRRORS: Mapping[str, Mirrored] = {
 }  # fmt: skip
 
 
+@cache
+def _declare(library: c.CDLL) -> None:
+    check_mirrors(library, MIRRORS)
+    library.lag_batch_new.restype, library.lag_batch_new.argtypes = c.c_void_p, (c.c_void_p, c.c_void_p, c.POINTER(_Sweep))
+    library.lag_batch_free.restype, library.lag_batch_free.argtypes = None, (c.c_void_p,)
+    library.lag_batch_cycles.restype = c.POINTER(_Cycle)
+    library.lag_batch_cycles.argtypes = (c.c_void_p, c.c_int, c.POINTER(c.c_int64))
+    library.lag_batch_lanes.restype, library.lag_batch_lanes.argtypes = None, (c.c_void_p, c.POINTER(c.c_int64))
+    library.lag_batch_advance.restype = c.c_int64
+    library.lag_batch_advance.argtypes = (c.c_void_p, c.c_int64, *(c.c_void_p,) * 5, c.POINTER(c.c_int32))
+
+
 class Batch:
     """A run that is driven again and again; use it in a `with` statement, in one thread at a time."""
 
     def __init__(self, runtime: Runtime, model: Model, sweep: Sweep) -> None:
         self._library = runtime.library
-        self._declare()
+        _declare(self._library)
         self.n_reductions, self.n_varied = len(sweep.reductions), len(sweep.varied)
         self._sweep, self._states = sweep, len(sweep.given) + len(sweep.start)
         varied = [place for place in sweep.varied if place < self._states]
@@ -177,17 +190,6 @@ class Batch:
         if not self._batch:
             self._run.close()
             raise MemoryError("no memory for a run of this model")
-
-    def _declare(self) -> None:
-        library = self._library
-        check_mirrors(library, MIRRORS)
-        library.lag_batch_new.restype, library.lag_batch_new.argtypes = c.c_void_p, (c.c_void_p, c.c_void_p, c.POINTER(_Sweep))
-        library.lag_batch_free.restype, library.lag_batch_free.argtypes = None, (c.c_void_p,)
-        library.lag_batch_cycles.restype = c.POINTER(_Cycle)
-        library.lag_batch_cycles.argtypes = (c.c_void_p, c.c_int, c.POINTER(c.c_int64))
-        library.lag_batch_lanes.restype, library.lag_batch_lanes.argtypes = None, (c.c_void_p, c.POINTER(c.c_int64))
-        library.lag_batch_advance.restype = c.c_int64
-        library.lag_batch_advance.argtypes = (c.c_void_p, c.c_int64, *(c.c_void_p,) * 5, c.POINTER(c.c_int32))
 
     def __enter__(self) -> Self:
         return self
