@@ -7,7 +7,7 @@ go together, as their sums ask for the same coefficients, which take longer to r
 
 from collections.abc import Callable, Mapping, Sequence
 
-from lagrangia.native.series import Series
+from lagrangia.native.series import ORDERS, Series
 from lagrangia.native.series_writer import OPERANDS, Instruction
 from lagrangia.native.tapes import JetOp, Op
 
@@ -31,8 +31,9 @@ _LATER: Mapping[JetOp, str] = {
     JetOp.SQUARE: "lag_wide_square(s{s}, {ja}, {xa}, k)",
     JetOp.QUOTIENT: "({xa} - LAG_WIDE_INNER(s{s}, {xb}, {fw})) * i{i}",
     JetOp.NUMBER_OVER: "LAG_WIDE_INNER(s{s}, {xb}, {fw}) * -i{i}", JetOp.SQRT: "({xa} - lag_wide_twice(s{s}, {jw}, k)) * i{i}",
-    JetOp.POWER: "lag_wide_power({ja}, {jw}, {b}, k)", JetOp.INTEGRAL: _INNER + "share", JetOp.MINUS_INTEGRAL: _INNER + "-share",
-    JetOp.SINE: _INNER + "share", JetOp.COSINE: _INNER + "-share",
+    JetOp.POWER: "lag_wide_power({ja}, {jw}, {b}, k)", JetOp.INTEGRAL: _INNER + "share",
+    JetOp.MINUS_INTEGRAL: _INNER + "negative",
+    JetOp.SINE: _INNER + "share", JetOp.COSINE: _INNER + "negative",
     JetOp.PRODUCT_AND: "LAG_WIDE_PRODUCT(s{s} + {xc}, {fa}, {xa}, {fb}, {xb})",
     JetOp.PRODUCT_FROM: "LAG_WIDE_PRODUCT({xc} - s{s}, -{fa}, -{xa}, {fb}, {xb})",
     JetOp.ANGLE: "(LAG_WIDE_INNER(s{s}, {xc}, {fe}) - LAG_WIDE_INNER(s{t}, {xd}, {ff})) * share",
@@ -70,6 +71,10 @@ def write_wide_series(series: Series, expression: Callable[[int, str, str], str]
             "            wide_orders(first, end, numbers + lane, jets + lane);", "}", ""]
 
 
+# Read into all lanes at once: to make and spread them takes a tenth of a small scene's time.
+_TABLES = tuple(f"static const double {name}[] = {{{', '.join(map(repr, values))}}};" for name, values in (
+    ("order_of", [float(k) for k in range(ORDERS + 2)]), ("share_of", [1.0 / max(k, 1) for k in range(ORDERS + 2)]),
+    ("negative_share_of", [-1.0 / max(k, 1) for k in range(ORDERS + 2)])))
 _ORDERS = (
     "static void wide_orders(int first, int end, const double *numbers, double *jets)", "{",
     "    LagWide inverse[INVERSES];", "    int k = first;", "    wide_inverses(numbers, jets, inverse);",
@@ -156,7 +161,7 @@ def _later(series: Series, numbers: Mapping[int, str], head: Sequence[str]) -> l
     first = series.known - 4 * len(series.attitudes)
     statements += [f"lag_wide_jet_turn(JET({first + 4 * m}), JET({1 + n + place}), k);"
                    for m, place in enumerate(series.attitudes)]
-    return [f"enum {{ INVERSES = {max(len(inverses), 1)} }};",
+    return [*_TABLES, f"enum {{ INVERSES = {max(len(inverses), 1)} }};",
             "static void wide_inverses(const double *numbers, const double *jets, LagWide *i)", "{",
             *_indented([*head, "(void)jets; (void)i;",
                         *(f"i[{m}] = {text};" for m, text in enumerate(inverses))]), "}", "",
@@ -165,8 +170,9 @@ def _later(series: Series, numbers: Mapping[int, str], head: Sequence[str]) -> l
 
 def _by_orders(pairs: Sequence[tuple[int, int]], head: Sequence[str], statements: Sequence[str]) -> list[str]:
     """The statements of an order as a function of its sums, and functions for one order and for two."""
-    shares = ["const LagWide order = LAG_WIDE_OF((double)k), share = LAG_WIDE_OF(1.0 / k), next = LAG_WIDE_OF(1.0 / (k + 1));",
-              "(void)order; (void)share;"]
+    shares = ["const LagWide order = LAG_WIDE_OF(order_of[k]), share = LAG_WIDE_OF(share_of[k]);",
+              "const LagWide next = LAG_WIDE_OF(share_of[k + 1]), negative = LAG_WIDE_OF(negative_share_of[k]);",
+              "(void)order; (void)share; (void)negative;"]
     arguments = "const double *numbers, double *jets, const LagWide *i"
     none = "const LagWide zero = LAG_WIDE_OF(0.0); (void)zero;"
     given = "".join(f", LagWide s{m}" for m in range(len(pairs)))
