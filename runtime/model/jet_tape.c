@@ -96,6 +96,9 @@ static void run_first(const LagModel *model, const Place *p, const double *sine,
         case LAG_JET_IF: *w = N(2) != 0 ? X(3) : 0; break;
         case LAG_JET_FIRST_AND: *w = X(2) * X(3) + X(4); break;
         case LAG_JET_OVER_REST: *w = X(2) / (N(4) - N(5) * (X(3) * X(3))); break;
+        case LAG_JET_SCALE_AND: *w = N(2) * X(3) + X(4); break;
+        case LAG_JET_SCALE_FROM: *w = X(4) - N(2) * X(3); break;
+        case LAG_JET_SCALE_LESS: *w = N(2) * X(3) - X(4); break;
         case LAG_JET_PRODUCT: *w = X(2) * X(3); break;
         case LAG_JET_SQUARE: *w = X(2) * X(2); break;
         case LAG_JET_QUOTIENT: *w = X(2) / X(3); break;
@@ -140,6 +143,9 @@ static void run_later(const LagModel *model, const Place *p, int k)
         case LAG_JET_IF: *w = N(2) != 0 ? X(3) : 0; break;
         case LAG_JET_FIRST_AND: *w = *JET(2) * X(3) + X(4); break;
         case LAG_JET_OVER_REST: *w = X(2) * (1 / (N(4) - N(5) * (*JET(3) * *JET(3)))); break;
+        case LAG_JET_SCALE_AND: *w = N(2) * X(3) + X(4); break;
+        case LAG_JET_SCALE_FROM: *w = X(4) - N(2) * X(3); break;
+        case LAG_JET_SCALE_LESS: *w = N(2) * X(3) - X(4); break;
         case LAG_JET_PRODUCT: *w = sums->product(JET(2), JET(3)); break;
         case LAG_JET_SQUARE: *w = sums->square(JET(2)); break;
         case LAG_JET_QUOTIENT: *w = (X(2) - sums->inner(JET(3), JET(1))) * (1 / *JET(3)); break;

@@ -15,6 +15,7 @@ typedef enum {
     LAG_JET_ADD_NUMBER, LAG_JET_SUB_NUMBER, LAG_JET_NUMBER_SUB, LAG_JET_SCALE, LAG_JET_OVER_NUMBER, LAG_JET_IF,
     LAG_JET_FIRST_AND, /* a, b, c: a_0 b + c */
     LAG_JET_OVER_REST, /* a, c, n, m: a/(n - m c_0^2) */
+    LAG_JET_SCALE_AND, LAG_JET_SCALE_FROM, LAG_JET_SCALE_LESS, /* n, b, c: n b + c, c - n b, and n b - c */
     /* from here on there are sums of products */
     LAG_JET_PRODUCT, LAG_JET_SQUARE, LAG_JET_QUOTIENT, LAG_JET_NUMBER_OVER, LAG_JET_SQRT, LAG_JET_POWER,
     LAG_JET_INTEGRAL, LAG_JET_MINUS_INTEGRAL, /* u, du/dt, slope, function: w' = slope u' or its negative */

@@ -99,6 +99,9 @@ static void run_first(LagWideSeries *s)
         case LAG_JET_IF: EACH(LAG_WIDE_SELECT(N(2) != zero, X(3), zero));
         case LAG_JET_FIRST_AND: EACH(X(2) * X(3) + X(4));
         case LAG_JET_OVER_REST: EACH(X(2) / (N(4) - N(5) * (X(3) * X(3))));
+        case LAG_JET_SCALE_AND: EACH(N(2) * X(3) + X(4));
+        case LAG_JET_SCALE_FROM: EACH(X(4) - N(2) * X(3));
+        case LAG_JET_SCALE_LESS: EACH(N(2) * X(3) - X(4));
         case LAG_JET_PRODUCT: EACH(X(2) * X(3));
         case LAG_JET_SQUARE: EACH(X(2) * X(2));
         case LAG_JET_QUOTIENT: EACH(X(2) / X(3));
@@ -215,6 +218,9 @@ static void run_order(LagWideSeries *s, int k)
         case LAG_JET_IF: EACH(LAG_WIDE_SELECT(N(2) != zero, X(3), zero));
         case LAG_JET_FIRST_AND: EACH(LAG_WIDE_FUSED(FIRST(2), X(3), X(4)));
         case LAG_JET_OVER_REST: EACH(X(2) * (one / (N(4) - N(5) * (FIRST(3) * FIRST(3)))));
+        case LAG_JET_SCALE_AND: EACH(LAG_WIDE_FUSED(N(2), X(3), X(4)));
+        case LAG_JET_SCALE_FROM: EACH(LAG_WIDE_FUSED(-N(2), X(3), X(4)));
+        case LAG_JET_SCALE_LESS: EACH(LAG_WIDE_FUSED(N(2), X(3), -X(4)));
         case LAG_JET_PRODUCT: EACH(PRODUCT(2, 3));
         case LAG_JET_SQUARE: EACH(lag_wide_square(BETWEEN(0), JET(2), X(2), k));
         case LAG_JET_QUOTIENT: EACH((X(2) - INNER(0, 3, 1)) * (one / FIRST(3)));

@@ -11,7 +11,14 @@ from array import array
 from collections.abc import Iterable, Mapping, Sequence
 
 from lagrangia.base.records import dataclass
-from lagrangia.native.series_products import in_factors, in_squares, late_last, with_numbers_inside, without_quotients
+from lagrangia.native.series_products import (
+    in_factors,
+    in_squares,
+    late_last,
+    scaled_inside,
+    with_numbers_inside,
+    without_quotients,
+)
 from lagrangia.native.series_writer import (
     INPUTS,
     MOST_OPERANDS,
@@ -123,7 +130,7 @@ def find_series(tape: Tape, attitudes: Sequence[int] = ()) -> Series:
     early = frozenset(range(known)).difference(range(1 + n, 1 + 2 * n))
     inside = with_numbers_inside(writer, shared, found)
     coupled = _asked_for(without_quotients(writer, inside, found), found)
-    written = late_last(coupled, found, early)
+    written = scaled_inside(late_last(coupled, found, early), found)
     instructions = tuple(map(_alone, written) if writer.n_angles == 1 else written)
     products = sum(i.op in _PRODUCTS for i in plain)
     if not turned and orders_apart(products, len(instructions)) == 0:

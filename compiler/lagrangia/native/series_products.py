@@ -330,3 +330,18 @@ def _product_in(i: Instruction, written: Mapping[int, Instruction], asked: Mappi
         if is_own and when.get(other, 0) + _ROUND <= when[product]:
             return product
     return None
+
+
+def scaled_inside(instructions: Sequence[Instruction], found: Sequence[int]) -> list[Instruction]:
+    """n b + c, c - n b and n b - c as one, where nothing else asks for n b. `found` are asked for, too."""
+    asked, written = times_asked(instructions, found), {i.out: i for i in instructions}
+    for i in instructions:
+        if i.op not in (JetOp.ADD, JetOp.SUB):
+            continue
+        a, b = i.operands
+        for scaled, other, op in ((b, a, JetOp.SCALE_FROM), (a, b, JetOp.SCALE_LESS)):
+            if asked[scaled] == 1 and scaled in written and written[scaled].op is JetOp.SCALE:
+                number, jet = written.pop(scaled).operands
+                written[i.out] = Instruction(JetOp.SCALE_AND if i.op is JetOp.ADD else op, i.out, (number, jet, other))
+                break
+    return [written[i.out] for i in instructions if i.out in written]

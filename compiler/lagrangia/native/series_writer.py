@@ -18,7 +18,7 @@ OPERANDS: Mapping[JetOp, str] = {
     JetOp.IF: "nj", JetOp.PRODUCT: "JJ", JetOp.SQUARE: "J", JetOp.QUOTIENT: "jJ", JetOp.NUMBER_OVER: "nJ", JetOp.SQRT: "j",
     JetOp.POWER: "Jn", JetOp.INTEGRAL: "jJJo", JetOp.MINUS_INTEGRAL: "jJJo", JetOp.SINE: "jJJc", JetOp.COSINE: "jJJc",
     JetOp.ANGLE: "jjJJJJ", JetOp.PRODUCT_AND: "JJj", JetOp.PRODUCT_FROM: "JJj", JetOp.FIRST_AND: "Jjj", JetOp.OVER_REST: "jJnn",
-    JetOp.LOWER: "JJ",
+    JetOp.LOWER: "JJ", JetOp.SCALE_AND: "njj", JetOp.SCALE_FROM: "njj", JetOp.SCALE_LESS: "njj",
 }
 
 

@@ -79,20 +79,23 @@ class JetOp(IntEnum):
     IF = 11
     FIRST_AND = 12
     OVER_REST = 13
-    PRODUCT = 14
-    SQUARE = 15
-    QUOTIENT = 16
-    NUMBER_OVER = 17
-    SQRT = 18
-    POWER = 19
-    INTEGRAL = 20
-    MINUS_INTEGRAL = 21
-    SINE = 22
-    COSINE = 23
-    ANGLE = 24
-    PRODUCT_AND = 25
-    PRODUCT_FROM = 26
-    LOWER = 27
+    SCALE_AND = 14
+    SCALE_FROM = 15
+    SCALE_LESS = 16
+    PRODUCT = 17
+    SQUARE = 18
+    QUOTIENT = 19
+    NUMBER_OVER = 20
+    SQRT = 21
+    POWER = 22
+    INTEGRAL = 23
+    MINUS_INTEGRAL = 24
+    SINE = 25
+    COSINE = 26
+    ANGLE = 27
+    PRODUCT_AND = 28
+    PRODUCT_FROM = 29
+    LOWER = 30
 
 
 # Too faint, perhaps, to tell of themselves where they are large a little later.

@@ -21,6 +21,7 @@ _FIRST: Mapping[JetOp, str] = {
     JetOp.PRODUCT: "{xa} * {xb}", JetOp.SQUARE: "{xa} * {xa}", JetOp.QUOTIENT: "{xa} / {xb}", JetOp.NUMBER_OVER: "{a} / {xb}",
     JetOp.PRODUCT_AND: "{xa} * {xb} + {xc}", JetOp.PRODUCT_FROM: "{xc} - {xa} * {xb}", JetOp.FIRST_AND: "{xa} * {xb} + {xc}",
     JetOp.OVER_REST: "{xa} / ({c} - {d} * ({xb} * {xb}))", JetOp.LOWER: "zero",
+    JetOp.SCALE_AND: "{a} * {xb} + {xc}", JetOp.SCALE_FROM: "{xc} - {a} * {xb}", JetOp.SCALE_LESS: "{a} * {xb} - {xc}",
 }
 _INNER = "LAG_WIDE_INNER(s{s}, {xb}, {fc}) * "
 _LATER: Mapping[JetOp, str] = {
@@ -38,7 +39,8 @@ _LATER: Mapping[JetOp, str] = {
     JetOp.PRODUCT_FROM: "LAG_WIDE_PRODUCT({xc} - s{s}, -{fa}, -{xa}, {fb}, {xb})",
     JetOp.ANGLE: "(LAG_WIDE_INNER(s{s}, {xc}, {fe}) - LAG_WIDE_INNER(s{t}, {xd}, {ff})) * share",
     JetOp.FIRST_AND: "LAG_WIDE_FUSED({fa}, {xb}, {xc})", JetOp.OVER_REST: "{xa} * i{i}",
-    JetOp.LOWER: "LAG_WIDE_INNER(s{s}, {xa}, {fb})",
+    JetOp.LOWER: "LAG_WIDE_INNER(s{s}, {xa}, {fb})", JetOp.SCALE_AND: "LAG_WIDE_FUSED({a}, {xb}, {xc})",
+    JetOp.SCALE_FROM: "LAG_WIDE_FUSED(-{a}, {xb}, {xc})", JetOp.SCALE_LESS: "LAG_WIDE_FUSED({a}, {xb}, -{xc})",
 }
 # What is multiplied in every order, and is the same in all.
 _INVERSE: Mapping[JetOp, str] = {JetOp.QUOTIENT: "one / {fb}", JetOp.NUMBER_OVER: "one / {fb}", JetOp.SQRT: "half / {fw}",
