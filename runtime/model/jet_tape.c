@@ -86,8 +86,7 @@ static void run_first(const LagModel *model, const Place *p, const double *sine,
         case LAG_JET_DERIVATIVE: *w = 0; break;
         case LAG_JET_NEG: *w = -X(2); break;
         case LAG_JET_TWICE: *w = 2 * X(2); break;
-        case LAG_JET_ADD: *w = X(2) + X(3); break;
-        case LAG_JET_SUB: *w = X(2) - X(3); break;
+        case LAG_JET_ADD: *w = X(2) + X(3); break; case LAG_JET_SUB: *w = X(2) - X(3); break;
         case LAG_JET_ADD_NUMBER: *w = X(2) + N(3); break;
         case LAG_JET_SUB_NUMBER: *w = X(2) - N(3); break;
         case LAG_JET_NUMBER_SUB: *w = N(2) - X(3); break;
@@ -97,16 +96,14 @@ static void run_first(const LagModel *model, const Place *p, const double *sine,
         case LAG_JET_FIRST_AND: *w = X(2) * X(3) + X(4); break;
         case LAG_JET_OVER_REST: *w = X(2) / (N(4) - N(5) * (X(3) * X(3))); break;
         case LAG_JET_SCALE_AND: *w = N(2) * X(3) + X(4); break;
-        case LAG_JET_SCALE_FROM: *w = X(4) - N(2) * X(3); break;
-        case LAG_JET_SCALE_LESS: *w = N(2) * X(3) - X(4); break;
+        case LAG_JET_SCALE_FROM: *w = X(4) - N(2) * X(3); break; case LAG_JET_SCALE_LESS: *w = N(2) * X(3) - X(4); break;
         case LAG_JET_PRODUCT: *w = X(2) * X(3); break;
         case LAG_JET_SQUARE: *w = X(2) * X(2); break;
         case LAG_JET_QUOTIENT: *w = X(2) / X(3); break;
         case LAG_JET_NUMBER_OVER: *w = N(2) / X(3); break;
         case LAG_JET_SQRT: *w = sqrt(X(2)); break;
         case LAG_JET_POWER: *w = pow(X(2), N(3)); break;
-        case LAG_JET_INTEGRAL:
-        case LAG_JET_MINUS_INTEGRAL: *w = value_of(i[5], X(2)); break;
+        case LAG_JET_INTEGRAL: case LAG_JET_MINUS_INTEGRAL: *w = value_of(i[5], X(2)); break;
         case LAG_JET_SINE: *w = sine[i[5]]; break;
         case LAG_JET_COSINE: *w = cosine[i[5]]; break;
         case LAG_JET_ANGLE: *w = atan2(X(2), X(3)); break;
@@ -134,8 +131,7 @@ static void run_later(const LagModel *model, const Place *p, int k)
         case LAG_JET_DERIVATIVE: *w = k * X(2); break;
         case LAG_JET_NEG: *w = -X(2); break;
         case LAG_JET_TWICE: *w = 2 * X(2); break;
-        case LAG_JET_ADD: *w = X(2) + X(3); break;
-        case LAG_JET_SUB: *w = X(2) - X(3); break;
+        case LAG_JET_ADD: *w = X(2) + X(3); break; case LAG_JET_SUB: *w = X(2) - X(3); break;
         case LAG_JET_ADD_NUMBER: case LAG_JET_SUB_NUMBER: *w = X(2); break;
         case LAG_JET_NUMBER_SUB: *w = -X(3); break;
         case LAG_JET_SCALE: *w = N(2) * X(3); break;
@@ -144,8 +140,7 @@ static void run_later(const LagModel *model, const Place *p, int k)
         case LAG_JET_FIRST_AND: *w = *JET(2) * X(3) + X(4); break;
         case LAG_JET_OVER_REST: *w = X(2) * (1 / (N(4) - N(5) * (*JET(3) * *JET(3)))); break;
         case LAG_JET_SCALE_AND: *w = N(2) * X(3) + X(4); break;
-        case LAG_JET_SCALE_FROM: *w = X(4) - N(2) * X(3); break;
-        case LAG_JET_SCALE_LESS: *w = N(2) * X(3) - X(4); break;
+        case LAG_JET_SCALE_FROM: *w = X(4) - N(2) * X(3); break; case LAG_JET_SCALE_LESS: *w = N(2) * X(3) - X(4); break;
         case LAG_JET_PRODUCT: *w = sums->product(JET(2), JET(3)); break;
         case LAG_JET_SQUARE: *w = sums->square(JET(2)); break;
         case LAG_JET_QUOTIENT: *w = (X(2) - sums->inner(JET(3), JET(1))) * (1 / *JET(3)); break;

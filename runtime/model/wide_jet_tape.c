@@ -87,10 +87,8 @@ static void run_first(LagWideSeries *s)
         switch (i[0]) {
         case LAG_JET_NUMBER: EACH(N(2));
         case LAG_JET_DERIVATIVE: EACH(zero);
-        case LAG_JET_NEG: EACH(-X(2));
-        case LAG_JET_TWICE: EACH(two * X(2));
-        case LAG_JET_ADD: EACH(X(2) + X(3));
-        case LAG_JET_SUB: EACH(X(2) - X(3));
+        case LAG_JET_NEG: EACH(-X(2)); case LAG_JET_TWICE: EACH(two * X(2));
+        case LAG_JET_ADD: EACH(X(2) + X(3)); case LAG_JET_SUB: EACH(X(2) - X(3));
         case LAG_JET_ADD_NUMBER: EACH(X(2) + N(3));
         case LAG_JET_SUB_NUMBER: EACH(X(2) - N(3));
         case LAG_JET_NUMBER_SUB: EACH(N(2) - X(3));
@@ -100,8 +98,7 @@ static void run_first(LagWideSeries *s)
         case LAG_JET_FIRST_AND: EACH(X(2) * X(3) + X(4));
         case LAG_JET_OVER_REST: EACH(X(2) / (N(4) - N(5) * (X(3) * X(3))));
         case LAG_JET_SCALE_AND: EACH(N(2) * X(3) + X(4));
-        case LAG_JET_SCALE_FROM: EACH(X(4) - N(2) * X(3));
-        case LAG_JET_SCALE_LESS: EACH(N(2) * X(3) - X(4));
+        case LAG_JET_SCALE_FROM: EACH(X(4) - N(2) * X(3)); case LAG_JET_SCALE_LESS: EACH(N(2) * X(3) - X(4));
         case LAG_JET_PRODUCT: EACH(X(2) * X(3));
         case LAG_JET_SQUARE: EACH(X(2) * X(2));
         case LAG_JET_QUOTIENT: EACH(X(2) / X(3));
@@ -207,10 +204,8 @@ static void run_order(LagWideSeries *s, int k)
         switch (i[0]) {
         case LAG_JET_NUMBER: EACH(zero);
         case LAG_JET_DERIVATIVE: EACH(order * X(2));
-        case LAG_JET_NEG: EACH(-X(2));
-        case LAG_JET_TWICE: EACH(two * X(2));
-        case LAG_JET_ADD: EACH(X(2) + X(3));
-        case LAG_JET_SUB: EACH(X(2) - X(3));
+        case LAG_JET_NEG: EACH(-X(2)); case LAG_JET_TWICE: EACH(two * X(2));
+        case LAG_JET_ADD: EACH(X(2) + X(3)); case LAG_JET_SUB: EACH(X(2) - X(3));
         case LAG_JET_ADD_NUMBER: case LAG_JET_SUB_NUMBER: EACH(X(2));
         case LAG_JET_NUMBER_SUB: EACH(-X(3));
         case LAG_JET_SCALE: EACH(N(2) * X(3));
@@ -219,8 +214,7 @@ static void run_order(LagWideSeries *s, int k)
         case LAG_JET_FIRST_AND: EACH(LAG_WIDE_FUSED(FIRST(2), X(3), X(4)));
         case LAG_JET_OVER_REST: EACH(X(2) * (one / (N(4) - N(5) * (FIRST(3) * FIRST(3)))));
         case LAG_JET_SCALE_AND: EACH(LAG_WIDE_FUSED(N(2), X(3), X(4)));
-        case LAG_JET_SCALE_FROM: EACH(LAG_WIDE_FUSED(-N(2), X(3), X(4)));
-        case LAG_JET_SCALE_LESS: EACH(LAG_WIDE_FUSED(N(2), X(3), -X(4)));
+        case LAG_JET_SCALE_FROM: EACH(LAG_WIDE_FUSED(-N(2), X(3), X(4))); case LAG_JET_SCALE_LESS: EACH(LAG_WIDE_FUSED(N(2), X(3), -X(4)));
         case LAG_JET_PRODUCT: EACH(PRODUCT(2, 3));
         case LAG_JET_SQUARE: EACH(lag_wide_square(BETWEEN(0), JET(2), X(2), k));
         case LAG_JET_QUOTIENT: EACH((X(2) - INNER(0, 3, 1)) * (one / FIRST(3)));
