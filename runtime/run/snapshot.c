@@ -1,4 +1,5 @@
-/* Layout of the bytes: Header, the run's struct, its vectors, its table of inputs, what is on its way to be read late. */
+/* Layout of the bytes: Header, the run's struct, its vectors, its table of inputs, what is on its way to be read late; of each island
+ * the number of its bytes, and these. */
 #include "run/snapshot.h"
 
 #include <stdlib.h>
@@ -25,7 +26,10 @@ static uint64_t table_size(const LagRun *run) { return (uint64_t)run->inputs.row
 size_t lag_snapshot_size(const LagRun *run)
 {
     const size_t tables = (size_t)table_size(run) + lag_history_size(&run->history);
-    return sizeof(Header) + sizeof *run + (run->memory_size + tables) * sizeof(double);
+    size_t islands = 0;
+    for (int k = 0; k < run->methods.islands.count; ++k)
+        islands += WORD + lag_snapshot_size(run->methods.islands.runs[k]);
+    return sizeof(Header) + sizeof *run + (run->memory_size + tables) * sizeof(double) + islands;
 }
 
 static unsigned char *append(unsigned char *place, const void *from, size_t size)
@@ -46,6 +50,14 @@ void lag_snapshot_take(const LagRun *run, unsigned char *bytes)
     place = append(place, run->inputs.times, rows * sizeof(double));
     place = append(place, run->inputs.values, rows * (size_t)run->inputs.n * sizeof(double));
     lag_history_save(&run->history, place);
+    place += lag_history_size(&run->history) * sizeof(double);
+    for (int k = 0; k < run->methods.islands.count; ++k) {
+        const LagRun *island = run->methods.islands.runs[k];
+        const uint64_t size = lag_snapshot_size(island);
+        place = append(place, &size, sizeof size);
+        lag_snapshot_take(island, place);
+        place += size;
+    }
 }
 
 static uint64_t read_word(const void *base, size_t k)
@@ -103,6 +115,8 @@ static void keep_own(LagRun *result, const LagRun *run)
     result->retry.room = run->retry.room;
     result->retry.stop = run->retry.stop;
     result->retry.limit = run->retry.limit;
+    result->methods.islands.runs = run->methods.islands.runs;
+    result->methods.islands.count = run->methods.islands.count;
     result->history.pieces = run->history.pieces;
     result->history.marks = run->history.marks;
     result->history.first = run->history.first;
@@ -131,32 +145,70 @@ static uint64_t saved_history(const LagRun *run, const LagRun *saved)
     return lag_history_size(&past);
 }
 
+/* Whether bytes are of this model and build, the run's own and those of its islands: `own` are the run's. */
+static int fits(const LagRun *run, const unsigned char *bytes, size_t size, size_t *own)
+{
+    Header header;
+    LagRun saved;
+    if (size < sizeof header + sizeof saved)
+        return 0;
+    memcpy(&header, bytes, sizeof header);
+    memcpy(&saved, bytes + sizeof header, sizeof saved);
+    const size_t most = size / sizeof(double);
+    if (header.struct_size != sizeof saved || header.memory_size != run->memory_size || header.table_size > most
+        || header.history_size > most || header.history_size != saved_history(run, &saved)
+        || header.table_size % (1 + (uint64_t)run->inputs.n) != 0)
+        return 0;
+    *own = sizeof header + sizeof saved + (run->memory_size + (size_t)(header.table_size + header.history_size)) * sizeof(double);
+    size_t place = *own;
+    for (int k = 0; k < run->methods.islands.count; ++k) {
+        size_t inner;
+        if (place > size || size - place < WORD)
+            return 0;
+        const uint64_t count = read_word(bytes + place, 0);
+        place += WORD;
+        if (count > size - place || !fits(run->methods.islands.runs[k], bytes + place, (size_t)count, &inner))
+            return 0;
+        place += (size_t)count;
+    }
+    return place == size;
+}
+
+static LagStatus restore_islands(LagRun *run, const unsigned char *place)
+{
+    LagStatus status = LAG_OK;
+    for (int k = 0; k < run->methods.islands.count && status == LAG_OK; ++k) {
+        const size_t count = (size_t)read_word(place, 0);
+        status = lag_snapshot_restore(run->methods.islands.runs[k], place + WORD, count);
+        place += WORD + count;
+    }
+    return status;
+}
+
 LagStatus lag_snapshot_restore(LagRun *run, const unsigned char *bytes, size_t size)
 {
     Header header;
     LagRun saved, result;
-    if (size < sizeof header + sizeof saved)
+    size_t own;
+    if (!fits(run, bytes, size, &own))
         return LAG_BAD_SETTINGS;
     memcpy(&header, bytes, sizeof header);
     memcpy(&saved, bytes + sizeof header, sizeof saved);
     const unsigned char *vectors = bytes + sizeof header + sizeof saved;
-    const size_t most = size / sizeof(double);
-    if (header.struct_size != sizeof saved || header.memory_size != run->memory_size || header.table_size > most
-        || header.history_size > most || header.history_size != saved_history(run, &saved)
-        || size != sizeof header + sizeof saved
-               + (run->memory_size + (size_t)(header.table_size + header.history_size)) * sizeof(double)
-        || header.table_size % (1 + (uint64_t)run->inputs.n) != 0)
-        return LAG_BAD_SETTINGS;
     result = saved;
     if ((header.run != address(run) || header.memory != address(run->memory)) && !relocate(&header, run, &saved, &result))
         return LAG_OUT_OF_MEMORY;
     const unsigned char *table = vectors + run->memory_size * sizeof(double);
-    const LagStatus status = set_table(run, table, header.table_size);
+    LagStatus status = set_table(run, table, header.table_size);
+    if (status == LAG_OK)
+        status = restore_islands(run, bytes + own);
     if (status != LAG_OK)
         return status;
     if (header.history_size > 0 && !lag_history_load(&run->history, &saved.history, table + header.table_size * sizeof(double)))
         return LAG_OUT_OF_MEMORY;
     keep_own(&result, run);
+    if (saved.methods.islands.inputs_version == saved.inputs.version)
+        result.methods.islands.inputs_version = result.inputs.version;
     memcpy(run->memory, vectors, run->memory_size * sizeof(double));
     *run = result;
     lag_stepper_choose(run, saved.methods.solver);

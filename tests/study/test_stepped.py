@@ -3,6 +3,7 @@
 import math
 import time
 from collections.abc import Callable
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -188,3 +189,27 @@ def test_a_run_that_has_ended_has_ended_when_come_back_to(scene: Scene) -> None:
     assert run.ended == said
     with pytest.raises(RunError):
         run.step(0.1)
+
+
+def test_what_runs_in_islands_is_saved_with_them(tmp_path: Path) -> None:
+    """A run goes back to where it was saved before several events, and another one goes on from there, once the first has ended."""
+    path = tmp_path / "apart.lag"
+    path.write_text("""model Apart
+  World world(gravity = {0, 0});
+  Block p(m = 1, base = world), q(m = 1, base = world, v(start = 1));
+  Spring s(k = 300, stretch = q.s);
+  AppliedForce f(at = p.center, force = {0.1 + 4*sin(3*p.s)*mod(time/1[s], 0.25), 0});
+end Apart;""")
+    model = lag.load(path)
+    one = model.start(tolerance=1e-9)
+    one.step(0.3)
+    assert "islands" in one.statistics.solver.name.lower()
+    kept = one.save()
+    right = [one.step(0.4).copy() for _ in range(3)][-1]
+    one.restore(kept)
+    again = [one.step(0.4).copy() for _ in range(3)][-1]
+    del one
+    other = model.start(tolerance=1e-9, initial={"p.s": 2.0, "q.v": -3.0})
+    other.restore(kept)
+    there = [other.step(0.4).copy() for _ in range(3)][-1]
+    assert again.tolist() == there.tolist() == right.tolist()
