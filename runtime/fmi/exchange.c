@@ -31,6 +31,7 @@ static const double CLEAR = 2;     /* slacks: farther from its place a condition
 /* Of all energy, what the account may miss by errors of an importer's method, which add up: in its tolerances, at all and for each step
  * it tells of; at least and at most. */
 static const double MISSED = 2e3, MISSED_EACH = 10, MISSED_ROUNDING = 1e-8, MOST_MISSED = 0.1;
+static const double SOONER = 100, MOST_SOONER = 0.01; /* tolerances, and at most, of a step: so much sooner our run may meet its end */
 static const double CLOSE = 1e-6; /* of the accelerations: the polynomial between two completed steps is the motion */
 
 LagAnswer lag_instance_set_time(LagInstance *s, double t)
@@ -181,9 +182,9 @@ static int agree(const double *a, const double *b, int n)
     return distance <= CLOSE * size;
 }
 
-/* Dissipated and work over the last step, by Gauss-Lobatto quadrature with four nodes, two of them at the ends: `is_known`. Returns 0
- * when the motion between the ends is not the polynomial's. */
-static int account_by_polynomial(LagInstance *s, double h, double *sum, int *is_known)
+/* Dissipated and work over the last step, by Gauss-Lobatto quadrature with four nodes, two of them at the ends. Returns 0 when the
+ * motion between the ends is not the polynomial's. */
+static int account_by_polynomial(LagInstance *s, double h, double *sum)
 {
     static const double INNER[2] = {0.27639320225002103, 0.72360679774997897}; /* (1 -+ 1/sqrt 5)/2 */
     const int n = s->model->n, states = lag_fmu_states(s->model);
@@ -199,18 +200,18 @@ static int account_by_polynomial(LagInstance *s, double h, double *sum, int *is_
         for (int k = 0; k < 2; ++k)
             sum[k] += h / 12 * 5 * power[k];
     }
-    *is_known = 1;
     return agrees;
 }
 
-/* The same by a run of our own from the last state: importers that tell of every hundredth step only are held to account. Not known
- * where it meets an event, which the importer's step has not: that takes its share when it comes. Into `is_same`: whether the
- * equations are those that they were, which the importer must be told otherwise. */
-static int account_by_run(LagInstance *s, double *sum, int *is_same)
+/* The same by a run of our own from the last state: importers that tell of every hundredth step only are held to account. A step often
+ * ends at an event, which our run may meet a little sooner: it ends before that, and what is left has the power of its end. Not known
+ * where it meets an event all the same, which the importer's step has not: that takes its share when it comes. Into `is_same`: whether
+ * the equations are those that they were, which the importer must be told otherwise. */
+static int account_by_run(LagInstance *s, double h, double *sum, int *is_same)
 {
     LagRun *run = s->run;
     const int n = run->model->n;
-    const double coarse = run->impacts.coarse;
+    const double coarse = run->impacts.coarse, left = h * fmin(SOONER * s->vital.tolerance, MOST_SOONER), end = s->vital.t - left;
     const int64_t events = run->statistics.events;
     int done = 0;
     lag_switches_keep(run, s->switches);
@@ -220,10 +221,10 @@ static int account_by_run(LagInstance *s, double *sum, int *is_same)
     run->impacts.coarse = 0; /* errors are ours */
     run->guards.is_idle = 1; /* and so is the motion between two completed steps */
     run->segment_end = fmax(run->segment_end, s->vital.t); /* events are the importer's */
-    const int is_known = lag_segment_evaluate(run) == LAG_OK && lag_run_advance(run, &s->vital.t, 1, s->row, &done, 0) == LAG_OK;
+    const int is_known = lag_segment_evaluate(run) == LAG_OK && lag_run_advance(run, &end, 1, s->row, &done, 0) == LAG_OK;
     const double *account = s->row + 1 + 2 * n + run->model->n_outputs + 3;
-    sum[0] = account[0];
-    sum[1] = account[1];
+    sum[0] = account[0] + left * s->power[0];
+    sum[1] = account[1] + left * s->power[1];
     run->guards.is_idle = 0;
     if (run->model->n_pieces > 0 && run->statistics.events != events) /* by inputs as they were foreseen */
         memcpy(run->d, s->modes, (size_t)run->model->n_modes * sizeof *run->d);
@@ -238,15 +239,13 @@ static int account_by_run(LagInstance *s, double *sum, int *is_same)
 static int keep_account(LagInstance *s)
 {
     const double h = s->vital.t - s->vital.last_time;
-    double sum[2] = {0, 0}, of_run[2];
-    int is_same = 1, is_known = 0;
+    double sum[2];
+    int is_same = 1;
     if (s->model->n_power == 2 && h > 0) {
-        const int is_run = lag_instance_slope(s) == LAG_ANSWER_OK && !account_by_polynomial(s, h, sum, &is_known)
-            && account_by_run(s, of_run, &is_same);
-        const double *found = is_run ? of_run : sum;
-        is_known |= is_run;
-        s->vital.dissipated += is_known ? found[0] : 0;
-        s->vital.work += is_known ? found[1] : 0;
+        const int is_known = lag_instance_slope(s) == LAG_ANSWER_OK
+            && (account_by_polynomial(s, h, sum) || account_by_run(s, h, sum, &is_same));
+        s->vital.dissipated += is_known ? sum[0] : 0;
+        s->vital.work += is_known ? sum[1] : 0;
         s->vital.is_unaccounted |= !is_known;
         s->vital.energies_are_current = 0;
     }
@@ -344,6 +343,16 @@ static double coarseness(LagInstance *s)
     return isfinite(most) ? most : 1;
 }
 
+/* Bends that are at their very place have not been passed: what they hold is chosen by the way they go. The start lies on many, as on
+ * that of abs(sin(t)). */
+static void choose_at_place(LagRun *run)
+{
+    LagSwitches *s = &run->switches;
+    for (int i = 0; i < lag_when(run->model, 0); ++i)
+        if (s->turned[i] == LAG_CHANGES && s->g[i] == 0)
+            s->turned[i] = LAG_STAYS;
+}
+
 /* What the equations hold from now on, and what slides; rates are reset. Returns whether the state was moved for it. */
 static int switch_over(LagInstance *s)
 {
@@ -355,6 +364,7 @@ static int switch_over(LagInstance *s)
     stand_at(s, s->vital.t, projected);
     run->impacts.coarse = coarseness(s);
     lag_switches_note(run);
+    choose_at_place(run);
     lag_cones_note_end(run);
     lag_impacts_note_jump(run, s->vital.t, run->motion.y);
     lag_impacts_strike(run);

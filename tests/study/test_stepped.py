@@ -192,7 +192,7 @@ def test_a_run_that_has_ended_has_ended_when_come_back_to(scene: Scene) -> None:
 
 
 def test_what_runs_in_islands_is_saved_with_them(tmp_path: Path) -> None:
-    """A run goes back to where it was saved before several events, and another one goes on from there, once the first has ended."""
+    """A run goes back to where it was saved before several events; another one goes on from there, once the first has ended."""
     path = tmp_path / "apart.lag"
     path.write_text("""model Apart
   World world(gravity = {0, 0});
