@@ -163,6 +163,9 @@ def find_switches(motion: Motion, late: ca.SX | None = None, bends: Sequence[ca.
     rates = _rates_of(values, motion, slopes)
     same = {pair: places[of] if is_same else as_expression(1.0 - places[of]) for pair, (of, is_same) in aliases.items()}
     held = {pair: rests[of] for pair, (of, _) in aliases.items() if of in rests}
+    moot = _moot_rests(ca.veccat(known.h, *laws), Holding(places, shares, rests, numbering), cones)
+    held = {pair: moot.get(x, x) for pair, x in held.items()} | {pair: moot[x] for pair, x in rests.items() if x in moot}
+    rests = {pair: x for pair, x in rests.items() if x not in moot}
     switches = Switches(symbols, values, rates, slopes, places, shares, rests, cones, numbering, same, held, lengths)
     return replace(switches, rubs=_find_rubs(motion, switches)) if motion.impacts.pressing else switches
 
@@ -391,6 +394,22 @@ def _without_unused(forces: Sequence[ca.SX], found: Mapping[Pair, Expression], r
     places = {pair: symbol(f"s_{k}") for k, pair in enumerate(found)}
     used = symbols_in(ca.veccat(*rebuilt(forces, numbering, Holding(places, frozenset(), rests, numbering).made)))
     return {pair: g for pair, g in found.items() if pair in rests or places[pair].__hash__() in used}
+
+
+def _moot_rests(forces: ca.SX, holding: Holding, cones: Sequence[tuple[Pair, Pair]]) -> dict[Expression, Expression]:
+    """The symbols of rates that rub as they move, and have a force of their own at rest, as a clamped load (Karnopp's law): what
+    holds there is a share of what rubs, as of a rate that is never found at rest. With 0 for each."""
+    together = {pair for cone in cones for pair in cone}
+    asked = {pair: rest for pair, rest in holding.rests.items() if pair in holding.places and pair not in together}
+    if not asked:
+        return {}
+    (held,) = rebuilt([forces], holding.numbering, holding.made)
+    moot = dict[Expression, Expression]()
+    for pair, rest in asked.items():
+        at_rest, moving = (ca.jacobian(ca.substitute(held, rest, value), holding.places[pair]) for value in (1, 0))
+        if at_rest.is_zero() and not moving.is_zero():
+            moot[rest] = as_expression(0.0)
+    return moot
 
 
 def find_roots(motion: Motion, switches: Switches) -> tuple[ca.SX, ca.SX]:

@@ -37,7 +37,7 @@ _SLOW, _JUMP = 1e-11, 10.0  # m/s or rad/s: of slow motion; a force changes more
 _POINTS = 3
 _SCALES = (1.0, 1.0, 1.0, 1e3, 1e6, 1e9)  # of places and all else that is given: what has limits reaches them far away
 _HINT = ("what holds at rest is told by F_static, mu_static or tau_static of the component, or by "
-         "`if abs(v) > 0 then ... else ...`: the second value is that at rest")
+         "`if abs(v) > 0 then ... else ...`: the second value is that at rest, with its sign, as -Fs*sign(v): any force up to Fs")
 
 
 def refuse_untold_rest(energies: Energies, motion: Motion) -> None:
@@ -79,9 +79,29 @@ def _apart(energies: Energies, v: ca.SX) -> Iterator[tuple[ca.SX, Span]]:
 def _is_untold(force: ca.SX, v: ca.SX) -> bool:
     probe = _Probe(v, Numbering())
     (held,) = rebuilt([ca.densify(force)], probe.numbering, probe.made)
+    if probe.asks_rest and _rests_beyond(force, held, probe, v):
+        return True
     if probe.is_asking and any(_is_apart(values) for values in _values_from_rest(held, probe, v)):
         return True
     return probe.is_doubtful and any(_tells_nothing(values) for values in _values_of(held, probe, v))
+
+
+def _rests_beyond(force: ca.SX, moving: ca.SX, probe: "_Probe", v: ca.SX) -> bool:
+    """Whether a force that jumps with the sign of a rate is told at rest without that sign, and not between both sides: what
+    holds there is a share of what rubs (switches.py)."""
+    probe.is_resting = True
+    (resting,) = rebuilt([ca.densify(force)], probe.numbering, probe.made)
+    probe.is_resting = False
+    signs = ca.vertcat(ca.SX(0, 1), *(pair[1] for pair in probe.found.values()))
+    if not signs.numel() or not ca.jacobian(resting, signs).is_zero() or ca.jacobian(moving, signs).is_zero():
+        return False
+    n = moving.numel()
+    for ahead, back, rest, _ in _values_of(ca.vertcat(moving, resting), probe, v):
+        sides, at_rest = np.array([ahead[:n], back[:n]]), rest[n:]
+        little = _NOTHING * np.abs(sides).max(axis=0)
+        if ((at_rest < sides.min(axis=0) - little) | (at_rest > sides.max(axis=0) + little)).any():
+            return True
+    return False
 
 
 def _is_apart(values: Sequence[Vector]) -> bool:
@@ -166,6 +186,7 @@ class _Probe(Holding):
         self.found = dict[Pair, tuple[Expression, Expression]]()  # the symbols of a rate and of its sign
         self.jumping, self.cornered = set[int](), set[int]()  # numbers of what jumps with a sign, and of what is not smooth
         self.is_doubtful = False  # whether forces are more than linear in a sign
+        self.asks_rest = self.is_resting = False  # whether something asks if a rate rests; and what it is told
         self.is_asking = False  # whether they compare rates in another way than by what is known to ask whether one rests
 
     def made(self, op: int, numbers: list[int], operands: list[Expression]) -> Expression:
@@ -176,7 +197,8 @@ class _Probe(Holding):
         is_of_rate = op in CORNERS and not self.moving.isdisjoint(symbols_in(ca.veccat(*operands)))
         asked = rest_asked(self.numbering, op, numbers) if is_of_rate else None
         if asked is not None:
-            return as_expression(0.0 if asked[1] else 1.0)
+            self.asks_rest = True
+            return as_expression(1.0 if asked[1] == self.is_resting else 0.0)
         self.is_asking |= is_of_rate and op in _ASKING
         if is_of_rate and op in _TURNING and (made := self._of_rate(op, numbers, operands, is_smooth)) is not None:
             return made
