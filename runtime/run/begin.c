@@ -71,7 +71,8 @@ static void clear(LagRun *run)
     lag_unsure_reset(run);
     lag_branch_forget(run);
     memset(run->risen, 0, (size_t)run->model->n * sizeof *run->risen);
-    run->carried_energy = run->risen_energy = run->motion.energy = run->motion.doubt = run->motion.looseness = run->motion.work_error = 0;
+    run->carried_energy = run->risen_energy = run->blurred_energy = 0;
+    run->motion.energy = run->motion.doubt = run->motion.looseness = run->motion.work_error = 0;
     run->wanted = run->paced = run->settings.t_start;
     run->row_spacing = 0;
     run->paused_before = run->looks.until = -INFINITY;

@@ -93,6 +93,23 @@ static double energy_of_rates(LagRun *run, double t, const double *y)
     return lag_max(isfinite(energies[KINETIC]) ? energies[KINETIC] : 0, run->risen_energy);
 }
 
+/* The kinetic energy where rates are off by what the latest step may make of rounding of its places (scale.h), or of its own change of
+ * them: in a narrow pulse they may be hardly more than that. */
+static double blurred_energy(LagRun *run)
+{
+    const int n = run->model->n;
+    const LagMotion *m = &run->motion;
+    const LagScale *scale = &run->scale;
+    double *moved = m->point, energies[3] = {0, 0, 0};
+    memcpy(moved, m->y, (size_t)n * sizeof *moved);
+    for (int i = 0; i < n; ++i) {
+        const double rate = m->y[n + i], place = lag_max(lag_scale_magnitude(scale, i, m->y[i], m->other[i]), scale->size[i]);
+        moved[n + i] = rate + copysign(lag_min(DBL_EPSILON * place / (m->t - m->t_old), fabs(rate - m->other[n + i])), rate);
+    }
+    lag_energies(run, m->t, moved, energies);
+    return energies[KINETIC];
+}
+
 void lag_account_rise(LagRun *run)
 {
     const int n = run->model->n;
@@ -106,6 +123,7 @@ void lag_account_rise(LagRun *run)
     double energies[3] = {0, 0, 0};
     lag_energies(run, run->motion.t, run->motion.y, energies);
     run->risen_energy = lag_max(lag_max(energy_of_rates(run, run->motion.t, run->motion.y), run->risen_energy), energies[KINETIC]);
+    run->blurred_energy = lag_max(fabs(blurred_energy(run) - energies[KINETIC]), run->blurred_energy);
 }
 
 /* The miss that the tolerance explains, and rounding: each step may add a part of it. */
@@ -125,7 +143,7 @@ static int is_unexplained(LagRun *run, double t, const double *y, double miss)
     if (miss > explained(run))
         run->statistics.energy_stored = lag_max(energy_of_rates(run, t, y), run->statistics.energy_stored);
     const double left = miss - explained(run);
-    return left > 0 && left > NOISES * rounding_of(run, t, y) && left > NOISES * rounding_of_loads(run, t, y);
+    return left > DOUBTS * run->blurred_energy && left > NOISES * rounding_of(run, t, y) && left > NOISES * rounding_of_loads(run, t, y);
 }
 
 /* The account is open from the first row on at which the largest miss is more than what explains it, unless that comes to do so. */

@@ -103,6 +103,7 @@ struct LagRun {
     double missed_energy; /* by the account, when steps were made stricter for it */
     double carried_energy; /* T that prescribed motion will give to what rests so far; 0: there are energies */
     double risen_energy;  /* T of loops, as their rates rose */
+    double blurred_energy; /* by what the latter was uncertain */
     double *risen;        /* n: these rates */
     double given_energy;  /* by jumps of modes, inputs and parameters, where no work is integrated */
     double deadline;      /* by lag_clock, of the call under way; infinity: none */
