@@ -5,8 +5,9 @@ parent's axes y', z' and the child's y, z, y' = c y - s z and s z' = y - c y': r
 follow from those along y and z. Of the parent's angular velocity w = c wy' + s wz', which is the child's wy, stands for wz': it
 alone is what the parent's hinge moves, so that it is eliminated, and the child's rows of angular velocities stay as they are.
 The child's origin moves with it by a / s along y', and with wy' by -a / s along y. Wrenches are told by their power with these
-numbers: fx, fy, s fz, tx, ty - c / s tz, tz / s. Where c is 0 nothing is saved, and where s is small digits are lost: there
-shifts and turns stay.
+numbers: fx, fy, s fz, tx, ty - c / s tz, tz / s. Where s is small digits are lost: there shifts and turns stay.
+Where c is 0 the child feels wy' by the shift alone. There v_z - a wy' stands for v_z until the parent's hinge is eliminated,
+which then gives way to one number less, if the parent's body does not tie wy' to wz'.
 """
 
 from collections import Counter
@@ -23,16 +24,22 @@ _HINGE = [0.0, 0.0, 0.0, 0.0, 0.0, 1.0]
 
 @dataclass(frozen=True)
 class Oblique:
-    """Of a link's twist v_z / s stands for v_z, and c w_j + s w_z for w_z, where j is 0 or 1: x or y."""
+    """Of a link's twist v_z / s stands for v_z, and c w_j + s w_z for w_z, where j is 0 or 1: x or y; until its hinge is
+    eliminated v_z - a w_j for v_z, where c is 0 and s is 1."""
 
     j: int = 1
     c: float = 0.0
     s: float = 1.0
+    a: Scalar = 0.0
 
     @property
     def is_plain(self) -> bool:
-        """Whether the numbers are those along the axes."""
+        """Whether the numbers are those along the axes where the hinge is eliminated."""
         return self.c == 0.0 and self.s == 1.0
+
+    @property
+    def _others(self) -> list[int]:
+        return [k for k in range(SIZE) if k != 3 + self.j]
 
     def wrench(self, plain: Sequence[Scalar]) -> Vector:
         """Of one along the axes."""
@@ -51,11 +58,32 @@ class Oblique:
         return found
 
     def inertia(self, I: Inertia) -> Inertia:
-        """Of one along the axes."""
+        """Of one along the axes. Where v_z - a w_j stands for v_z, nobody asks for that of w_j itself: it goes half the way."""
         if self.is_plain:
-            return I
+            return self._late(I, self.a, (3 + self.j, *self._others))
         half = [self.wrench([I[min(i, k)][max(i, k)] for k in range(SIZE)]) for i in range(SIZE)]
         return [self.wrench(column) for column in zip(*half, strict=True)]
+
+    def late_inertia(self, I: Inertia) -> Inertia:
+        """Where the hinge is eliminated."""
+        return self._late(I, minus(0.0, self.a), (*self._others, 3 + self.j))
+
+    def _late(self, I: Inertia, a: Scalar, order: Sequence[int]) -> Inertia:
+        found, w = [row[:] for row in I], 3 + self.j
+        for at in () if is_zero(a) else order:
+            i, k = min(at, w), max(at, w)
+            found[i][k] = plus(found[i][k], times(a, found[min(at, 2)][max(at, 2)]))
+        return found
+
+    def late_wrench(self, wrench: Sequence[Scalar]) -> Vector:
+        """Where the hinge is eliminated."""
+        found = [*wrench]
+        found[3 + self.j] = minus(wrench[3 + self.j], times(self.a, wrench[2]))
+        return found
+
+    def late_twist(self, twist: Sequence[Scalar]) -> Vector:
+        """Before the hinge, of one behind it."""
+        return [*twist[:2], minus(twist[2], times(self.a, twist[3 + self.j])), *twist[3:]]
 
     def plain_inertia(self, I: Inertia) -> Inertia:
         """Along the axes, of one that does not feel w_z."""
@@ -153,10 +181,37 @@ class Crossing:
         return found
 
 
-def crossings(links: Sequence[Link]) -> tuple[list[Oblique], list[Crossing | None]]:
+@dataclass(frozen=True)
+class HalfShift:
+    """By a to a parallel axis, where v_z - a w_j already stands for v_z."""
+
+    j: int
+    a: Scalar
+    count: int = 1  # of the link's moves, instead of which it is
+
+    def inertia_to_parent(self, I: Inertia) -> Inertia:
+        """As Shift's."""
+        found = [row[:] for row in I]
+        for k in range(SIZE):
+            found[k][5] = plus(I[k][5], times(self.a, plus(I[self.j][5], found[self.j][5]) if k == 5
+                                              else I[min(k, self.j)][max(k, self.j)]))
+        return found
+
+    def wrench_to_parent(self, wrench: Sequence[Scalar]) -> Vector:
+        """As Shift's."""
+        return [*wrench[:5], plus(wrench[5], times(self.a, wrench[self.j]))]
+
+    def twist_to_child(self, twist: Sequence[Scalar]) -> Vector:
+        """As Shift's."""
+        found = [*twist]
+        found[self.j] = plus(twist[self.j], times(self.a, twist[5]))
+        return found
+
+
+def crossings(links: Sequence[Link]) -> tuple[list[Oblique], list[Crossing | HalfShift | None]]:
     """What each link's twist is told by, and how it is come to from its parent, if not by its first moves alone."""
     children = Counter(link.parent for link in links)
-    told, found = [PLAIN for _ in links], list[Crossing | None]([None] * len(links))
+    told, found = [PLAIN for _ in links], list[Crossing | HalfShift | None]([None] * len(links))
     for k in reversed(range(len(links))):  # of which the last are told first
         parent = links[k].parent
         if parent is None or children[parent] != 1 or not _is_hinge(links[parent]) or feels_shift(links[k]):
@@ -165,7 +220,12 @@ def crossings(links: Sequence[Link]) -> tuple[list[Oblique], list[Crossing | Non
             continue
         if (way := _aslant(links[k])) is None:
             continue
-        told[parent], a, count = way
+        oblique, a, count = way
+        if oblique.c == 0.0:
+            if not is_zero(a) and not _is_tied(links[parent], oblique.j):
+                told[parent], found[k] = Oblique(oblique.j, a=a), HalfShift(oblique.j, a)
+            continue
+        told[parent] = oblique
         found[k] = Crossing(told[parent], a if isinstance(a, float) and a == 0.0 else a / told[parent].s, told[k].s, count)
     return told, found
 
@@ -174,6 +234,11 @@ def _is_hinge(link: Link) -> bool:
     """Whether it gives way about z alone, by a coordinate that is the angle."""
     return len(link.directions) == 1 and all(
         isinstance(x, float) and x == y for x, y in zip(link.directions[0][1], _HINGE, strict=True))
+
+
+def _is_tied(link: Link, j: int) -> bool:
+    """Whether the body ties w_j to w_z."""
+    return link.body is not None and not is_zero(link.body.second_moment[j][2])
 
 
 def _gives_way(link: Link) -> bool:
@@ -187,7 +252,7 @@ def _aslant(link: Link) -> tuple[Oblique, Scalar, int] | None:
     if not others or not isinstance(tilt := others[0], Turn) or tilt.axis == 2 or not isinstance(shift, Shift):
         return None
     c, s, ahead = tilt.c, tilt.s, [*shift.ahead]
-    if not isinstance(c, float) or not isinstance(s, float) or c == 0.0 or abs(s) < _LEAST_SINE:
+    if not isinstance(c, float) or not isinstance(s, float) or abs(s) < _LEAST_SINE:
         return None
     a = ahead[tilt.axis]
     ahead[tilt.axis] = 0.0

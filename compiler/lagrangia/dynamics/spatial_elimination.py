@@ -18,7 +18,7 @@ from functools import cached_property
 
 from lagrangia.algebra.duals import Scalar, added, dot, is_zero, minus, plus, times
 from lagrangia.base.records import dataclass
-from lagrangia.dynamics.spatial_crossing import PLAIN, Oblique, crossings
+from lagrangia.dynamics.spatial_crossing import PLAIN, Crossing, Oblique, crossings
 from lagrangia.dynamics.spatial_drift import STILL, Drift, Link
 from lagrangia.frames.spatial_inertia import (
     SIZE,
@@ -64,6 +64,7 @@ class SpatialTree:
         for k in reversed(range(len(links))):
             link, I = links[k], feels[k]
             directions = tuple(_reduce(I, index, s) for index, s in reversed(link.directions))
+            I = self.told[k].late_inertia(I)
             felt, shifted = self._to_parent(k, I)
             self.factors.append(_Factor(directions, I, shifted))
             if link.parent is not None:
@@ -81,8 +82,7 @@ class SpatialTree:
         shifted: list[Inertia | None] = [None] * len(moves)
         if self.links[k].parent is None:
             return I, tuple(shifted)
-        if crossing is None:
-            I = self.told[k].plain_inertia(I)
+        I = self._scaling(k).plain_inertia(I)
         for at in reversed(range(self._crossed(k), len(moves))):
             move = moves[at]
             shifted[at] = I if isinstance(move, Shift) else None
@@ -93,6 +93,10 @@ class SpatialTree:
         """How many of a link's moves it is come to by its crossing."""
         crossing = self.crossings[k]
         return crossing.count if crossing else 0
+
+    def _scaling(self, k: int) -> Oblique:
+        """By what a link's numbers ahead of its hinge are told, if its crossing does not see to that."""
+        return PLAIN if isinstance(self.crossings[k], Crossing) else self.told[k]
 
     @property
     def pivots(self) -> list[Scalar]:
@@ -144,9 +148,10 @@ class SpatialTree:
                     twist = [*added(twist[:3], drift.shifts[k][at]), *twist[3:]] if drift else twist
                 else:
                     twist = move.to_child(twist)
-            twist = twist if crossing else told.of_plain(twist)
+            twist = self._scaling(k).of_plain(twist)
             if drift:
                 twist = [*twist[:3], *added(twist[3:], drift.spins[k])]
+            twist = told.late_twist(twist)
             for direction in reversed(self.factors[k].directions):
                 found[direction.index], twist = _accelerated(direction, left[direction.index], twist, told)
             twists.append(twist)
@@ -155,6 +160,9 @@ class SpatialTree:
     def _leaf_to_root(self, r: Sequence[Scalar], p: list[Vector], drift: Drift | None) -> dict[int, Scalar]:
         """u of each coordinate."""
         left: dict[int, Scalar] = {}
+        late = {k: [*p[k][:5], 0.0] for k, told in enumerate(self.told) if not is_zero(told.a)}  # added after the hinge
+        for k in late:
+            p[k] = [*[0.0] * 5, p[k][5]]
         for k in reversed(range(len(self.links))):
             link, factor, load, told, crossing = self.links[k], self.factors[k], p[k], self.told[k], self.crossings[k]
             for direction in factor.directions:
@@ -162,9 +170,11 @@ class SpatialTree:
                 load, left[direction.index] = told.of_hinge(_passed_on(direction, load, r[direction.index], u)), u
             if link.parent is None:
                 continue
+            if k in late:
+                load = added(told.late_wrench(load), late[k])
             if drift and not is_nothing(drift.spins[k]):
                 load = added(load, momentum(factor.left, [*STILL, *drift.spins[k]]))
-            load = load if crossing else told.plain_wrench(load)
+            load = self._scaling(k).plain_wrench(load)
             for at in reversed(range(self._crossed(k), len(link.moves))):
                 move = link.moves[at]
                 if not isinstance(move, Shift):
