@@ -76,8 +76,10 @@ def _tell_contacts(report: Report, impacts: Impacts, k: int, when: When) -> None
         tell(node, f"where '{node.span.text}', this turns back as from what stands still, but that moves: it is a kick, and what "
              "comes to rest there is not kept from going on", _FROM_WALL)
     if (node := impacts.unheld[k]) is not None:
-        tell(node, f"where '{node.span.text}', this turns back what comes there, but is no contact in all that this may be: each "
-             "event sets what is written, and when bounces have ended nothing keeps what is there from going on",
+        is_beside = bool(symbols_in(impacts.gaps[k]))  # another comparison holds
+        tell(node, f"where '{node.span.text}', this turns back what comes there, but is no contact in all that this may be: " + (
+            "what comes from there goes on, without an event, and nothing keeps it from that" if is_beside else
+            "each event sets what is written, and when bounces have ended nothing keeps what is there from going on"),
              "give each wall a `when` of its own, with its gap by itself: when gap < 0 and ... then ... end when")
     if (met := impacts.collisions[k]) is not None and met[1] != Meeting.BETWEEN:
         tell(met[0], f"where '{met[0].span.text}' {_HELD_BY[met[1]]}", _BETTER[met[1] == Meeting.IN_SOME])

@@ -21,7 +21,7 @@ import casadi as ca
 
 from lagrangia.algebra.duals import Scalar, rate_of, value_of
 from lagrangia.algebra.scalars import column, symbols_in
-from lagrangia.algebra.with_casadi import CORNERS, jumps_with, operations_in
+from lagrangia.algebra.with_casadi import jumps_with, operations_in
 from lagrangia.base.diagnostics import fail
 from lagrangia.base.records import dataclass
 from lagrangia.constraints.parameters import parameter_symbols
@@ -198,7 +198,8 @@ class _Event(Resets):
         """What all has to be true; of comparisons that jump where something moves, the comparisons that these are made of."""
         found, q = list[Flat](), column(*self.kinematics.symbols.positions.values())
         for node in map(without_odd_power, parts_of(self.condition)):
-            if not (isinstance(node, Binary) and is_comparison(node) and jumps_with(self._level_at(node), q)):
+            is_apart = isinstance(node, Binary) and is_comparison(node) and jumps_with(self._level_at(node), q)
+            if not is_apart or self._always_turns(node):
                 found.append(node)
                 continue
             for level in least_of(self._level(node)):
@@ -208,11 +209,21 @@ class _Event(Resets):
         return found
 
     def _join(self) -> None:
-        """Where several parts turn the same rate back, as both sides of an obstacle do, they are one contact."""
-        several = next((x for x in self.back.values() if len(x) > 1), [])
-        if several and all(id(x) not in self.branches for x in several):
+        """Where several parts turn the same rate back, as both sides of an obstacle do, they are one contact; but where its force
+        rubs, whose impulses have the sense of one side."""
+        several, own = next((x for x in self.back.values() if len(x) > 1), []), self.kept_position
+        asked = (x.arguments[0] for x in contact_forces_in(self.kinematics.graph.model))
+        if several and own is not None and any(are_alike(own, x) for x in asked):
+            (x,) = scalars_of(self.kinematics.evaluator.value(own))
+            self.parts.sort(key=lambda node: not (is_comparison(node) and self._expression(x + self._level_at(node)).is_zero()))
+            self.turned = self._find_turned(self.parts)
+        elif several:
             span = several[0].span
             least: Flat = Binary(">", Call("min", tuple(map(level_of, several)), (), span), Number(0.0, None, span), span)
+            if any(id(x) in self.branches for x in several):
+                self.levels[id(least)] = ca.mmin(ca.vertcat(*map(self._level_at, several)))
+                self.branches.add(id(least))
+                self.joined.add(id(least))
             self.parts = [*(x for x in self.parts if all(x is not own for own in several)), least]
             self.turned = self._find_turned(self.parts)
 
@@ -278,16 +289,21 @@ class _Event(Resets):
         (self.arm,) = self.kinematics.algebra.arms_in_force([self.gap])
         self.g = ca.mmin(ca.vertcat(*guards)) if guards else ca.SX(1)
         own = next(k for k, x in enumerate(self.kinds) if x == kind)
+        closing = self._closing(own)
+        is_met = kind == CONTACT and ca.depends_on(closing, column(*self.kinematics.symbols.positions.values()))
         if kind == CONTACT and self.walls[own][0] != BODIES and id(chosen) not in self.branches:
             self.held = Unary("-", level_of(chosen), self.when.span)
             return
-        if kind == CONTACT and not operations_in(self.gap).isdisjoint(CORNERS):  # its sense is that of the side that is met
-            v = self.meetings.rates
-            slope, along = (ca.densify(ca.gradient(x, v)) for x in (self._pace_of(self.gap), self.rates[own]))
-            self.held, self.sense = self.places[own], -ca.dot(slope, along) / ca.dot(along, along)
+        if is_met:
+            self.held, self.sense = self.places[own], closing  # that of the side that is met
             return
         is_least = (self.walls[own][1] if kind == CONTACT else self._stops(self.gap, self.rates[own], self.wanted[own])) < 0
         self.held, self.is_sided = self.places[own] if is_least else Unary("-", self.places[own], self.when.span), True
+
+    def _closing(self, k: int) -> ca.SX:
+        """How fast the gap closes, as a multiple of the rate that is reset."""
+        slope, along = (ca.densify(ca.gradient(x, self.meetings.rates)) for x in (self._pace_of(self.gap), self.rates[k]))
+        return -ca.dot(slope, along) / ca.dot(along, along)
 
     def _find_contacts(self) -> tuple[list[Flat | None], tuple[Flat, Meeting] | None]:
         """Of each reset the comparison at which it is one of a contact; where there is none, a comparison at which all that meet
@@ -304,8 +320,10 @@ class _Event(Resets):
 
     def _is_free(self, k: int, node: Flat) -> bool:
         """Whether neither reset k, which is turned back at `node`, changes the rate of the wall, nor others of the event."""
-        if self.walls[k][0] != BODIES or self.walls[k][1] == 0:
-            return self.walls[k][1] != 0 or id(node) not in self.branches
+        if self.walls[k][1] == 0 and id(node) in self.branches - self.joined:
+            return False
+        if self.walls[k][0] != BODIES:
+            return True
         v, wall = self.meetings.rates, self._wall_of(self._level_at(node), self.rates[k])[0]
         moving = symbols_in(wall) & symbols_in(v)
         if not all(moving.isdisjoint(symbols_in(rate)) for j, rate in enumerate(self.rates) if j != k):

@@ -1,5 +1,7 @@
 """What an event resets, and how that turns back what comes to where its comparisons change (collisions.py)."""
 
+from collections.abc import Sequence
+
 import casadi as ca
 import numpy as np
 
@@ -31,6 +33,7 @@ class Resets:
         self.rates, self.wanted, self.may_rest = list[ca.SX](), list[ca.SX](), list[bool]()  # may_rest: no discrete variable
         self.parts, self.gaps = list[Flat](), list[Flat]()
         self.levels, self.branches = dict[int, ca.SX](), set[int]()  # of what is compared, by identity; parts of what jumps
+        self.joined = set[int]()  # of these, what is the least of several
         self.back, self.beside = dict[int, list[Flat]](), list[Flat]()  # where resets turn back, and where as declared alone
 
     def _expression(self, x: Scalar) -> ca.SX:
@@ -64,7 +67,8 @@ class Resets:
             return False
         if id(node) not in self.branches:
             return True
-        return len(self.places) == len(self.positions) and operations_in(level).isdisjoint((ca.OP_FMIN, ca.OP_FMAX))
+        is_one = id(node) in self.joined or operations_in(level).isdisjoint((ca.OP_FMIN, ca.OP_FMAX))
+        return len(self.places) == len(self.positions) and is_one
 
     def _is_timed(self, value: ca.SX) -> bool:
         """Whether time is written in it, whenever it may come to count: a wall may set out after any time that is looked at."""
@@ -73,13 +77,13 @@ class Resets:
     def _look(self, results: list[ca.SX], wanted: list[ca.SX]) -> Look:
         return Look(self.kinematics, self.meetings.rates, results, wanted)
 
-    def _look_at(self, nodes: list[Flat]) -> Look:
-        """The rates of gaps, of what is reset, what that is reset to, and the slopes of both rates."""
+    def _look_at(self, nodes: list[Flat], choosing: Sequence[ca.SX] = ()) -> Look:
+        """The rates of gaps, of what is reset, what that is reset to, and the slopes of both rates, with the arms of `choosing`."""
         v = self.meetings.rates
         paces, rates, wanted = (column(*x) for x in (
             [self._pace_of(self._level_at(x)) for x in nodes], self.rates, self.wanted))
         slopes = [ca.densify(ca.jacobian(x, v)) for x in (paces, rates)]
-        return self._look([*map(ca.densify, (paces, rates, wanted)), *slopes], self.wanted)
+        return self._look([*map(ca.densify, (paces, rates, wanted)), *slopes], [*choosing, *self.wanted])
 
     def _find_turned(self, nodes: list[Flat]) -> dict[int, tuple[Flat, Meeting, int]]:
         """Of resets that turn back, or do so in some arms, the comparison among `nodes`, which of both, and the sign of the
@@ -96,6 +100,15 @@ class Resets:
             if best[1] != Meeting.NONE:
                 found[j] = best
         return found
+
+    def _always_turns(self, node: Flat) -> bool:
+        """Whether one reset is turned back at a comparison in all the branches that it has."""
+        if not self._is_gap(node):
+            return False
+        level = self._level_at(node)
+        look = self._look_at([node], [level]).where(self.mobility.bound)
+        return any(meets.turned_back(look, 0, j, self._is_timed(level))[0] == Meeting.BACK
+                   for j in np.flatnonzero(self.may_rest).tolist())
 
     def _turned(self, k: int, j: int, node: Flat) -> tuple[Meeting, int]:
         """How reset j is turned back at gap k, `node`: for parameters beside those that are declared, or else as declared."""
@@ -118,7 +131,8 @@ class Resets:
         """The comparison at which several that are reset are turned back together, and how."""
         if sum(self.may_rest) < 2:
             return None
-        found = [(x, self._meeting(k)) for k, x in enumerate(self.gaps)]
+        most = [Meeting.CARRIED if id(x) in self.branches else Meeting.BETWEEN for x in self.gaps]  # no impulse goes along parts
+        found = [(x, min(self._meeting(k), most[k])) for k, x in enumerate(self.gaps)]
         return max((x for x in found if x[1] != Meeting.NONE), key=lambda x: x[1], default=None)
 
     def _meeting(self, k: int) -> Meeting:
