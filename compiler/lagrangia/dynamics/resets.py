@@ -78,7 +78,7 @@ class Resets:
         return Look(self.kinematics, self.meetings.rates, results, wanted)
 
     def _look_at(self, nodes: list[Flat], choosing: Sequence[ca.SX] = ()) -> Look:
-        """The rates of gaps, of what is reset, what that is reset to, and the slopes of both rates, with the arms of `choosing`."""
+        """The rates of gaps, of what is reset, what that is reset to, and the slopes of both; with the arms of `choosing`."""
         v = self.meetings.rates
         paces, rates, wanted = (column(*x) for x in (
             [self._pace_of(self._level_at(x)) for x in nodes], self.rates, self.wanted))
