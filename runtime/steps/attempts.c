@@ -40,8 +40,15 @@ LagAttempts lag_attempts_begin(LagRun *run)
     return attempts;
 }
 
-/* Whether positions that are nearly singular may reject steps: of loops, but for those that narrow places shorten. */
-static int may_be_singular(const LagRun *run) { return run->model->n_multipliers > 0 && !(run->motion.t < run->looks.until); }
+/* Whether positions that are nearly singular may reject steps: of loops; where narrow places do as well, those of steps that are
+ * shorter than these, if there is such a position. */
+static int may_be_singular(LagRun *run, const LagAttempts *attempts, double h)
+{
+    const int is_loop = run->model->n_multipliers > 0;
+    if (!is_loop || !(run->motion.t < run->looks.until))
+        return is_loop;
+    return h < run->looks.width && !(lag_singularity(run, fmax(attempts->planned, run->calm_step)) < NEARLY);
+}
 
 static int is_ordinary(const LagRun *run, const LagAttempts *attempts, double h, double error)
 {
@@ -129,7 +136,7 @@ static int is_clear(const LagRun *run, const LagAttempts *attempts)
  * begin with steps of their own length. */
 int lag_attempts_leave(LagRun *run, const LagAttempts *attempts, double h, double error, double shorter)
 {
-    const int is_loop = may_be_singular(run), leaves = run->methods.table->leaves_trouble;
+    const int is_loop = may_be_singular(run, attempts, h), leaves = run->methods.table->leaves_trouble;
     const int knows_time = is_loop && run->model->loops_know_time;
     const int is_last = shorter < lag_step_smallest(run->motion.t);
     if (!leaves)
@@ -156,7 +163,7 @@ double lag_attempts_next(LagRun *run, LagAttempts *attempts, double h, double er
 {
     const int is_mended = is_mendable(run, attempts, h, error);
     attempts->last = error;
-    if (!may_be_singular(run) || is_mended || run->methods.table->leaves_trouble)
+    if (!may_be_singular(run, attempts, h) || is_mended || run->methods.table->leaves_trouble)
         return shorter;
     if (!run->careful) {
         run->careful = 1;

@@ -340,6 +340,7 @@ LagStatus lag_looks_watch(LagRun *run)
         if (!(step > 2 * lag_step_smallest(run->motion.t_old)))
             break;
         run->looks.until = end_of(run, at);
+        run->looks.width = at.width * (run->motion.t - run->motion.t_old);
         if (run->methods.solver == LAG_SOLVER_CONSERVATIVE) {
             lag_roots_take_back(run, step);
             return lag_roots_leave(run);

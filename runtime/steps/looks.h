@@ -13,6 +13,7 @@ typedef struct {
     double *ahead;    /* n_looks */
     double *state, *slope, *seen; /* size; size; LAG_SIGHTS size */
     double until;     /* where the latest place that was passed over is behind: before, shorter steps mend what is rejected */
+    double width;     /* of that place, in time */
 } LagLooks;
 
 enum { LAG_LOOKS = 8, LAG_SIGHTS = 7 };

@@ -91,7 +91,7 @@ static double measure(LagRun *run, double h)
     const double size = along(m, h, a, way);
     if (size <= rounding(run)) /* what rests meets no singular position, whatever time does to it */
         return 0;
-    if (!across(run, size, q, normal))
+    if (!isfinite(size) || !across(run, size, q, normal))
         return INFINITY;
     for (int i = 0; i < n; ++i)
         q[i] = m->y[i] + way[i];
