@@ -61,7 +61,8 @@ def test_a_small_change_goes_on_as_the_matrices_of_a_shaken_loop_say() -> None:
     """Runs from starts beside each other, closed anew, part as x'' = A21 x + A22 x' over a short while."""
     model, t, h = lag.loads(SHAKEN), 1e-3, 1e-3
     linear = model.linearize(about="start")
-    assert linear.states == ("A.phi", "der(A.phi)") and "not steady" in linear.notes[-1]
+    assert linear.states == ("A.phi", "der(A.phi)")
+    assert "not steady" in linear.notes[0] and "time goes on" in linear.notes[1]
 
     def end(phi: float, w: float) -> np.ndarray:
         run = model.simulate(at=[0, t, 2 * t], tolerance=1e-13, initial={"A.phi": 1.2 + phi, "A.w": 2 + w})
@@ -70,6 +71,68 @@ def test_a_small_change_goes_on_as_the_matrices_of_a_shaken_loop_say() -> None:
     slopes = [(end(h, 0) - end(-h, 0)) / (2 * h), (end(0, h) - end(0, -h)) / (2 * h)]
     assert linear.A[1] == pytest.approx(slopes, rel=1e-4)
     assert linear.drift[1] == pytest.approx(end(0, 0), rel=1e-4)
+
+
+def test_a_shaken_loop_is_closed_at_the_time_that_is_looked_at() -> None:
+    """As the same loop whose support is ahead by as much; digits by runs from starts beside each other, to 2e-5."""
+    later = lag.loads(SHAKEN).linearize(about="start", time=0.4)
+    ahead = lag.loads(SHAKEN.replace("5*time", "5*(time + 0.4)")).linearize(about="start")
+    assert later.point == pytest.approx(ahead.point, abs=1e-12) and later.point["B.phi"] == pytest.approx(-2.38207, abs=1e-5)
+    for linear in (later, ahead):
+        assert linear.A[1] == pytest.approx([10.420434, 2.453858], rel=3e-5)
+        assert linear.drift[1] == pytest.approx(-16.244673, rel=3e-5)
+    fixed = lag.loads(SHAKEN.replace("s(start = 0.3)", "s(start = 0.3, fixed = true)")).linearize(about="start", time=0.4)
+    assert (fixed.A == later.A).all()
+
+
+@pytest.mark.parametrize(("against", "slopes", "drift"), [
+    ("0", [3.15975, -0.07438], -16.09785), ("der(lift.s)", [6.80538, -0.07438], -11.51670)])
+def test_a_shaken_loop_that_rubs(against: str, slopes: list[float], drift: float) -> None:
+    """Against the world or the support. Digits by runs from starts beside each other, to 5e-5."""
+    rubbing = SHAKEN.replace("0.3*cos(5*time)", "0.3 + 0.1*sin(8*time)").replace("w(start = 2)", "w(start = 0.5)")
+    linear = lag.loads(rubbing.replace("equation", f"energy\n  dissipation 3*abs(der(D.a.y) - {against});\nequation")
+                       ).linearize(about="start")
+    assert linear.A[1] == pytest.approx(slopes, rel=6e-4, abs=1e-4) and linear.drift[1] == pytest.approx(drift, rel=1e-4)
+    assert not any("L0743" in note for note in linear.notes)  # it slips
+
+
+SWING = """model Swing "two ropes on a lift"
+  World world;
+  Prismatic lift(a = world, along = {0, 1});
+  Revolute A(a = lift.b, phi(start = -pi/2)); Bar left(m = 1, L = 1, a = A.b);
+  Revolute B(a = left.b, phi(start = pi/2)); Bar seat(m = 1, L = 1, a = B.b);
+  Revolute C(a = shift(lift.b, {1, 0}), phi(start = -pi/2)); Bar right(m = 1, L = 1, a = C.b);
+  Revolute D(a = seat.b, b = right.b);
+equation
+  lift.s = 0.3*cos(5*time);
+end Swing;"""
+PENDULUM = """model Pendulum
+  World world;
+  Prismatic lift(a = world, along = {0, 1});
+  Revolute h(a = lift.b, phi(start = 0.4), w(start = 1));
+  PointMass m(m = 1, center = shift(h.b, {0, -1}));
+equation
+  lift.s = 0.3*cos(5*time);
+end Pendulum;"""
+
+
+@pytest.mark.parametrize("phi", [0.0, 1e-7])
+def test_time_goes_on_about_the_start_in_balance_or_not(phi: float) -> None:
+    """Weight is m (g + s''), s'' = -7.5 m/s2 at the start."""
+    model, start = lag.loads(SWING), {"A.phi": phi - np.pi / 2}
+    linear, still = model.linearize(about="start", initial=start), model.linearize(initial=start)
+    assert linear.A[1, 0] == pytest.approx(-1.2 * (9.81 - 7.5), rel=1e-9) and "time goes on" in linear.notes[1]
+    assert still.A[1, 0] == pytest.approx(-1.2 * 9.81, rel=1e-9) and "stopped at 0 s" in still.notes[-1]
+
+
+def test_time_goes_on_about_the_start_of_a_pendulum_on_a_lift() -> None:
+    model, weight = lag.loads(PENDULUM), 9.81 - 7.5
+    linear = model.linearize(about="start")
+    assert linear.A[1] == pytest.approx([-weight * np.cos(0.4), 0], rel=1e-12)
+    assert linear.drift[1] == pytest.approx(-weight * np.sin(0.4), rel=1e-12)
+    assert "time goes on" in linear.notes[0] and "which goes on" in linear.notes[1]
+    hanging = model.linearize(about="start", initial={"h.phi": 0, "h.w": 0})
+    assert hanging.is_equilibrium and hanging.A[1, 0] == pytest.approx(-weight, rel=1e-12)
 
 
 @pytest.mark.parametrize("spin", [2.0, 8.0])

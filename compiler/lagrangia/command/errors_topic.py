@@ -29,7 +29,7 @@ TOLD = {
     "L0610": "an assertion of level warning does not hold in a run",
     "L0708": "no value is given for an input",
     "L0709": "a table of inputs ends before the run does, or has more than two rows at one time",
-    "L0740": "coefficients of small motion change with time, which stands still there",
+    "L0740": "coefficients of small motion change with time, and are those of one moment",
     "L0741": "an export leaves something out",
     "L0742": "a cache folder that others may write to is not used",
     "L0743": "forces bend just where small motion is asked for",

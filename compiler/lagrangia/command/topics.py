@@ -425,8 +425,10 @@ all of them             -p NAME=VALUE, --initial NAME=VALUE, -u NAME=VALUE, --ti
 Derivatives are exact. Small motion is taken about the equilibrium near the start values, or, far from any, about the one where
 the scene would settle; a start that rests by itself (a pendulum upright) stays. --about start takes the start itself.
 
-Time stands still at T (the start time by default): loads act as they are then, and supports rest where they are then. Where
-nothing but loads depends on time, it goes on: a frame that turns steadily keeps turning, and rest is relative to it.
+About the equilibrium time stands still at T (the start time by default): loads act as they are then, and supports rest where they
+are then. Where nothing but loads depends on time, it goes on: a frame that turns steadily keeps turning, and rest is relative to
+it. About the start time always goes on: loops are closed at T, supports have their rates and accelerations of that moment, and
+drift is what the start does by itself. Contacts and friction that hold while supports move are refused there (L0916).
 
 --from NAME,...   what excites: an input; a load or any variable with a formula (P.force[2], or P for short); a prescribed
                   coordinate or its Motion; the place of a frame that hangs on another one (road.y), with all it carries. By
@@ -446,8 +448,8 @@ What holds at rest is among the constraints, and told with its force: contacts t
 only push, and friction that sticks, up to its limit. Friction holds the start, if it can; other positions of rest are found as if
 there were none, where it then holds without force. Small motion goes along contacts that press; what just touches is told.
 
-Where coefficients of small motion change with time (a pivot that shakes up and down, a load along a pendulum), which stands
-still, warning L0740 says so: stability and frequencies are those of that moment.
+Where coefficients of small motion change with time (a pivot that shakes up and down, a load along a pendulum), warning L0740 says
+so, and whether time stands still or goes on: stability and frequencies are those of that moment.
 Where it rests just where forces bend (a spring that acts one way, play), warning L0743: frequencies are of neither side.
 
 From Python: model.equilibrium(), model.linearize(excitations=["road.y"], outputs=["car.s"]), model.modes(), model.response(...)

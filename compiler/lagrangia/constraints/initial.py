@@ -10,6 +10,7 @@ rate: s, with the residuals s - s(q) and der(s) - ds/dt.
 """
 
 from collections.abc import Iterator
+from copy import copy
 from dataclasses import replace
 
 import casadi as ca
@@ -83,6 +84,18 @@ def with_motion(initial: InitialConditions, kinematics: Kinematics, momentum: ca
     if momentum is not None:
         initial = _loosen(initial, momentum, ca.vertcat(*kinematics.symbols.rates.values()))
     return _settle(initial, kinematics, acceleration)
+
+
+def initial_at(time: float, kinematics: Kinematics, constraints: Constraints, momentum: ca.SX | None, acceleration: ca.SX
+               ) -> InitialConditions:
+    """`build_initial` and `with_motion` at another time than the start (s), where starts of what time gives count no more."""
+    graph = kinematics.graph
+    experiment = graph.model.experiment
+    model = replace(graph.model, experiment=replace(experiment, start=time, stop=time + experiment.stop - experiment.start))
+    then = copy(kinematics)
+    then.graph = replace(graph, model=model, dependent_coordinates=tuple(
+        c for c in graph.dependent_coordinates if kinematics.dependents[c.name].terms))
+    return with_motion(build_initial(then, constraints), then, momentum, acceleration)
 
 
 def _loosen(initial: InitialConditions, momentum: ca.SX, v: ca.SX) -> InitialConditions:

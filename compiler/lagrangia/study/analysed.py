@@ -41,7 +41,8 @@ class Analysed(ABC):
     def linearize(self, *, about: str = "equilibrium", excitations: str | Sequence[str] | None = None,
                   outputs: str | Sequence[str] | None = None, parameters: Given = None, initial: Given = None,
                   inputs: Given = None, time: float | None = None) -> "Linearization":
-        """M, C, K and the state-space form of small motion about the equilibrium found from the start, or about the "start".
+        """M, C, K and the state-space form of small motion about the equilibrium found from the start, where supports stand still
+        as they are at `time` (s), or about the "start" taken at that time, with the rates and accelerations of supports.
 
         `excitations` and `outputs` are names; by default the inputs with all loads that depend on time, and the coordinates with
         the declared outputs. See `lag help analysis`. Raises LagError, RunError.
@@ -57,7 +58,7 @@ class Analysed(ABC):
 
     def modes(self, *, about: str = "equilibrium", mass_normalised: bool = False, parameters: Given = None, initial: Given = None,
               inputs: Given = None, time: float | None = None) -> "Modes":
-        """Natural frequencies, mode shapes and damping ratios about the equilibrium, or about the "start"."""
+        """Natural frequencies, mode shapes and damping ratios about the equilibrium, or about the "start": see `linearize`."""
         return self.study(parameters, initial, inputs, time).modes(about, mass_normalised)
 
     def response(self, excitations: str | Sequence[str] | None = None, outputs: str | Sequence[str] | None = None, *,

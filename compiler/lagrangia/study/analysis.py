@@ -52,6 +52,9 @@ _STEADY = 1e-9
 _MOMENTS = (0.37, 1.71, 0.0123)
 _STOPPED = ("warning[L0740]: the coefficients of small motion change with time, which was stopped at {:g} s: what moves supports "
             "or loads may make it stable or unstable, and frequencies are of that moment; lag simulate has the motion itself")
+_PASSING = ("warning[L0740]: the coefficients of small motion change with time, which goes on, and are those of {:g} s: what "
+            "moves supports or loads may make it stable or unstable; lag simulate has the motion itself")
+_GOES_ON = "time goes on there: supports that move have their rates and accelerations of that moment"
 _BALANCED = 1e-9  # of the forces at the point
 _LARGE = 40  # coordinates: above, the usual search is from few starts
 
@@ -310,7 +313,9 @@ class Study(Beginning):
         e = self.equations(probes, self._usual_outputs() if outputs is None else tuple(dict.fromkeys(outputs)))
         pace = self.pace(e)
         if about == "start":
-            return self._timely(self._about_start(e, pace), e)
+            linear = self._about_start(e, pace)
+            linear = linear if pace else replace(linear, notes=(*linear.notes, _GOES_ON))
+            return self._timely(linear, e, self.start[1])
         found = self._linears(e, pace)
         if len(found) > 1:
             raise RunError(f"the equilibrium is a singular position, where {len(found)} ways of moving meet, and matrices are of "
@@ -325,19 +330,21 @@ class Study(Beginning):
                            "try other values with --initial")
         return {way: self._timely(linear, e) for way, linear in found.items()}
 
-    def _timely(self, linear: Linearization, e: SmallMotion) -> Linearization:
-        """With a word where its coefficients change from side to side, or with time, as supports or loads move."""
-        return self.about_point(linear.point)._timely_here(linear, e)
+    def _timely(self, linear: Linearization, e: SmallMotion, v: Vector | None = None) -> Linearization:
+        """With a word where its coefficients change from side to side, or with time, as supports or loads move. `v`: rates at the
+        start, where time goes on; else it stands still."""
+        return self.about_point(linear.point)._timely_here(linear, e, v)
 
-    def _timely_here(self, linear: Linearization, e: SmallMotion) -> Linearization:
+    def _timely_here(self, linear: Linearization, e: SmallMotion, v: Vector | None) -> Linearization:
+        word = (_STOPPED if v is None else _PASSING).format(self.time)
         q = np.array([linear.point.get(name, 0.0) for name in self.signals.names])
         N, free = linear.tangent.N, e.multipliers()
-        if e.is_bent and bends_at(lambda dq, side: self._sided(e, N, q + dq, side), N, self.reach):
+        if e.is_bent and bends_at(lambda dq, side: self._sided(e, N, q + dq, v, side), N, self.reach):
             linear = replace(linear, notes=(*linear.notes, BENT))
         if linear.free_rates:  # of a moment while time goes on: moving.py says so
             return linear
         if self._is_held_by_time:
-            return replace(linear, notes=(*linear.notes, _STOPPED.format(self.time)))
+            return replace(linear, notes=(*linear.notes, word))
         if not e.is_timed:
             return linear
         found = []
@@ -350,7 +357,15 @@ class Study(Beginning):
         sizes = (inertia, max(damping, math.sqrt(inertia * stiffness)), stiffness)  # damping that is rounding alone is none
         if all(change <= _STEADY * max(size, 1e-300) for change, size in zip(changes, sizes, strict=True)):
             return linear
-        return replace(linear, notes=(*linear.notes, _STOPPED.format(self.time)))
+        return replace(linear, notes=(*linear.notes, word))
+
+    @cached_property
+    def _is_timed_by_rows(self) -> bool:
+        """Whether a loop or an equation knows the time, or its pieces."""
+        kinematics = self.c.kinematics
+        rows, symbols = constraint_rows(kinematics, self.c.constraints), kinematics.symbols
+        modes = [mode.symbol for mode in kinematics.algebra.modes if not mode.of_attitude]
+        return bool(ca.depends_on(ca.vertcat(rows.phi, rows.rate), ca.vertcat(symbols.time, symbols.tau, *modes)))
 
     @cached_property
     def _is_held_by_time(self) -> bool:
@@ -362,9 +377,9 @@ class Study(Beginning):
         moving = ca.vertcat(q, time)
         return any(ca.depends_on(rows.phi[k], time) and ca.depends_on(J[k, :], moving) for k in range(rows.phi.numel()))
 
-    def _sided(self, e: SmallMotion, N: Vector, q: Vector, side: bool) -> list[Vector]:
-        """Forces, damping and stiffness, with rates on one side."""
-        v = self.signals.steady(q)
+    def _sided(self, e: SmallMotion, N: Vector, q: Vector, v: Vector | None, side: bool) -> list[Vector]:
+        """Forces, damping and stiffness, with rates that rest on one side."""
+        v = self.signals.steady(q) if v is None else v
         slips = self.call(e.touching, q, e.multipliers(), 1.0, v)[2].ravel()
         lam = e.multipliers(shares=np.where(slips == 0, float(side), slips > 0))
         by = self.slopes(e, e.slopes, ("v", "q"), q, lam, 1.0, v)
@@ -382,22 +397,23 @@ class Study(Beginning):
                      if name not in kept)
 
     def _about_start(self, e: SmallMotion, pace: float) -> Linearization:
-        """The exact derivatives of the motion there: of a moving or accelerated state, of scenes without constraints alone."""
+        """The exact derivatives of the motion there. Time goes on, whatever `pace` says of it at rest: supports have their rates
+        and accelerations."""
         q, v = self.start
         moves = bool(np.delete(v, self.signals.places).any())
         if not moves:
             self.require_rest(e, pace)
         if e.holds.contacts or e.holds.rubs:
-            if not moves and (held := holds_at(self.resting(e, pace).equations(), q)) is not None:
+            if pace and not moves and (held := holds_at(self.resting(e, pace).equations(), q)) is not None:
                 return self.linear_at(e, q, v, held[0].multipliers, pace, True, grip=held[1])
-            self._require_free(e, q, v, pace)
-        free = e.multipliers(shares=self._shares(e, q, v, pace))
-        R = self.call(e.static, q, free, pace, v)[0].ravel()
-        here, _ = self.tangent(e, q, free, pace, v)
+            self._require_free(e, q, v)
+        free = e.multipliers(shares=self._shares(e, q, v))
+        R = self.call(e.static, q, free, 1.0, v)[0].ravel()
+        here, _ = self.tangent(e, q, free, 1.0, v)
         M, rows = here.M, here.rates
         lam = np.asarray(-np.linalg.pinv(rows.T, rcond=1e-9) @ R) if e.m else np.zeros(0)
         left = float(np.abs(R + rows.T @ lam).max(initial=0.0))
-        is_rest = left <= _BALANCED * float(np.abs(R).max(initial=0.0)) and not moves
+        is_rest = left <= _BALANCED * float(np.abs(R).max(initial=0.0)) and not moves and not self._is_timed_by_rows
         if (e.m or (moves and self.turned.names)) and not is_rest:
             return about_motion(self, e, (q, v, free), pace)
         if moves and (turned := in_turning_axes(self, e, (q, v, free), pace)) is not None:
@@ -406,17 +422,17 @@ class Study(Beginning):
             a = None if is_rest else np.asarray(-np.linalg.solve(M, R), dtype=np.float64)
         except np.linalg.LinAlgError:
             raise no_mass() from None
-        return self.linear_at(e, q, v, np.concatenate([lam, free[e.m:]]), pace, is_rest, a)
+        return self.linear_at(e, q, v, np.concatenate([lam, free[e.m:]]), 1.0, is_rest, a)
 
-    def _shares(self, e: SmallMotion, q: Vector, v: Vector, pace: float) -> Vector:
+    def _shares(self, e: SmallMotion, q: Vector, v: Vector) -> Vector:
         """Of friction, which way it slips; half way where it does not."""
-        slips = self.call(e.touching, q, e.multipliers(), pace, v)[2].ravel()
+        slips = self.call(e.touching, q, e.multipliers(), 1.0, v)[2].ravel()
         return np.where(slips == 0, 0.5, slips > 0)
 
-    def _require_free(self, e: SmallMotion, q: Vector, v: Vector, pace: float) -> None:
+    def _require_free(self, e: SmallMotion, q: Vector, v: Vector) -> None:
         """Raises LagError L0916 where contacts or friction hold a part of what moves."""
-        grip = balance(self.resting(e, pace).equations().look(q), 0.0).grip
-        sticking = [k for k in grip.sticking if self._shares(e, q, v, pace)[k] == 0.5]
+        grip = balance(self.resting(e, 1.0).equations().look(q), 0.0).grip
+        sticking = [k for k in grip.sticking if self._shares(e, q, v)[k] == 0.5]
         if names := [*(e.holds.contacts[k] for k in grip.pressing), *(e.holds.rubs[k] for k in sticking)]:
             fail("L0916", "not supported yet: a linearisation about a point that is no equilibrium, where contacts or friction "
                  f"hold: {', '.join(names)}", self.c.flat.span,

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from lagrangia.algebra.duals import value_of
 from lagrangia.base.diagnostics import fail
 from lagrangia.constraints.assembly import Assembly
-from lagrangia.constraints.initial import FIXED, FREE
+from lagrangia.constraints.initial import FIXED, FREE, initial_at, initial_function, start_function
 from lagrangia.constraints.newton import start_equations
 from lagrangia.run.request import Values
 from lagrangia.run.scene import Scene
@@ -58,7 +58,7 @@ class Beginning:
         """References of attitudes as parameters say, (attitudes, 4)."""
         if not self.turned.names:
             return np.zeros((0, 4))
-        modes = self.c.functions.table["modes"](self.scene.start, self.p, 0).full().ravel()
+        modes = self.c.functions.table["modes"](self.time, self.p, 0).full().ravel()
         return self.turned.declared(modes, self.scene.patterns["attitudes"][1::2])
 
     @property
@@ -97,8 +97,13 @@ class Beginning:
 
     @cached_property
     def _assembled(self) -> tuple[Vector, Vector]:
-        """The start, with attitudes against those that are declared."""
+        """The start, at the time that is looked at, with attitudes against those that are declared."""
         table, initial, n = self.c.functions.table, self.c.initial, self.scene.n
+        if "initial" in table and self.time != self.scene.start:
+            kinematics, motion = self.c.kinematics, self.c.motion
+            initial = initial_at(self.time, kinematics, self.c.constraints, motion.momentum if motion.constrained else None,
+                                 motion.acceleration)
+            table = {**table, "initial": initial_function(kinematics, initial), "start": start_function(kinematics, initial)}
         guess = np.concatenate([x.full().ravel() for x in table["start"](self.p)])
         lost = len(initial.lost)
         others = self.values.lost or (math.nan,) * (2 * lost)
@@ -108,7 +113,7 @@ class Beginning:
         guess = np.where(is_given, given, guess)
         if "initial" not in table:
             return guess[:n], guess[n:]
-        equations = start_equations(self.c.kinematics, initial, self.c.functions.table)
+        equations = start_equations(self.c.kinematics, initial, table)
         equations = replace(equations, p=self.p, u=None if equations.u is None else self.u)
         x, worst = Assembly(equations, np.where(is_given, FIXED, np.array(initial.fixed)), guess).assemble()
         if worst >= 0:

@@ -129,8 +129,8 @@ def moving_linearization(parts: TangentParts, held: Held, given: Given, a: Matri
 
 
 def about_motion(study: Study, e: SmallMotion, state: State, pace: float) -> Linearization:
-    """About q, v and, behind the multipliers, forces of contacts and shares of friction. Time goes on, whatever `pace` says of it
-    at rest: supports that move have their rates and accelerations. Raises LagError L0916, RunError."""
+    """About q, v and, behind the multipliers, forces of contacts and shares of friction. Time goes on: supports that move have
+    their rates and accelerations; where it matters, `pace` is 0 and the motion not steady. Raises LagError L0916, RunError."""
     if study.scene.flowing:
         fail("L0916", "not supported yet: first-order states in small motion of a scene that moves while constraints hold it",
              study.c.flat.span, "linearise about the equilibrium found from there: --about equilibrium")
@@ -200,14 +200,15 @@ def _at(study: Study, e: SmallMotion, state: State, choice: Choice) -> Moment:
     first, _ = study.tangent(e, q, free, 1.0, v)
     a, lam = accelerations(first.M, first.rates, R, bias, study.reach)
     lam = np.concatenate([lam, free[e.m:]])
-    parts, _ = study.tangent(e, q, lam, 1.0, v, a)
+    parts, places = study.tangent(e, q, lam, 1.0, v, a)
     if parts.pushed.any():
         fail("L0916", "not supported yet: supports that are moved in small motion about a point that is no equilibrium",
              study.c.flat.span, "name what else excites with --from")
     turned = study.slopes(e, e.slopes, ("q",), q, lam, 1.0, v, a)["q"][2]
     second = study.slopes(e, e.second_slopes, ("q", "v"), q, lam, 1.0, v, a)
     held = held_changes(parts, turned, (second["q"][0], second["v"][0]), choice)
+    y, yq, yv, ya, yl, *ys = study.observed(e, q, lam, 1.0, v, a)
     given = Given(study.scene.name, study.names, tuple(p.name for p in e.probes), e.outputs,
-                  study.point(q, v), R, False, study.observed(e, q, lam, 1.0, v, a))
+                  study.point(q, v), R, False, (y, yq, yv, ya, yl[:, places], *ys))
     names = tuple(rate.name for rate in study.scene.rates)
     return Moment(moving_linearization(parts, held, given, a, names, study.turned.dragging(v)), held, a)
