@@ -77,7 +77,7 @@ def place() -> Path:
 def ship_and_build(in_place: bool) -> bool:
     """All at once: some is Python's work, the rest that of compilers. `in_place`: the sources are run from where they are."""
     with ThreadPoolExecutor(1) as other:
-        built = other.submit(build)
+        built = other.submit(build, prebuilt(), place())  # found before folders come and go
         ship_syntax()
         if in_place:
             compileall.compile_dir(PACKAGE, quiet=2)
@@ -97,9 +97,9 @@ def ship_syntax() -> None:
         print(f"lagrangia: the parsed library is made at first use: {error}", file=sys.stderr)
 
 
-def build() -> bool:
-    """Whether there is a run time now; one that is there for these sources is kept."""
-    module, runtime, folder = prebuilt(), ROOT / "runtime", place()
+def build(module: ModuleType, folder: Path) -> bool:
+    """Whether there is a run time in `folder` now; one that is there for these sources is kept. `module`: `prebuilt`."""
+    runtime = ROOT / "runtime"
     if module.find(runtime, folder):
         return True
     if has_renounced() or (command := module.find_command()) is None:
