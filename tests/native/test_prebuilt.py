@@ -181,6 +181,6 @@ def test_a_machine_may_be_without_a_compiler_and_without_zig(monkeypatch: pytest
     monkeypatch.delenv("LAGRANGIA_CC", raising=False)
     assert hook.RuntimeHook.dependencies(wheel) == ["ziglang>=0.13"]
     monkeypatch.setenv("LAGRANGIA_CC", "none")
-    assert hook.RuntimeHook.dependencies(wheel) == [] and not hook.build()
+    assert hook.RuntimeHook.dependencies(wheel) == [] and not hook.build(hook.prebuilt(), hook.place())
     said = capsys.readouterr().err.splitlines()
     assert len(said) == 1 and "no C compiler" in said[0] and "ziglang" in said[0]
