@@ -166,7 +166,8 @@ def hook() -> ModuleType:
 def test_sources_that_run_in_their_place_are_compiled(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, hook: ModuleType) -> None:
     """As pip compiles what it installs: it takes a scene three times as long to start by sources."""
     (tmp_path / "module.py").write_text("answer = 42\n")
-    for name, there in {"PACKAGE": tmp_path, "build": lambda: True, "ship_syntax": lambda: None}.items():
+    for name, there in {"PACKAGE": tmp_path, "prebuilt": lambda: None, "place": lambda: tmp_path, "build": lambda *_: True,
+                        "ship_syntax": lambda: None}.items():
         monkeypatch.setattr(hook, name, there)
     compiled = Path(cache_from_source(str(tmp_path / "module.py")))
     assert hook.ship_and_build(in_place=False) and not compiled.exists()
