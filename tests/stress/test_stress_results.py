@@ -177,16 +177,14 @@ def test_energy_from_nothing_condemns_the_motion(tmp_path: Path, capsys: pytest.
     assert "the energy account of 1 of 2 runs misses by more than the tolerance explains" in capsys.readouterr().err
 
 
-def test_an_account_that_misses_by_a_tenth_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """In few steps, too: 19 of a crank that jerks. auto goes on by another of its choices from before that, in sweeps as well."""
+def test_a_crank_that_jerks_keeps_its_account(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """By pirk it was open by a tenth in 19 steps: one that was too long at the jerk was taken for one at a singular position."""
     file = tmp_path / "crank.lag"
     file.write_text(CRANK)
     given = [str(file), "-o", str(tmp_path / "x.csv"), "--tolerance", "1e-3"]
     varied = ["sweep", *given, "-p", "crank.m=1,1.1"]
-    assert main([*varied, "--solver", "pirk"]) == FAILED
-    assert "2 runs: the energy account is open" in capsys.readouterr().err
-    assert main(varied) == main(["simulate", *given]) == DONE
-    assert "energy account closes" in capsys.readouterr().out
+    assert main([*varied, "--solver", "pirk"]) == main(varied) == main(["simulate", *given]) == DONE
+    assert capsys.readouterr().out.count("energy accounts close") == 2
 
 
 @pytest.mark.parametrize("micro", [False, True])
