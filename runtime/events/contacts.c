@@ -21,7 +21,6 @@ static const double BOUNCE = 1.25;
 static const double SLACK = 1.0 / 1024; /* of one tolerance: what stands where nothing presses comes no sooner */
 /* Units of time in which what gaps change by shows above their rounding. */
 static const double MANY = 32;
-static const double ROUNDING = 1e-12; /* of the fastest approach */
 /* A bounce shorter than so many times what tells times apart is none. */
 static const double SHORT = 256, LOW = 1.0 / 64; /* of what is unknown of positions, which is that of many steps */
 
@@ -39,15 +38,6 @@ int lag_contacts_stay(const LagRun *run, int k, double speed, double returns)
 {
     return speed <= run->sliding.error[lag_contact(run->model, k)] || 2 * speed <= SHORT * lag_time_resolution(run->motion.t) * returns
         || speed * speed <= 2 * returns * lag_contacts_margin(run, lag_gap(run->model, k));
-}
-
-double lag_contacts_slowest(const LagRun *run)
-{
-    double fastest = 0;
-    for (int other = 0; other < run->model->n_whens; ++other)
-        if (is_place(run, other))
-            fastest = lag_max(run->switches.g[lag_contact(run->model, other)], fastest);
-    return ROUNDING * fastest;
 }
 
 double lag_contacts_lateness(const LagRun *run, int k)

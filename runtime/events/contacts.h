@@ -40,8 +40,4 @@ int lag_contacts_find_rest(LagRun *run);
 /* How long the next step may be, so that a short bounce is seen: impacts.seen. */
 void lag_contacts_foresee(LagRun *run);
 
-/* What is no approach at this moment, but rounding of the fastest one: what lies on another body is struck after it. Where nothing
- * has moved yet rates have no errors that would tell. */
-double lag_contacts_slowest(const LagRun *run);
-
 #endif

@@ -179,13 +179,14 @@ static int stops(LagRun *run, int k)
 }
 
 /* Contact k is struck where it approaches, or is stopped though it is passed. What an impact has stopped stays together in those that
- * it brings about, unless these part it. Nothing below `least` approaches. Returns whether there is anything new in that. */
-static int find_contact(LagRun *run, int k, int comes, double least)
+ * it brings about, unless these part it. Returns whether there is anything new in that. */
+static int find_contact(LagRun *run, int k, int comes)
 {
+    LagImpacts *s = &run->impacts;
     const double speed = run->switches.g[lag_contact(run->model, k)], error = run->sliding.error[lag_contact(run->model, k)];
-    const int is_asked = comes && (run->impacts.has_contact[k] == LAG_ONE_WAY || (is_passed(run, k) && stops(run, k)));
-    const int may = comes || touches(run, k), approaches = is_asked || (may && speed > (comes ? least : lag_max(least, error)));
-    run->impacts.fires[k] = approaches || (may && run->impacts.is_plastic[k] && speed > -error);
+    const int is_asked = comes && (s->has_contact[k] == LAG_ONE_WAY || (is_passed(run, k) && stops(run, k)));
+    const int may = comes || touches(run, k), approaches = is_asked || (may && speed > (comes ? 0 : error));
+    s->fires[k] = approaches || (may && s->is_plastic[k] && speed > -error);
     return approaches;
 }
 
@@ -313,7 +314,6 @@ static int find_events(LagRun *run, int rank, int is_new)
         lag_conditions_of_events(run, switches->g, switches->rate);
         find_met(run);
     }
-    const double least = lag_contacts_slowest(run);
     for (int k = 0; k < model->n_whens; ++k) {
         const int i = lag_when(model, k);
         s->fires[k] = 0;
@@ -322,7 +322,7 @@ static int find_events(LagRun *run, int rank, int is_new)
         if (s->has_contact[k] == LAG_CONTACT && !is_new)
             note_change(run, k);
         if (s->has_contact[k])
-            found |= find_contact(run, k, s->comes[k] && !(has_jumped(run, k) && switches->g[i] <= 0), least);
+            found |= find_contact(run, k, s->comes[k] && !(has_jumped(run, k) && switches->g[i] <= 0));
         else {
             const int is_now = is_new ? s->comes[k] || s->is_on[k] : has_become_true(run, k);
             s->fires[k] = is_now && !s->is_on[k];

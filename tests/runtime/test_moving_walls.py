@@ -288,19 +288,3 @@ def test_bodies_that_meet_beside_a_loop(scene: Write) -> None:
     at = [0.7, 1.2, 2.0, 3.0]
     np.testing.assert_allclose(model.simulate(at=at, tolerance=1e-9)["b.s"], right.simulate(at=at, tolerance=1e-11)["b.s"],
                                rtol=0, atol=1e-7)
-
-
-@pytest.mark.parametrize(("bounces", "right"), [((0.5, 0.0), (0.375, 0.375)), ((0.0, 0.5), (0.3, 0.45))])
-def test_what_lies_on_what_is_struck_is_struck_next(scene: Write, bounces: tuple[float, float],
-                                                    right: tuple[float, float]) -> None:
-    """A platform sets out at 0.3 m/s: the lower block has 0.45 m/s, both together 0.15, and are struck once more. The upper
-    one, which approaches by rounding at first, was struck with it (0.45 m/s for both) in most runs."""
-    model = scene(f"""model Stack
-      Block a(m = 1, base = world, along = {{0, 1}}), b(m = 2, base = world, along = {{0, 1}});
-      Prismatic t(a = world, along = {{0, 1}});
-      Motion mm(of = t.s, to = (if time < 0.3 then 0 else 0.3*(time - 0.3)));
-      Stop f(e = {bounces[0]}, gap = a.s - t.s), g(e = {bounces[1]}, gap = b.s - a.s);
-    end Stack;""")
-    for solver in SOLVERS:
-        run = model.simulate(at=[0, 0.2, 0.300000001], solver=solver)
-        assert (run["a.v"][-1], run["b.v"][-1]) == pytest.approx(right, abs=2e-8)

@@ -87,7 +87,8 @@ def _text(series: Series, first: Sequence[str], later: Sequence[str], values: Se
     lines = ["#define J(slot) (jet + (slot) * LAG_JET_STRIDE)"]
     for name, statements in {"taylor_first": first, "taylor_later": later}.items():
         if series.is_long_state:
-            body = _long_body(statements, accelerations, series.known, constants, kept, pitch)
+            of_slots = {i.out: statement for i, statement in zip(series.instructions, statements, strict=True)}
+            body = _long_body(of_slots, accelerations, constants, kept, pitch)
         else:
             sines = sines_together(angles) if angles and statements is first else []
             body = [*_placed([*sines, *statements], kept, pitch), *_next_states(series), *_next_turns(series)]
@@ -139,19 +140,19 @@ def _next_rate(i: int, n: int, slot: int, kept: Mapping[int, int], pitch: int) -
     return f"{_coefficient(1 + n + i, 'k + 1', pitch)} = {_latest(slot, kept, pitch)} * (1.0 / (k + 1));"
 
 
-def _long_body(lines: Sequence[str], accelerations: Sequence[int], known: int, constants: Constants, kept: Mapping[int, int],
+def _long_body(lines: Mapping[int, str], accelerations: Sequence[int], constants: Constants, kept: Mapping[int, int],
                pitch: int) -> list[str]:
-    """One order of a long state: accelerations of one form in loops, the others one by one."""
+    """One order of a long state, a line for each slot: accelerations of one form in loops, the others one by one."""
     n = len(accelerations)
-    statements = {known + k: line.partition(" = ")[2].removesuffix(";") for k, line in enumerate(lines)}
+    statements = {slot: line.partition(" = ")[2].removesuffix(";") for slot, line in lines.items()}
     loops = find_loops(accelerations, statements)
     looped = {i for loop in loops for i in range(loop.first, loop.first + loop.count)}
-    rest = needed([*(slot for i, slot in enumerate(accelerations) if i not in looped), *kept], statements)
+    rest = set(needed([*(slot for i, slot in enumerate(accelerations) if i not in looped), *kept], statements))
     body = [f"lag_jet_rows(jet + (k + 1) * {pitch} + 1, jet + k * {pitch} + {1 + n}, 1.0 / (k + 1), {n});"]
     for loop in loops:
         result = f"jet + (k + 1) * {pitch} + {1 + n + loop.first}"
         body += write_loop(loop, constants, lambda slot: f"jet + k * {pitch} + {kept[slot]}", result)
-    body += [constants.renamed(line) for line in _placed([lines[slot - known] for slot in sorted(rest)], kept, pitch)]
+    body += [constants.renamed(line) for line in _placed([line for slot, line in lines.items() if slot in rest], kept, pitch)]
     return [*body, *(_next_rate(i, n, slot, kept, pitch) for i, slot in enumerate(accelerations) if i not in looped)]
 
 
