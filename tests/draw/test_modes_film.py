@@ -55,7 +55,7 @@ def test_places_of_a_period_are_closed_once(monkeypatch: pytest.MonkeyPatch) -> 
     """sin goes through each of its values again and again."""
     study = lag.load(EXAMPLES / "four_bar.lag").study()
     modes, closed = study.modes("equilibrium", False), []
-    monkeypatch.setattr("lagrangia.study.analysis.onto_constraints", lambda _, q, free: closed.append(q) or q)
+    monkeypatch.setattr("lagrangia.study.motion_numbers.onto_constraints", lambda _, q, free: closed.append(q) or q)
     t, states = swaying(study, modes, 0, 0.1)
     assert len(closed) == 19 and states.q.shape[1] == t.size == 145
     assert np.abs(states.q[:, :36] - states.q[:, 36:72]).max() < 1e-12

@@ -13,14 +13,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lagrangia.algebra.duals import value_of
+from lagrangia.base.checked_values import a_number
 from lagrangia.base.diagnostics import fail
 from lagrangia.constraints.assembly import Assembly
 from lagrangia.constraints.initial import FIXED, FREE, initial_at, initial_function, start_function
 from lagrangia.constraints.newton import start_equations
-from lagrangia.run.request import Values
-from lagrangia.run.scene import Scene
+from lagrangia.language.consequences import refuse_felt_reactions
+from lagrangia.language.delays import refuse_delays
+from lagrangia.run.input_pieces import InputTable
+from lagrangia.run.request import Values, check_parameters
 from lagrangia.study.signal_states import SignalStates
-from lagrangia.study.turned import Turned
+from lagrangia.study.turned import turned_of
 
 if TYPE_CHECKING:
     from lagrangia.compile.pipeline import Compilation
@@ -29,18 +32,29 @@ Vector = NDArray[np.float64]
 
 
 class Beginning:
-    """What Study (analysis.py) says of it. `p`, `u`: parameters and inputs; `is_angle` (n,)."""
+    """`p`, `u`: parameters and inputs; `is_angle` (n,); `time`: of the start, where None is given."""
 
-    c: "Compilation"
-    scene: Scene
-    values: Values
-    time: float
-    p: Vector
-    u: Vector
-    names: tuple[str, ...]
-    is_angle: NDArray[np.bool_]
-    turned: Turned
     _references: Vector | None = None  # of attitudes, where they are not those of the start
+
+    def __init__(self, compilation: "Compilation", values: Values, time: float | None) -> None:
+        refuse_delays(compilation.flat, "rest and small motion",
+                      "what is late changes what is stable, and has endlessly many modes: run it from a start beside rest "
+                      "(--initial), or put a lag in its place, FirstOrder")
+        refuse_felt_reactions(compilation.flat, "rest and small motion")
+        self.c, self.scene, self.values = compilation, compilation.scene, values
+        self.time = self.scene.start if time is None else a_number("time", time)
+        if not math.isfinite(self.time):
+            fail("L0702", f"the time must be a finite number, not {self.time}")
+        table = compilation.functions.table
+        self.p = table["parameters"](values.parameters, values.mask).full().ravel()
+        check_parameters(self.scene, list(map(float, self.p)))
+        self.u = InputTable(self.scene, values, self.time).at(np.array([self.time]))[:, 0]
+        if self.scene.n == 0:
+            fail("L0505", "nothing can move: the scene has no coordinate", compilation.flat.span,
+                 "lag simulate tells the reactions of such a scene")
+        self.names = tuple(c.name for c in self.scene.coordinates)
+        self.is_angle = np.array([c.unit == "rad" for c in self.scene.coordinates])
+        self.turned = turned_of(self.scene)
 
     @cached_property
     def signals(self) -> SignalStates:
