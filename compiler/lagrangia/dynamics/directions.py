@@ -1,5 +1,5 @@
 """Directions in products: v/|v| has none at rest, however a force is written: v (c/|v|), c/|v| v, v/(c |v|), v |v|/|v|^2; and
-v/|v|^a, which is 0/0 there, is sign(v) |v|^(1-a).
+v/|v|^a, which is 0/0 there, or v |v|^-a, is sign(v) |v|^(1-a).
 
 Of a product or quotient its factors are those above and below; where a rate is above and its length below, both make the
 direction, and what is left are its factors.
@@ -69,7 +69,8 @@ class Directions:
             return False
         factors = set(self._factors(int(op), [int(x) for x in operands]))
         below = direction.length if direction.square is None else direction.square
-        return {(direction.above, False), (below, True)} <= factors
+        found = {(below, True)} if length_power(self.numbering, below) is None else {(below, True), (below, False)}
+        return (direction.above, False) in factors and not factors.isdisjoint(found)
 
     def _bare(self, number: int) -> tuple[int, float]:
         """A component without the numbers that it is multiplied by, and these."""
@@ -106,8 +107,10 @@ class Directions:
             op, *operands = self.numbering.keys[number]
             if op in _PRODUCTS:
                 self.lengths[number] = self._lengths_in(int(op), [int(x) for x in operands], False)
+            elif power := length_power(self.numbering, number):
+                self.lengths[number] = frozenset((number, sign < 0) for sign in power)
             else:
-                self.lengths[number] = frozenset({(number, False)} if _components_below(self.numbering, number) else ())
+                self.lengths[number] = frozenset({(number, False)} if components_of(self.numbering, number) else ())
         return self.lengths[number]
 
 
@@ -123,20 +126,21 @@ def is_product(op: int) -> bool:
     return op in _PRODUCTS
 
 
-def exponent_of(numbering: Numbering, number: int) -> float | None:
-    """Of |x|^a with 0 < a < 1: a."""
+def length_power(numbering: Numbering, number: int) -> tuple[int, ...] | None:
+    """Of |x|^a with 0 < |a| < 1: the sign of a; both where a is no number."""
     op, *operands = numbering.keys[number]
     if op not in _POWERS or numbering.keys[int(operands[0])][0] != ca.OP_FABS:
         return None
     key = (ca.OP_CONST, 0.5) if op == ca.OP_SQRT else numbering.keys[int(operands[1])]
-    return float(key[1]) if key[0] == ca.OP_CONST and 0 < key[1] < 1 else None
+    if key[0] != ca.OP_CONST:
+        return 1, -1
+    return (1 if key[1] > 0 else -1,) if 0 < abs(key[1]) < 1 else None
 
 
 def _components_below(numbering: Numbering, number: int) -> tuple[int, ...]:
     """Of a length, its square, or of |x|^a."""
-    if exponent_of(numbering, number) is None:
-        return components_of(numbering, number)
-    return components_of(numbering, int(numbering.keys[number][1]))
+    is_power = length_power(numbering, number) is not None
+    return components_of(numbering, int(numbering.keys[number][1]) if is_power else number)
 
 
 def components_of(numbering: Numbering, number: int) -> tuple[int, ...]:

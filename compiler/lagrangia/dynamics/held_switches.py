@@ -6,7 +6,8 @@ import casadi as ca
 
 from lagrangia.algebra.numbering import Numbering
 from lagrangia.algebra.scalars import Expression, apply, as_expression, operate, symbols_in
-from lagrangia.dynamics.directions import Direction, Directions, Factor, exponent_of, is_product, sides
+from lagrangia.dynamics.directions import Direction, Directions, Factor, is_product, length_power, sides
+from lagrangia.dynamics.held_roots import Roots, is_length
 
 RELATIONS = (ca.OP_LT, ca.OP_LE, ca.OP_FMIN, ca.OP_FMAX)
 JUMPS = (ca.OP_LT, ca.OP_LE, ca.OP_SIGN)
@@ -82,15 +83,6 @@ def _without_factors(numbering: Numbering, number: int) -> int:
     return _without_factors(numbering, left[0]) if len(left) == 1 else number
 
 
-def _exponent(op: int, operands: list[Expression]) -> float | None:
-    """Of x^b with b > 0 and not whole, which has no value where a step passes x = |a| = 0 with the sign of a held: b."""
-    if op == ca.OP_SQRT:
-        return 0.5
-    is_power = op in (ca.OP_POW, ca.OP_CONSTPOW) and operands[1].is_constant()
-    exponent = float(operands[1]) if is_power else 0.0
-    return exponent if exponent > 0 and not exponent.is_integer() else None
-
-
 class Holding:
     """`places`: the symbols of switches; `shares`: the hashes of those that may be between 0 and 1; `rests`: symbols that are 1
     where both of a pair are held equal, and 0 elsewhere."""
@@ -102,6 +94,8 @@ class Holding:
         self.jumps = dict[int, tuple[Expression, frozenset[int]]]()  # of expressions by their hashes: the shares they jump with
         self.products = dict[int, tuple[int, list[int], list[Expression]]]()  # by their numbers
         self.directions = Directions(numbering)
+        rates = frozenset(k for pair, s in places.items() if s.__hash__() in shares for k in pair)
+        self.roots = Roots(numbering, rates - {numbering.of_number(0.0)}, self._combined)
 
     def made(self, op: int, numbers: list[int], operands: list[Expression]) -> Expression:
         """An instruction with switches for its conditions."""
@@ -109,25 +103,18 @@ class Holding:
             return rests
         pair = pair_of(self.numbering, op, numbers)
         if pair is not None and pair in self.places:
-            return self._switched(op, numbers, operands, pair)
-        exponent = _exponent(op, operands)
-        if exponent is not None and (length := self._clipped(numbers[0], operands[0], exponent < 1)) is not None:
-            return self._combined(op, [length, *operands[1:]])
+            return self._noted_length(op, numbers, self._switched(op, numbers, operands, pair), pair)
+        if (root := self.roots.made(op, numbers, operands)) is not None:
+            return root
+        self.roots.note(op, numbers, operands)
         directed = self._directed(op, numbers, operands)
         return self._combined(op, operands) if directed is None else directed
 
-    def _clipped(self, number: int, value: Expression, of_rates: bool) -> Expression | None:
-        """|a|, or a multiple of it, that is 0 where a has another sign than it is held with; of others, None, and of what is no
-        rate where only these are asked for: slopes of roots of places have no bounds, which implicit steps do not see."""
-        op, *inner = self.numbering.keys[number]
-        pair = ordered(int(inner[0]), self.numbering.of_number(0.0)) if op == ca.OP_FABS else None
-        if pair is not None and pair in self.places and (not of_rates or self.places[pair].__hash__() in self.shares):
-            return self._noted(apply(ca.OP_FMAX, value, 0.0), self._jumps_of(value))
-        op, numbers, operands = self.products.get(number, (ca.OP_INV, [], []))
-        for k, (factor, x) in enumerate(zip(numbers, operands, strict=True)):
-            if (op != ca.OP_DIV or k == 0) and op != ca.OP_INV and (length := self._clipped(factor, x, of_rates)) is not None:
-                return self._combined(op, [length if i == k else other for i, other in enumerate(operands)])
-        return None
+    def _noted_length(self, op: int, numbers: list[int], value: Expression, pair: Pair) -> Expression:
+        if is_length(self.numbering, op, numbers):
+            clipped = self._noted(apply(ca.OP_FMAX, value, 0.0), self._jumps_of(value))
+            self.roots.note_length(self.numbering.of(op, numbers), clipped, self.places[pair].__hash__() in self.shares)
+        return value
 
     def _rests(self, op: int, numbers: list[int]) -> Expression | None:
         asked = rest_asked(self.numbering, op, numbers) if self.rests else None
@@ -181,9 +168,11 @@ class Holding:
         """A component of v/|v|, which has none at rest, times all else."""
         values = dict(factors)
         length = (found.length, found.square is None)
+        if length not in values and length_power(self.numbering, found.length) is not None:
+            length = (found.length, False)
         if (found.above, False) not in values or length not in values:
             return None
-        share = self._share(found, values[found.above, False], values[length])
+        share = self._share(found, values[found.above, False], values[length], length[1])
         if share is None:
             return None
         left = [(found.above, False), length, *([] if found.square is None else [(found.square, True)])]
@@ -197,7 +186,7 @@ class Holding:
                 above = self._combined(ca.OP_MUL, [above, value])
         return self._combined(ca.OP_MUL, [self._combined(ca.OP_DIV, [above, below]), share])
 
-    def _share(self, found: Direction, component: Expression, length: Expression) -> Expression | None:
+    def _share(self, found: Direction, component: Expression, length: Expression, is_below: bool) -> Expression | None:
         """At rest a force holds v with components of its own, as signs."""
         zero = self.numbering.of_number(0.0)
         pairs = [ordered(x, zero) for x in found.components]
@@ -206,8 +195,8 @@ class Holding:
         sign = self._sign(ordered(found.component, zero), found.component)
         held = self._combined(ca.OP_MUL, [as_expression(1 / found.ratio), sign])
         if len(pairs) == 1:
-            exponent = exponent_of(self.numbering, found.length)
-            return held if exponent is None else self._combined(ca.OP_MUL, [held, as_expression(length.dep(0) ** (1 - exponent))])
+            power = self.roots.times_length(found.length, is_below)
+            return held if power is None else self._combined(ca.OP_MUL, [held, power])
         both = as_expression(self.rests[pairs[0]] * self.rests[pairs[1]])
         held = self._combined(ca.OP_MUL, [both, held])
         moves = operate(ca.OP_DIV, [component, length])

@@ -20,7 +20,7 @@ from lagrangia.algebra.orthogonal import Vector
 from lagrangia.algebra.scalars import Expression, as_expression, operate, symbol, symbols_in
 from lagrangia.algebra.with_casadi import CORNERS, STEPS
 from lagrangia.base.diagnostics import LagError, Span, fail
-from lagrangia.dynamics.directions import Direction
+from lagrangia.dynamics.directions import Direction, length_power
 from lagrangia.dynamics.dissipation import gradient_by_rates
 from lagrangia.dynamics.energies import Energies
 from lagrangia.dynamics.held_switches import SIGNS, WHOLE, Holding, Pair, ordered, pair_of, rest_asked
@@ -230,11 +230,15 @@ class _Probe(Holding):
         self.jumping.add(number)
         return operate(op, [self._sign(pair, numbers[0]), zero])
 
-    def _share(self, found: Direction, component: Expression, length: Expression) -> Expression | None:
+    def _share(self, found: Direction, component: Expression, length: Expression, is_below: bool) -> Expression | None:
         pair = ordered(found.component, self.numbering.of_number(0.0))
         if len(found.components) > 1 or pair not in self.found:
             return None
-        return as_expression(self._sign(pair, found.component) / found.ratio)
+        sign = as_expression(self._sign(pair, found.component) / found.ratio)
+        if length_power(self.numbering, found.length) is None:
+            return sign
+        exponent = 0.5 if length.op() == ca.OP_SQRT else length.dep(1)
+        return as_expression(sign * length.dep(0) ** ca.fmax(0, 1 - exponent if is_below else 1 + exponent))
 
     def _sign(self, pair: Pair, number: int) -> Expression:
         sign = self.found[pair][1]
