@@ -314,5 +314,7 @@ void lag_contacts_foresee(LagRun *run)
         const int is_closed = lag_contacts_are_closed(run, k, s->g_inside, near);
         if (is_place(run, k) && !s->slides[rests] && (depth > near || (is_closed && leaves > 0)))
             *seen = lag_min(run->motion.t + BOUNCE * closes_in(is_closed ? 0 : depth, leaves, s->rate_inside[rests]), *seen);
+        if (!run->started && is_place(run, k) && !s->slides[rests] && is_closed && -leaves > run->sliding.error[rests])
+            run->segment_over = 1; /* what closes at the start is struck before anything moves: nothing would tell then what touches */
     }
 }

@@ -6,6 +6,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "events/approaches.h"
 #include "events/conditions.h"
 #include "events/contacts.h"
 #include "state/evaluate.h"
@@ -131,9 +132,6 @@ int lag_impacts_note_jump(LagRun *run, double t, const double *y)
     return some;
 }
 
-/* Whether contact k came where all else came true while it was passed already: its resets are those of any event. */
-static int is_passed(const LagRun *run, int k) { return run->switches.turned[lag_when(run->model, k)] == LAG_TO_1; }
-
 /* What rates become. */
 static void read_wanted(LagRun *run)
 {
@@ -142,7 +140,7 @@ static void read_wanted(LagRun *run)
     lag_impulses_look(run, run->motion.y + model->n, s->rate, s->wanted);
     for (int j = 0; j < model->n_resets; ++j) {
         const int k = lag_event_of(model, j);
-        if (!lag_is_contact(model, j) || !s->fires[k] || is_passed(run, k))
+        if (!lag_is_contact(model, j) || !s->fires[k] || lag_approaches_passed(run, k))
             continue;
         s->is_plastic[k] |= s->wanted[j] == 0 || s->has_contact[k] == LAG_ONE_WAY;
         if (s->has_contact[k] == LAG_ONE_WAY)
@@ -159,36 +157,6 @@ static void read_wanted(LagRun *run)
 
 /* Whether a condition is true; where it is neither, whether it is about to be. */
 static int is_true(const LagSwitches *s, int i) { return fabs(s->g[i]) > s->unknown[i] ? s->g[i] > 0 : s->rate[i] > 0; }
-
-static int touches(const LagRun *run, int k)
-{
-    const LagSwitches *s = &run->switches;
-    const int gap = lag_gap(run->model, k);
-    return lag_contacts_are_closed(run, k, s->g, lag_max(s->unknown[gap], lag_contacts_margin(run, gap)));
-}
-
-/* Whether what is reset by event k is stopped, whichever way it goes: what is turned back is so where it approaches. */
-static int stops(LagRun *run, int k)
-{
-    LagImpacts *s = &run->impacts;
-    lag_impulses_look(run, run->motion.y + run->model->n, s->rate, s->wanted);
-    for (int j = 0; j < run->model->n_resets; ++j)
-        if (lag_event_of(run->model, j) == k && s->wanted[j] != 0)
-            return 0;
-    return 1;
-}
-
-/* Contact k is struck where it approaches, or is stopped though it is passed. What an impact has stopped stays together in those that
- * it brings about, unless these part it. Returns whether there is anything new in that. */
-static int find_contact(LagRun *run, int k, int comes)
-{
-    LagImpacts *s = &run->impacts;
-    const double speed = run->switches.g[lag_contact(run->model, k)], error = run->sliding.error[lag_contact(run->model, k)];
-    const int is_asked = comes && (s->has_contact[k] == LAG_ONE_WAY || (is_passed(run, k) && stops(run, k)));
-    const int may = comes || touches(run, k), approaches = is_asked || (may && speed > (comes ? 0 : error));
-    s->fires[k] = approaches || (may && s->is_plastic[k] && speed > -error);
-    return approaches;
-}
 
 /* Whether an event that is no contact compares a rate with what resets may set it to. */
 static int has_levels(const LagRun *run)
@@ -321,18 +289,20 @@ static int find_events(LagRun *run, int rank, int is_new)
             continue;
         if (s->has_contact[k] == LAG_CONTACT && !is_new)
             note_change(run, k);
-        if (s->has_contact[k])
-            found |= find_contact(run, k, s->comes[k] && !(has_jumped(run, k) && switches->g[i] <= 0));
-        else {
+        if (s->has_contact[k]) {
+            s->comes[k] = s->comes[k] && !(has_jumped(run, k) && switches->g[i] <= 0);
+            found |= lag_approaches_find(run, k);
+        } else {
             const int is_now = is_new ? s->comes[k] || s->is_on[k] : has_become_true(run, k);
             s->fires[k] = is_now && !s->is_on[k];
             s->is_on[k] = is_now;
             found |= s->fires[k];
+            s->comes[k] = 0;
         }
-        s->comes[k] = 0;
         s->before[k] = switches->g[i];
         s->gap_before[k] = switches->g[lag_gap(model, k)];
     }
+    lag_approaches_let_wait(run, rank);
     if (model->order)
         leave_to_first(run);
     return found;
@@ -402,7 +372,7 @@ static int calm(LagRun *run)
     const LagSwitches *switches = &run->switches;
     int some = 0;
     for (int k = 0; k < run->model->n_whens; ++k) {
-        const int rests = lag_contact(run->model, k), closed = s->has_contact[k] && touches(run, k);
+        const int rests = lag_contact(run->model, k), closed = s->has_contact[k] && lag_approaches_touch(run, k);
         s->fires[k] = closed && fabs(switches->g[rests]) <= run->sliding.error[rests];
         some |= s->fires[k] && switches->g[rests] > 0;
     }
