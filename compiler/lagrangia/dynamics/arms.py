@@ -5,7 +5,7 @@ Parameters choose as they are declared; time chooses together what it does at so
 fast something approaches (|b.v - x.v| is not its opposite); all else may be as it will.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from copy import copy
 from itertools import product
 
@@ -27,6 +27,10 @@ _TIMES = np.concatenate((np.geomspace(1e-6, 1e4, 2000), np.linspace(0, 20, 2001)
 _SPEEDS = (1.0, *np.geomspace(1e-4, 1e4, 33))
 _SIZES = (1, -1, 10, -10, 100, -100)  # of walls that move
 _MOST_ARMS = 64
+_REACH = np.concatenate((-np.geomspace(100, 1e-3, 60), np.geomspace(1e-3, 100, 60)))  # m or rad about a random place
+_PARTS, _CUTS = 64, 9  # of what is cut again and again, down to rounding
+_NEAR = np.geomspace(1e-2, 1e-9, 15)  # m or rad about where a level changes
+_STRAIGHT = 0.05  # relative: a level that goes on as a line
 State = tuple[Vector, Vector, Vector]  # rates, all else that is known, and the arm
 
 
@@ -34,14 +38,16 @@ class Look:
     """`results` of rates v, all else that moves or is given, parameters beside those that are declared, and the choices in
     `wanted`."""
 
-    def __init__(self, kinematics: Kinematics, v: ca.SX, results: Sequence[ca.SX], wanted: Sequence[ca.SX]) -> None:
+    def __init__(self, kinematics: Kinematics, v: ca.SX, results: Sequence[ca.SX], wanted: Sequence[ca.SX],
+                 crossed: Sequence[ca.SX] = ()) -> None:
+        """`crossed`: levels, (k,), and changes of positions along each reset, (n, r), where what changes there is looked at."""
         symbols = kinematics.symbols
         q = column(*symbols.positions.values())
         p, self.p = usual_parameters(kinematics)
         self.declared = np.array(default_parameters(kinematics)[1]).ravel()
-        found = kinematics.algebra.with_modes([*results, *wanted])
+        found, crossed = (kinematics.algebra.with_modes([*x]) for x in ((*results, *wanted), crossed))
         stated, whole = symbols_in(ca.vertcat(q, v, symbols.time, p)), ca.veccat(*found)
-        others = [x for x in ca.symvar(whole) if x.__hash__() not in stated]
+        others = [x for x in ca.symvar(ca.veccat(whole, *crossed)) if x.__hash__() not in stated]
         self.seeds = range(3, 3 + (_SEEDS if operations_in(whole).isdisjoint(CORNERS) else _MOST_SEEDS))
         self.expressions, self.inputs = found, [v, ca.vertcat(q, symbols.time, *others), p]
         self.time = q.numel()
@@ -59,6 +65,7 @@ class Look:
         self.by_rates = [not symbols_in(x).isdisjoint(symbols_in(v)) for x in self.differences]
         beyond = column(*freed[len(results):])
         self.beyond = ca.Function("beyond", [*self.inputs, chosen], [beyond]) if symbols_of else None
+        self.crossed = ca.Function("crossed", self.inputs, crossed) if crossed else None
 
     def _find_choices(self, wanted: list[ca.SX], results: list[ca.SX]) -> list[ca.SX]:
         """A symbol for each threshold in `wanted`, however often and from whichever side it is asked for, in results, too."""
@@ -127,6 +134,25 @@ class Look:
             known[self.time] **= spread
             yield [(v, *state) for state in self.arms(known)]
 
+    def crossings(self, k: int, j: int, known: Vector) -> Iterator[tuple[Vector, bool]]:
+        """All that is known, where level k changes along reset j, each with whether it has a slope there; nothing where levels
+        have the same slopes everywhere."""
+        crossed = self.crossed
+        if crossed is None:
+            return
+        step = np.zeros(known.size)
+        step[:self.time] = np.array(crossed(0, known, self.p)[1])[:, j]
+
+        def level(distances: Vector) -> Vector:
+            states = known[:, None] + np.multiply.outer(step, distances)
+            shape = (1, distances.size)
+            found = crossed(np.zeros((self.inputs[0].numel(), 1)), states, np.tile(self.p[:, None], shape))[0]
+            return np.asarray(np.array(found)[k])
+
+        size = float(np.linalg.norm(step))
+        for distance in crossings_of(level, size) if 0 < size < np.inf else []:
+            yield known + step * distance, has_slope(level, distance, size)
+
     def arms(self, known: Vector) -> Iterator[tuple[Vector, Vector]]:
         """All that is known, at times that bring them about, and arms."""
         arm = np.zeros(len(self.differences))
@@ -188,3 +214,26 @@ class Look:
             place = next(iter(np.flatnonzero(chosen[:, 1:].all(axis=0))), None)
             if place is not None:
                 yield still, both[:, 1 + place], bool((chosen[:, 0] | is_level).all())
+
+
+def crossings_of(level: Callable[[Vector], Vector], size: float) -> list[float]:
+    """Where a function changes its sign, as far as `_REACH` tells; `size`: of what it is of, for a distance of 1."""
+    places, found = _REACH / size, list[float]()
+    values = level(places)
+    for k in np.flatnonzero(values[:-1] * values[1:] < 0).tolist():
+        low, high, first = places[k], places[k + 1], np.sign(values[k])
+        for _ in range(_CUTS):
+            inner = np.linspace(low, high, _PARTS + 1)
+            place = int(np.argmax(np.sign(level(inner[1:])) != first))
+            low, high = inner[place], inner[place + 1]
+        if np.abs(level(np.array([low, high]))).max() <= np.abs(values[k:k + 2]).max():  # else it is a pole
+            found.append(float(high))
+    return found
+
+
+def has_slope(level: Callable[[Vector], Vector], place: float, size: float) -> bool:
+    """Whether a function goes as a line there, on both sides, however near."""
+    near = _NEAR / size
+    rises = np.array([level(place + side * share * near) / (side * share * near) for side in (1, -1) for share in (1.0, 0.25)])
+    known = rises[:, np.isfinite(rises).all(axis=0)]
+    return bool((np.abs(known - known.mean(axis=0)) < _STRAIGHT * np.abs(known.mean(axis=0))).all(axis=0).any())

@@ -5,7 +5,7 @@ so w - r = R M^-1 R^T c^T L. One of a hand that takes hold of them does not: it 
 With constraints J v = 0, M^-1 is that of what these leave free.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from enum import IntEnum
 from functools import cached_property
 from itertools import islice
@@ -89,7 +89,7 @@ def turned_back(look: Look, k: int, j: int, is_timed: bool) -> tuple[Meeting, in
     wall may set out after any time. `look` gives the rates of gaps, r, w, and the slopes of rates of gaps and of r."""
     signs = set[int]()
     for states in look.states((1, _SPREAD) if is_timed else (1,)):
-        found = [x for state in states if (x := _turned_back(look, k, j, *state)) is not None]
+        found = [x for state in states for x in _turned_everywhere(look, k, j, *state) if x is not None]
         if not found:
             continue
         if not all(found):
@@ -101,6 +101,17 @@ def turned_back(look: Look, k: int, j: int, is_timed: bool) -> tuple[Meeting, in
 def turns_somewhere(look: Look, k: int, j: int) -> bool:
     """Whether reset j is turned back at gap k in some arm."""
     return any(_turned_back(look, k, j, *state) for states in islice(look.states(), 2) for state in states)
+
+
+def _turned_everywhere(look: Look, k: int, j: int, v: Vector, known: Vector, arm: Vector) -> Iterator[int | None]:
+    """That in one arm, and where the gap changes there; 0, too, where it does so without a slope, along which nothing is held."""
+    places = [*look.crossings(k, j, known)]
+    if not all(has_slope for _, has_slope in places):
+        yield 0
+    is_level = look.crossed is not None and not look.at(v, known, arm)[3][k].any()  # as tanh(1000*x) is but where it changes
+    yield None if is_level and places else _turned_back(look, k, j, v, known, arm)
+    for place, has_slope in places:
+        yield _turned_back(look, k, j, v, place, arm) if has_slope else None
 
 
 def _turned_back(look: Look, k: int, j: int, v: Vector, known: Vector, arm: Vector) -> int | None:

@@ -28,8 +28,9 @@ from lagrangia.constraints.parameters import parameter_symbols
 from lagrangia.constraints.rows import Row
 from lagrangia.dynamics import collisions as meets
 from lagrangia.dynamics.collisions import BODIES, STILL, Meeting, Mobility
+from lagrangia.dynamics.crossings import simple_crossing
 from lagrangia.dynamics.energies import Load, paced
-from lagrangia.dynamics.levels import EDGE, JUMPS, Levels, Meetings, Steps, least_of, level_of_parts, without_odd_power
+from lagrangia.dynamics.levels import EDGE, JUMPS, Levels, Meetings, Steps, least_of, level_of_parts
 from lagrangia.dynamics.limits import changes_nothing, side_of
 from lagrangia.dynamics.recognized_ranges import Range
 from lagrangia.dynamics.resets import Resets, is_comparison
@@ -197,7 +198,7 @@ class _Event(Resets):
     def _find_parts(self) -> list[Flat]:
         """What all has to be true; of comparisons that jump where something moves, the comparisons that these are made of."""
         found, q = list[Flat](), column(*self.kinematics.symbols.positions.values())
-        for node in map(without_odd_power, parts_of(self.condition)):
+        for node in parts_of(self.condition):
             is_apart = isinstance(node, Binary) and is_comparison(node) and jumps_with(self._level_at(node), q)
             if not is_apart or self._always_turns(node):
                 found.append(node)
@@ -233,7 +234,7 @@ class _Event(Resets):
 
     def _level_of_part(self, node: Flat) -> ca.SX:
         value, level = self.kinematics.evaluator.value, level_of(node)
-        g = self._expression(value(level))
+        g = simple_crossing(self._expression(value(level)))
         truth = self._expression(value(node)) if is_comparison(node) else g
         self.meetings.note(node, g)
         goes_on = ca.depends_on(g, self.moving) and operations_in(g).isdisjoint(JUMPS)

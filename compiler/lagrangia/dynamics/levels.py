@@ -11,7 +11,7 @@ of the choices among m - 1, m and m + 1 by x >= m and x >= m + 1, from -1 to 1: 
 """
 
 from collections.abc import Callable, Iterator
-from dataclasses import field, replace
+from dataclasses import field
 from typing import TypeAlias
 
 import casadi as ca
@@ -24,7 +24,7 @@ from lagrangia.base.records import dataclass
 from lagrangia.constraints.parameters import parameter_symbols
 from lagrangia.frames.kinematics import Kinematics
 from lagrangia.language.events import COMPARED
-from lagrangia.language.tree import Binary, Flat, Number, Unary
+from lagrangia.language.tree import Binary, Flat, Unary
 
 Level: TypeAlias = "ca.SX | bool"  # bool: whatever moves
 EDGE = 1e-300  # a level where both sides of <= are equal: it is true there, and others are not changed by so little
@@ -228,16 +228,6 @@ def least_of(level: ca.SX) -> Iterator[ca.SX]:
         yield from (*least_of(level.dep(0)), *least_of(level.dep(1)))
     else:
         yield level
-
-
-def without_odd_power(comparison: Flat) -> Flat:
-    """x < 0 of x^3 < 0, whose slope is 0 where it changes."""
-    match comparison:
-        case Binary(_, Binary("^", x, Number(n)), Number(0.0)) if n > 0 and n % 2 == 1:
-            return replace(comparison, left=x)
-        case Binary(_, Number(0.0), Binary("^", x, Number(n))) if n > 0 and n % 2 == 1:
-            return replace(comparison, right=x)
-    return comparison
 
 
 def with_edge(comparison: Flat, difference: ca.SX) -> ca.SX:

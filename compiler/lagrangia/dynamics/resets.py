@@ -13,6 +13,7 @@ from lagrangia.constraints.parameters import default_parameters
 from lagrangia.dynamics import collisions as meets
 from lagrangia.dynamics.arms import Look
 from lagrangia.dynamics.collisions import MOVED, STILL, Meeting, Mobility
+from lagrangia.dynamics.crossings import simple_crossing
 from lagrangia.dynamics.levels import Meetings
 from lagrangia.dynamics.recognized_ranges import EVERYWHERE, Range, parameters_in, range_of
 from lagrangia.frames.kinematics import Kinematics
@@ -58,7 +59,10 @@ class Resets:
 
     def _level_at(self, node: Flat) -> ca.SX:
         if id(node) not in self.levels:
-            self.levels[id(node)] = self._expression(self.kinematics.evaluator.value(level_of(node)))
+            level = self._expression(self.kinematics.evaluator.value(level_of(node)))
+            self.levels[id(node)] = simple = simple_crossing(level)
+            if simple is not level:
+                self.branches.add(id(node))
         return self.levels[id(node)]
 
     def _is_gap(self, node: Flat) -> bool:
@@ -74,8 +78,8 @@ class Resets:
         """Whether time is written in it, whenever it may come to count: a wall may set out after any time that is looked at."""
         return bool(ca.depends_on(value, ca.vertcat(self.kinematics.symbols.time, self.kinematics.algebra.mode_symbols)))
 
-    def _look(self, results: list[ca.SX], wanted: list[ca.SX]) -> Look:
-        return Look(self.kinematics, self.meetings.rates, results, wanted)
+    def _look(self, results: list[ca.SX], wanted: list[ca.SX], crossed: Sequence[ca.SX] = ()) -> Look:
+        return Look(self.kinematics, self.meetings.rates, results, wanted, crossed)
 
     def _look_at(self, nodes: list[Flat], choosing: Sequence[ca.SX] = ()) -> Look:
         """The rates of gaps, of what is reset, what that is reset to, and the slopes of both; with the arms of `choosing`."""
@@ -83,7 +87,15 @@ class Resets:
         paces, rates, wanted = (column(*x) for x in (
             [self._pace_of(self._level_at(x)) for x in nodes], self.rates, self.wanted))
         slopes = [ca.densify(ca.jacobian(x, v)) for x in (paces, rates)]
-        return self._look([*map(ca.densify, (paces, rates, wanted)), *slopes], [*choosing, *self.wanted])
+        is_curved = ca.depends_on(slopes[0], column(*self.kinematics.symbols.positions.values()))
+        crossed = [column(*map(self._level_at, nodes)), self._along(slopes[1])] if is_curved else []
+        return self._look([*map(ca.densify, (paces, rates, wanted)), *slopes], [*choosing, *self.wanted], crossed)
+
+    def _along(self, own: ca.SX) -> ca.SX:
+        """(n, r): the changes of positions along the slopes, (r, n), of what is reset."""
+        v, rates = self.meetings.rates, self.kinematics.symbols.rates.values()
+        moved = self.kinematics.paced(column(*rates).elements())
+        return ca.densify(ca.horzcat(*(ca.jtimes(moved, v, own[j, :].T) for j in range(own.shape[0]))))
 
     def _find_turned(self, nodes: list[Flat]) -> dict[int, tuple[Flat, Meeting, int]]:
         """Of resets that turn back, or do so in some arms, the comparison among `nodes`, which of both, and the sign of the
