@@ -1,5 +1,6 @@
 """Expected texts kept in files: `pytest --update` writes them anew, to be read in the diff."""
 
+import hashlib
 import os
 import signal
 from collections.abc import Callable, Iterator
@@ -96,13 +97,31 @@ def runtime() -> Runtime:
     return start_runtime()
 
 
+@pytest.fixture(scope="session")
+def shared_texts(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder for scenes that all processes read."""
+    base = tmp_path_factory.getbasetemp()
+    return (base.parent if "PYTEST_XDIST_WORKER" in os.environ else base) / "texts"
+
+
 @pytest.fixture
-def scene(tmp_path: Path) -> Callable[[str], lag.Model]:
-    """A scene from its text."""
+def scene(request: pytest.FixtureRequest, tmp_path: Path, shared_texts: Path) -> Callable[[str], lag.Model]:
+    """A scene from its text.
+
+    The same text has the same place in all tests, so that what runs it by another solver, or to another tolerance, finds it
+    compiled. It has one of its own where it may lie beside files of the test, or the test changes how it is compiled.
+    """
+    may_be_shared = "monkeypatch" not in request.fixturenames
 
     def write(text: str) -> lag.Model:
         path = tmp_path / "scene.lag"
-        path.write_text(text, encoding="utf-8")
+        if may_be_shared and not any(tmp_path.iterdir()):
+            path = shared_texts / hashlib.sha256(text.encode()).hexdigest() / path.name
+        if path.parent == tmp_path or not path.exists():
+            path.parent.mkdir(parents=True, exist_ok=True)
+            written = tmp_path / "text"
+            written.write_text(text, encoding="utf-8")
+            written.replace(path)  # others may read it meanwhile
         return lag.load(path)
 
     return write

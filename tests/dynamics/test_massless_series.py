@@ -102,8 +102,8 @@ def test_an_fmu_of_it(scene: Write, tmp_path: Path) -> None:
 
 
 def test_starts_that_are_moved_are_told(scene: Write, capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
-    scene(SLIDES.format(", s(start = 0.1)", ", s(start = 0.3)", "", ""))
-    assert main(["simulate", str(tmp_path / "scene.lag"), "--stop", "0.1", "-o", str(tmp_path / "out.csv")]) == 0
+    model = scene(SLIDES.format(", s(start = 0.1)", ", s(start = 0.3)", "", ""))
+    assert main(["simulate", str(model.path), "--stop", "0.1", "-o", str(tmp_path / "out.csv")]) == 0
     told = capsys.readouterr().out
     assert "p1.s begins at 0.125 m, not at 0.1 m" in told and "p2.s begins at 0.25 m, not at 0.3 m" in told
 

@@ -236,12 +236,13 @@ def test_equations_for_people_are_refused(scene: Write) -> None:
         scene(THROWN).equations()
 
 
-def test_forces_are_not_told_afterwards(scene: Write, tmp_path: Path) -> None:
+def test_forces_are_not_told_afterwards(scene: Write) -> None:
     """From positions and rates alone nobody knows what friction or a contact holds: there was silence, and no force."""
-    run = scene(THROWN).simulate(at=[0.5])
+    model = scene(THROWN)
+    run = model.simulate(at=[0.5])
     for name in ("floor.force", "floor.reaction[2]", "der(floor.slip)"):
         with pytest.raises(lag.LagError, match="L0908"):
             run[name]
-    asked = lag.Model(str(tmp_path / "scene.lag"), outputs=["floor.reaction", "der(floor.slip)"]).simulate(at=[0.5])
+    asked = lag.Model(model.path, outputs=["floor.reaction", "der(floor.slip)"]).simulate(at=[0.5])
     np.testing.assert_allclose(asked["floor.reaction[2]"], 2 * G, rtol=1e-12)
     np.testing.assert_allclose(asked["der(floor.slip)"], -0.3 * G, rtol=1e-12)
