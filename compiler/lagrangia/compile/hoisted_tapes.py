@@ -16,7 +16,7 @@ from lagrangia.compile.functions import Functions
 from lagrangia.compile.instructions import KINDS, arranged, kind_of, tapes_together
 from lagrangia.native.tapes import Op, Tape
 from lagrangia.run.arranging import BINARY, COMMUTES, OP, take_out
-from lagrangia.run.library import find_runtime
+from lagrangia.run.library import Runtime, find_runtime
 
 _INPUT, _OUTPUT, _CONST = map(int, (Op.INPUT, Op.OUTPUT, Op.CONST))  # members of an enumeration are slow to compare
 _WORDS = Struct("=4i")
@@ -37,15 +37,15 @@ def tapes_of(functions: Functions) -> dict[str, Tape]:
     else:
         made, count = _taken_out(read, arguments, functions.settled)
     programs = dict(zip((*reading, *others), (*made, *everything[len(reading) :]), strict=True))
-    return {name: _tape(function, programs[name], count if name in reading else None, name == "hoist")
+    return {name: _tape(function, programs[name], count if name in reading else None, name == "hoist", runtime)
             for name, function in table.items()}
 
 
-def _tape(function: ca.Function, program: bytes, count: int | None, is_hoist: bool) -> Tape:
+def _tape(function: ca.Function, program: bytes, count: int | None, is_hoist: bool, runtime: Runtime | None) -> Tape:
     """With so many hoisted values, where it reads or gives some."""
     sizes_in = [count if name == "c" and count is not None else function.numel_in(k) for k, name in enumerate(function.name_in())]
     sizes_out = [count] if is_hoist and count is not None else [function.numel_out(k) for k in range(function.n_out())]
-    return arranged(program, sizes_in, sizes_out)
+    return arranged(program, sizes_in, sizes_out, runtime)
 
 
 @dataclass

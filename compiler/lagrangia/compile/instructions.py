@@ -16,7 +16,7 @@ from lagrangia.compile.casadi_instructions import SIZE, read_instructions
 from lagrangia.native.tapes import BINARY as BINARIES
 from lagrangia.native.tapes import SINES, Op, Tape
 from lagrangia.run.arranging import BINARY, COMMUTES, OP, arrange
-from lagrangia.run.library import find_runtime
+from lagrangia.run.library import Runtime, find_runtime
 
 # An operation has the same name in CasADi and in runtime/model/tape.h.
 _INPUT, _OUTPUT, _CONST = _MOVES = int(Op.INPUT), int(Op.OUTPUT), int(Op.CONST)  # members of an enumeration are slow keys
@@ -41,13 +41,16 @@ def tape_of(function: ca.Function) -> Tape:
 
 def tapes_together(functions: Sequence[ca.Function]) -> list[Tape]:
     """Of each. Raises NotImplementedError as `tape_of` does."""
-    return [arranged(read_instructions(f), [f.nnz_in(i) for i in range(f.n_in())], [f.nnz_out(i) for i in range(f.n_out())])
-            for f in functions]
-
-
-def arranged(read: bytes, sizes_in: Sequence[int], sizes_out: Sequence[int]) -> Tape:
-    """The tape of instructions as runtime/model/arrange.h reads them. Raises NotImplementedError as `tape_of` does."""
     runtime = find_runtime()
+    return [arranged(read_instructions(f), [f.nnz_in(i) for i in range(f.n_in())], [f.nnz_out(i) for i in range(f.n_out())],
+                     runtime) for f in functions]
+
+
+def arranged(read: bytes, sizes_in: Sequence[int], sizes_out: Sequence[int], runtime: Runtime | None) -> Tape:
+    """The tape of instructions as runtime/model/arrange.h reads them, by that of `find_runtime`, which looks at files to tell.
+
+    Raises NotImplementedError as `tape_of` does.
+    """
     if runtime is not None and runtime.is_ready:
         code, constants, n_work = arrange(runtime, read, KINDS)
     else:
