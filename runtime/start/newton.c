@@ -23,7 +23,7 @@
 #include "numbers/qr.h"
 
 static const double SATISFIED = 1e-10, DEPENDENT = 1e-10, ROUNDING = 1e-10, SHORTEST_STEP = 1e-4, LONGEST_STEP = 0.5,
-                    FAITHFUL = 0.9, STEEPEST = 1e9;
+                    FAITHFUL = 0.9, STEEPEST = 1e9, ROUNDED = 1e-14;
 enum { FULL = 8 }; /* matrices with an entry of so many that is not 0, or more, gain nothing by account of zeros */
 static const double CRITICAL = 1e-6, PUSH = 1e-2, GOLDEN_RATIO = 0.6180339887498949;
 
@@ -406,11 +406,12 @@ static int steepest(LagNewton *s)
     return 1;
 }
 
-/* Goes along the step as far as the sum of squares falls. Returns 0 when it does not fall at all. */
+/* Goes along the step as far as the sum of squares falls: all the way or not at all where it is but rounding. Returns 0 when it does
+ * not fall at all. */
 static int descend(LagNewton *s, const double *p, double *x, double *work)
 {
-    const double before = sum_of_squares(s);
-    for (double part = 1; part > SHORTEST_STEP; part /= 2) {
+    const double before = sum_of_squares(s), shortest = before < ROUNDED * ROUNDED ? 1 : SHORTEST_STEP;
+    for (double part = 1; part >= shortest; part /= 2) {
         for (int j = 0; j < 2 * lag_start_size(s->model); ++j)
             s->trial[j] = x[j] + part * s->step[j];
         if (evaluate(s, &s->residuals, p, s->trial, work) == 0 && sum_of_squares(s) < before) {
@@ -435,8 +436,7 @@ static int improve(LagNewton *s, const double *p, double size, double *x, double
 {
     const double before = sum_of_squares(s);
     memset(s->z, 0, 2 * (size_t)lag_start_size(s->model) * sizeof *s->z);
-    correct(s);
-    if (descend(s, p, x, work)) {
+    if (correct(s) > 0 && descend(s, p, x, work)) {
         const double foretold = 1 - FAITHFUL * s->part;
         s->trusted *= s->part < 1 && sum_of_squares(s) <= foretold * foretold * before ? 2 : 1;
         return 1;
