@@ -105,3 +105,32 @@ def test_limits_of_enumerations_are_values_of_theirs(scene: Callable[[str], lag.
     with pytest.raises(lag.LagError) as error:
         scene(text % limit)
     assert message in str(error.value)
+
+
+@pytest.mark.parametrize("text", [
+    "Real c = delay(b.v, 0.1)", "Real c = product({b.s, b0.s})", "Real c = product(b.s for k in 1:2)",
+    "parameter Real c = 3[m2]", "parameter Area a = 3; parameter Real c = a", "R r = R(c = 3[m2]); Real c = r.c",
+    "discrete Real c(start = 1[m2]); equation when time > 0.5 then c = 2; end when",
+    "discrete Real c(start = 1); equation when time > 0.5 then c = pre(c) + b.v; end when",
+    "discrete Real c(start = 1); equation when sample(0, 0.1) then c = b.v; end when",
+    "Real c(start = 1[m2]); equation der(c) = -2*c", "Real c(start = 1); equation der(c) = b.v*b.s",
+])
+def test_what_is_declared_without_a_unit_has_that_of_what_it_is_made_of(scene: Callable[[str], lag.Model], text: str) -> None:
+    """An area or a speed that is taken for a length."""
+    with pytest.raises(lag.LagError, match=r"L0304.*'y' is in m, this is in"):
+        scene(f"""model M
+          record R Real c; end R;
+          Block b(m = 1, base = world), b0(m = 1, base = world);
+          {text};
+          output Length y = c;
+        end M;""")
+
+
+def test_values_at_events_are_in_the_unit_of_the_start(scene: Callable[[str], lag.Model]) -> None:
+    with pytest.raises(lag.LagError, match="s and m cannot be equal"):
+        scene("""model M
+          Block b(m = 1, base = world);
+          discrete Real n(start = 1[s]);
+        equation
+          when time > 0.5 then n = b.s; end when;
+        end M;""")

@@ -7,7 +7,7 @@ way where another one is wanted (`sin(3*time)`, `torque = 0.5*sin(2*time)`); an 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from fractions import Fraction
-from functools import cache
+from functools import cache, reduce
 
 from lagrangia.base.diagnostics import LagError, Report, Span
 from lagrangia.base.records import dataclass
@@ -125,6 +125,7 @@ class _Checker:
         self.model = model
         self.report = Report()
         self.known: dict[str, Quantity] = {}
+        self.given = model.given_at_events()
         self.pending: set[str] = set()
         self.results: dict[tuple[object, ...], Quantity] = {}
 
@@ -278,13 +279,25 @@ class _Checker:
         if name not in self.known:
             variable = self.model.variables[name]
             found = self.declared(variable)
-            binding = variable.binding if variable.kind == "variable" else None
-            if found.dimension is None and binding is not None and name not in self.pending:
+            if found.dimension is None and name not in self.pending:
                 self.pending.add(name)
-                found = self.quantity(binding)
+                found = self._told(variable)
                 self.pending.discard(name)
             self.known[name] = found
         return self.known[name]
+
+    def _told(self, variable: Variable) -> Quantity:
+        """By what it is bound to, starts from, or is given at events, where it was declared without a unit."""
+        found = ANY
+        for node in (variable.binding, variable.start, *self.given.get(variable.name, ())):
+            said = ANY if node is None else self.quantity(node)
+            if said.dimension is not None and not said.is_soft:
+                return said
+            found = found if said.dimension is None else said
+        if variable.name in self.model.states:
+            rate = self.quantity(self.model.states[variable.name].rate)
+            return found if rate.dimension is None or rate.is_soft else self._times(rate, Quantity(_SECOND))
+        return found
 
     def _common(self, found: list[Quantity], span: Span, how: str) -> Quantity:
         total = ANY
@@ -401,7 +414,7 @@ class _Checker:
             case "table2":
                 return self._table2(node, found)
             case "product":
-                return ANY
+                return self._product(node, found)
         for quantity, argument in zip(found, node.arguments, strict=True):
             hints = [f"write: {node.function}(1[rad/s]*{argument.span.text})"] if isinstance(argument, Time) else []
             self._pure(quantity, argument, f"the argument of {node.function}", *hints)
@@ -412,6 +425,10 @@ class _Checker:
         texts = String if node.function in ("table", "table2") else ()
         require_numbers((x for x in node.arguments if not isinstance(x, texts)), self.report)
         return [self.quantity(argument, local) for argument in node.arguments]
+
+    def _product(self, node: Call[Flat], found: list[Quantity]) -> Quantity:
+        of_all = [one for one, count in zip(found, map(_count, node.arguments), strict=True) for _ in range(count)]
+        return reduce(self._times, of_all, PURE)
 
     def _table2(self, node: Call[Flat], found: list[Quantity]) -> Quantity:
         if len(found) == 5:
@@ -466,6 +483,10 @@ class _Checker:
 @cache
 def _in_unit(unit: str) -> Quantity:
     return Quantity(parse_unit(unit).dimension)
+
+
+def _count(node: Flat) -> int:
+    return sum(map(_count, node.items)) if isinstance(node, Array) else 1
 
 
 def _fits(found: Quantity, wanted: Dimension) -> bool:

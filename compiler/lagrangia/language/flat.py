@@ -280,6 +280,16 @@ class FlatModel:
         """All that events, samplers, delays and guards read."""
         return tuple(x for look in (*self.whens, *self.samplers, *self.delays, *self.guards) for x in look.expressions())
 
+    def given_at_events(self) -> Mapping[str, list[Flat]]:
+        """Values that variables have after events, by the names of the variables."""
+        found: dict[str, list[Flat]] = {}
+        for reset in (reset for when in self.whens for reset in when.resets):
+            if isinstance(reset.rate, Ref):
+                found.setdefault(reset.rate.name, []).append(reset.value)
+        for held in (held for sampler in self.samplers for held in sampler.held):
+            found.setdefault(held.name, []).append(held.value)
+        return found
+
     def stated(self) -> Iterator[Flat]:
         """All that is stated, but the bindings and starts of variables, and the rates of states."""
         for equation in (*self.constraints, *self.initial_equations):
