@@ -36,3 +36,19 @@ def test_what_is_wrong_is_refused_with_words(scene: Callable[[str], lag.Model]) 
         for wrong in (*WRONG, *MORE.get(way, [])):
             with pytest.raises((lag.LagError, lag.RunError)):
                 ask(model, wrong)
+
+
+@pytest.mark.parametrize("dt", ["1", 1j, None, np.array([0.2]), np.True_])
+def test_a_step_of_no_number_leaves_the_run_as_it_was(scene: Callable[[str], lag.Model], dt: object) -> None:
+    live = scene("model M Block b(m = 1, base = world, v(start = 1)); end M;").start()
+    live.step(0.1)
+    with pytest.raises(lag.LagError, match="L0702"):
+        live.step(dt)  # type: ignore[arg-type]
+    live.restore(live.save())
+    live.step(0.1)
+    assert live["b.s"] == pytest.approx(0.2, abs=1e-15)
+
+
+def test_numpys_booleans_are_no_numbers_as_pythons_are_none(scene: Callable[[str], lag.Model]) -> None:
+    with pytest.raises(lag.LagError, match="must be a number, not "):
+        scene("model M Block b(m = 1, base = world); end M;").simulate(stop=np.True_)

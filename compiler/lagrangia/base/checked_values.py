@@ -21,8 +21,8 @@ def a_number(what: str, value: Any) -> float:
         return value
     if hasattr(value, "mask"):  # NumPy's masked numbers become nan
         _refuse_masked(f"the {what}", value)
-    is_complex = getattr(getattr(value, "dtype", None), "kind", "") == "c"  # NumPy drops what is imaginary
-    if not is_complex and not isinstance(value, str | bytes | bool):
+    is_no_number = getattr(getattr(value, "dtype", None), "kind", "") in ("b", "c")  # NumPy drops what is imaginary
+    if not is_no_number and not isinstance(value, str | bytes | bool):
         try:
             return float(value)
         except (TypeError, ValueError, OverflowError):

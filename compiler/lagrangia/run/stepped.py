@@ -143,7 +143,7 @@ class SteppedRun:
         u, row = self._pointers
         looks = self._engine.upgrade is not None and self._steps % _LOOK == 0
         begin = time.thread_time() if looks else 0.0
-        status = self._library.lag_run_steps(self._handle, self._begin, dt, self._count, 1, u, row, self._done, 0.0)
+        status = self._library.lag_run_steps(self._handle, self._begin, self._dt, self._count, 1, u, row, self._done, 0.0)
         if status != 0:
             self._end(Status(status))
         if self._turned:
@@ -170,8 +170,8 @@ class SteppedRun:
         while done < count:
             place = None if u is None else u.ctypes.data + 8 * done * len(self._u)
             target = rows[done:].ctypes.data
-            status = Status(self._library.lag_run_steps(self._handle, self._begin, dt, self._count, count - done, place, target,
-                                                        self._done, _PAUSE))
+            status = Status(self._library.lag_run_steps(self._handle, self._begin, self._dt, self._count, count - done, place,
+                                                        target, self._done, _PAUSE))
             done += self._done[0]
             self._count += self._done[0]
             rows[:done, self._turned] = math.nan
@@ -191,9 +191,10 @@ class SteppedRun:
 
     def _pace(self, dt: float) -> None:
         """Equal steps end where multiples of them do, however they are asked for."""
-        if not 0 < dt < math.inf:
+        seconds = a_number("step", dt)
+        if not 0 < seconds < math.inf:
             fail("L0702", f"a step must be a positive number of seconds, not {dt}")
-        self._begin, self._dt, self._count = self.time, dt, 0
+        self._begin, self._dt, self._count = self.time, seconds, 0
 
     def _rows_of(self, inputs: Any) -> "tuple[int, np.ndarray | None]":
         import numpy as np
