@@ -37,10 +37,18 @@ void lag_wide_roots_enter(LagWideRoots *s, int lane, LagRun *run)
     lag_wide_place(s->c, lane, run->c, model->n_hoisted);
 }
 
+static int is_some(const double *numbers)
+{
+    LagWide sum = LAG_WIDE_OF(0);
+    for (int lane = 0; lane < LAG_ABREAST; lane += LAG_WIDE)
+        sum += lag_wide_read(numbers + lane);
+    return lag_wide_is_some(sum);
+}
+
 static void look_at_all(LagWideRoots *s, const LagWideSteps *steps)
 {
     const double *rates = steps->y + (size_t)steps->n * LAG_ABREAST, *in[] = {steps->t, steps->y, rates, s->u, s->d, s->c};
-    double *out[] = {s->g, s->rate};
+    double doubt[LAG_ABREAST] = {0}, *out[] = {s->g, s->rate, doubt};
     for (int i = 0; i < s->model->n_attitudes; ++i) {
         const size_t mode = (size_t)lag_attitude_mode(s->model->attitudes, i) * LAG_ABREAST;
         memcpy(s->d + mode, steps->reference + mode, 4 * LAG_ABREAST * sizeof *s->d);
@@ -51,7 +59,10 @@ static void look_at_all(LagWideRoots *s, const LagWideSteps *steps)
         lag_inputs_at(&s->run[lane]->inputs, steps->t[lane], s->run[lane]->u);
         lag_wide_place(s->u, lane, s->run[lane]->u, s->model->n_inputs);
     }
-    lag_wide_tape_run(s->model->roots.tape, in, 0, out, s->work);
+    if (s->model->wide_roots)
+        s->model->wide_roots(in, out);
+    if (!s->model->wide_roots || is_some(doubt)) /* angles are too large for it */
+        lag_wide_tape_run(s->model->roots.tape, in, 0, out, s->work);
 }
 
 /* As in roots.c: whether a parabola through both ends comes near to 0. */

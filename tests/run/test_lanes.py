@@ -211,6 +211,7 @@ def test_compiled_series_have_the_digits_of_interpreted_ones(name: str) -> None:
         results.append(batch.advance(values)[0])
         native = load_engine(suited.scene, native=True)
         assert native is not None and (native.model.struct.wide_taylor or native.model.struct.wide_each)
+        assert bool(native.model.struct.wide_roots) == (name == "spring_pendulum")
         tape.model.adopt(native.model)
         results.append(batch.advance(values)[0])
         assert batch.lanes.runs == 2 * job.runs
