@@ -125,6 +125,12 @@ def test_what_is_built_is_found_and_only_then(tmp_path: Path, monkeypatch: pytes
     assert prebuilt.find(sources, tmp_path / "built") is None
 
 
+def test_a_library_is_stale_when_shared_files_are_compiled_in_another_way(monkeypatch: pytest.MonkeyPatch) -> None:
+    before = prebuilt.digest.__wrapped__(RUNTIME)
+    monkeypatch.setattr(prebuilt, "_ONCE", ("any", "-O1"))
+    assert prebuilt.digest.__wrapped__(RUNTIME) != before
+
+
 @needs_prebuilt
 @pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
 @pytest.mark.parametrize(("scene", "solver"), [

@@ -51,6 +51,8 @@ _KINDS: Mapping[str, tuple[tuple[str, ...], frozenset[str]]] = {
     "any": ((), frozenset()),
 }
 
+# The kind of processors for which these are compiled, and with how much care: they go into the library of this machine, too.
+_ONCE = ("any", LEVEL)
 # By rooms, the files in which no example spends a fiftieth of its run, whatever the solver, and that compute nothing abreast.
 _SHARED: Mapping[str, frozenset[str]] = {room: frozenset(names.split()) for room, names in {
     "base": "clock",
@@ -130,7 +132,7 @@ def sources(runtime: Path) -> list[Path]:
 def digest(runtime: Path) -> str:
     """Changes with every source, every header and the flags."""
     shared = [(room, sorted(names)) for room, names in _SHARED.items()]
-    hashed = hashlib.sha256(repr((FLAGS, LEVEL, _ALIGNED, _KINDS["avx512"][0], shared)).encode())
+    hashed = hashlib.sha256(repr((FLAGS, LEVEL, _ALIGNED, sorted(flags for flags, _ in _KINDS.values()), shared, _ONCE)).encode())
     for file in sorted(runtime.rglob("*.[ch]")):
         hashed.update(file.name.encode() + hashlib.sha256(file.read_bytes()).digest())
     return hashed.hexdigest()
@@ -195,7 +197,7 @@ def build(runtime: Path, folder: Path, command: Sequence[str]) -> None:
         own = units([file for file in sources(runtime) if not is_shared(file)])
         objects = {kind: [pool.submit(compiled, kind, unit) for unit in own] for kind in _wanted()}
         shared = units([file for file in sources(runtime) if is_shared(file)])
-        once = [pool.submit(compiled, "any", unit, LEVEL) for unit in shared]  # the library of this machine is made of them, too
+        once = [pool.submit(compiled, _ONCE[0], unit, *_ONCE[1:]) for unit in shared]
         told = (f"-I{runtime / 'standard'}", f'-DLAG_BUILD="{digest(runtime)}"')
         glue = {version: [pool.submit(compiled, "any", unit, *told, *_OF_VERSION)
                           for unit in units(sorted((runtime / "fmi").glob(f"fmi{version}*.c")))] for version in FMI_VERSIONS}
