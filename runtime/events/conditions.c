@@ -53,6 +53,8 @@ static void set_far(LagRun *run, double *g, double *rate)
     for (int k = 0; k < whens; ++k)
         if (has_contact[k])
             set_contact(first + k, gaps + k, slides[lag_contact(model, k)], g, rate);
+        else if (run->impacts.is_level[k])
+            put_far(s, first + k, g, rate);
     for (int i = gaps; i < all; ++i)
         if (!slides[i])
             put_far(s, i, g, rate);

@@ -37,6 +37,8 @@ void lag_impacts_layout(LagImpacts *s, const LagModel *model, int size, LagArena
     s->is_on = lag_take_ints(arena, (size_t)model->n_whens);
     s->comes = lag_take_ints(arena, (size_t)model->n_whens);
     s->at_once = lag_take_ints(arena, (size_t)model->n_whens);
+    s->is_level = lag_take_ints(arena, (size_t)model->n_whens);
+    s->level_way = lag_take(arena, model->n_whens > 0 ? (size_t)lag_sliding_most(model) * (size_t)model->n : 0);
     s->before = lag_take(arena, (size_t)model->n_whens);
     s->gap_before = lag_take(arena, (size_t)model->n_whens);
     s->met = lag_take(arena, (size_t)model->n_whens);
@@ -70,6 +72,7 @@ void lag_impacts_reset(LagRun *run)
         run->impacts.has_contact[lag_event_of(run->model, j)] = 0;
     for (int j = 0; j < run->model->n_resets; ++j)
         run->impacts.has_contact[lag_event_of(run->model, j)] |= lag_is_contact(run->model, j);
+    memset(run->impacts.is_level, 0, (size_t)run->model->n_whens * sizeof *run->impacts.is_level);
     run->impacts.coarse = 0;
     run->impacts.is_known = 0;
     run->impacts.in_a_row = 0;
@@ -205,11 +208,13 @@ static int has_become_true(const LagRun *run, int k)
     const LagSwitches *s = &run->switches;
     const int i = lag_when(run->model, k);
     if (is_on_level(run, k))
-        return run->model->on_level[k];
+        return run->model->on_level[k] & 1;
     if (has_jumped(run, k))
         return s->g[i] > 0;
     if (run->impacts.comes[k])
         return 1;
+    if (run->impacts.is_level[k])
+        return run->impacts.is_on[k];
     return fabs(s->g[i]) <= s->unknown[i] && s->rate[i] == 0 ? run->impacts.is_on[k] : is_true(s, i);
 }
 

@@ -13,6 +13,8 @@ typedef struct {
     int onward;      /* 1 + a contact that approaches, and whose reset turns nothing back; 0: none */
     int *is_on;      /* n_whens: of those that are no contacts, whether their conditions are true */
     int *comes;      /* n_whens: those whose conditions have come true by themselves at this instant, and were not looked at since */
+    int *is_level;   /* n_whens: of those that are no contacts, whether what they compare is held at their level: levels.h */
+    double *level_way; /* most that slide x n: see there */
     int *at_once;    /* n_whens: those of all ranks that come together */
     int *which;      /* n_resets: the resets of these */
     double *rate, *wanted, *rate_after; /* n_resets */

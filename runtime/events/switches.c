@@ -14,6 +14,7 @@
 #include "events/cones.h"
 #include "events/contacts.h"
 #include "events/crossing.h"
+#include "events/levels.h"
 #include "state/ends.h"
 #include "state/evaluate.h"
 #include "numbers/extremes.h"
@@ -278,6 +279,7 @@ int lag_switches_enter(LagRun *run)
     lag_switches_forget(run);
     lag_sliding_forget_impact(run);
     run->impacts.is_known = 0;
+    lag_levels_enter(run);
     return turned;
 }
 
@@ -322,17 +324,15 @@ static int has_come(const LagRun *run, int i, double depth)
 {
     const LagSwitches *s = &run->switches;
     const double slack = lag_slack(run->model, &run->impacts, i);
-    return depth < -lag_max(s->unknown[i], slack) || (depth <= -slack && lag_depth(s, i, s->rate) < 0);
+    const int goes_on = depth <= -slack && lag_depth(s, i, s->rate) < 0 && !lag_levels_wait(run, i);
+    return depth < -lag_max(s->unknown[i], slack) || goes_on;
 }
 
 int lag_switches_note(LagRun *run)
 {
     LagSwitches *s = &run->switches;
     int first = -1;
-    if (run->model->n_whens > 0)
-        lag_conditions_with_rates(run, run->motion.t, run->motion.y, s->g, s->rate);
-    else
-        lag_conditions(run, run->motion.t, run->motion.y, s->g, s->rate);
+    (run->model->n_whens > 0 ? lag_conditions_with_rates : lag_conditions)(run, run->motion.t, run->motion.y, s->g, s->rate);
     for (int i = 0; i < run->model->n_switches; ++i) {
         const double depth = lag_depth(s, i, s->g);
         const int is_at_end = !s->is_idle[i] && depth <= (s->slides[i] ? END_OF_SHARE : 0);

@@ -69,7 +69,7 @@ class Impacts:
     impulses: ca.SX = _NONE  # (r,): symbols of forces on what is reset
     places: tuple[int, ...] = ()
     one_way: tuple[bool, ...] = ()  # (w,): gaps that are rates
-    on_level: tuple[int, ...] = ()  # (w,): whether it is true where rates meet what they are compared with; -1: by parts
+    on_level: tuple[int, ...] = ()  # (w,): Meetings.of_rates of each
     known: tuple[bool, ...] = ()  # (r,): whether what is set does not come from the motion, with whose errors
     loads: tuple[Load, ...] = ()
     pressing: Mapping[int, tuple[ca.SX, ca.SX]] = field(default_factory=dict)  # of what rests, by their events: forces, impulses
@@ -128,7 +128,7 @@ def find_impacts(kinematics: Kinematics, kinetic: ca.SX, rows: Sequence[Row]) ->
     pressing = {k: (forces[k], impulses[first + event.kept])
                 for k, (event, first) in enumerate(zip(found, firsts, strict=False)) if event.kept is not None}
     one_way = tuple(ONE_WAY in event.kinds for event in found)
-    on_level = tuple(event.meetings.on_level() for event in found)
+    on_level = tuple(event.meetings.of_rates() for event in found)
     known = _find_known(kinematics, rates, wanted)
     alternatives = tuple(event.alternative for event in found)
     return Impacts(conditions, gaps, arms, rates, wanted, forces, impulses, flags, one_way, on_level, known, tuple(loads),

@@ -271,9 +271,12 @@ class Meetings:
         self.rates = ca.vertcat(ca.SX(0, 1), *moving)
         self.at_rest = ca.vertcat(ca.SX(0, 1), *(kinematics.symbols.accelerations[name] for name in sorted(kept)))
         self.kinds = set[int]()  # 1 inclusive, 0 strict, -1 neither
+        self.constant = symbols_in(parameter_symbols(kinematics))
+        self.is_alone = True  # nothing but rates is compared, with constants
 
     def note(self, node: Flat, difference: ca.SX) -> None:
         """One of the comparisons, and the level of it."""
+        self.is_alone &= symbols_in(difference) <= self.constant | symbols_in(self.rates)
         if ca.depends_on(difference, self.rates):
             is_plain = isinstance(node, Binary) and node.operator in COMPARED and operations_in(difference).isdisjoint(JUMPS)
             self.kinds.add(int(node.operator in ("<=", ">=")) if isinstance(node, Binary) and is_plain else -1)
@@ -281,6 +284,11 @@ class Meetings:
     def on_level(self) -> int:
         """Whether the condition is true there; -1: by its parts, or there are none."""
         return min(self.kinds) if len(self.kinds) == 1 else -1
+
+    def of_rates(self) -> int:
+        """The same, and 2 more where nothing else decides."""
+        on_level = self.on_level()
+        return on_level + 2 if on_level >= 0 and self.is_alone else on_level
 
 
 def _decided(found: _Threshold, known: _Known) -> bool | None:

@@ -1,0 +1,59 @@
+"""Events on rates that friction and contacts hold: at their level, and not where rounding takes them."""
+
+from collections.abc import Callable
+
+import pytest
+
+import lagrangia as lag
+from lagrangia.native.build import find_compiler
+
+pytestmark = pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
+Write = Callable[[str], lag.Model]
+SOLVERS = ("auto", "erk", "erk5", "erk9", "adams", "implicit", "pirk", "taylor")
+BLOCK = """
+  Block b(m = 1, base = world, v(start = %s));  DryFriction f(F = 3, rate = b.v);
+  AppliedForce w(at = b.center, force = {%s, 0});
+"""
+CLUTCH = """
+  Revolute p(a = world), q(a = world, w(start = 3));
+  Disc d(m = 1, r = 1, I = 1, center = p.b), e(m = 1, r = 1, I = 2, center = q.b);
+  DryFriction f(F = 5, rate = 1[m]*(q.w - p.w));  AppliedTorque T(on = d.center, torque = 2*sin(3*time));
+"""
+TABLE = """
+  PointMass P(m = 1);  RoughStop floor(a = world, b = P.center, mu = 0.5);
+  AppliedForce w(at = P.center, force = {2*sin(5*time), 3*cos(7*time)});
+initial equation
+  P.center.x = 0;  P.center.y = 0;  P.center.v[1] = 0;  P.center.v[2] = 0;
+"""
+STUCK, TEARS_OFF = "2.9*sin(9*time)", "5*sin(1*time)"
+
+
+@pytest.mark.parametrize(("text", "condition", "right"), [
+    (BLOCK % (0, STUCK), "b.v > 0", 0), (BLOCK % (0, STUCK), "b.v >= 0", 0), (BLOCK % (0, STUCK), "abs(b.v) > 0", 0),
+    (BLOCK % (1, STUCK), "b.v < 0", 0), (BLOCK % (-1, STUCK), "b.v >= 0", 1), (BLOCK % (-1, STUCK), "b.v > 0", 0),
+    (BLOCK % (0, TEARS_OFF), "b.v > 0", 1), (BLOCK % (0, TEARS_OFF), "b.v < 0", 0), (BLOCK % (0, TEARS_OFF), "abs(b.v) > 0", 1),
+    (CLUTCH, "q.w < p.w", 0), (CLUTCH, "p.w >= q.w", 1), (CLUTCH, "q.w > p.w", 0),
+    (TABLE, "P.center.v[2] > 0", 0), (TABLE, "P.center.v[1] < 0", 0)])
+def test_what_is_held_is_at_its_level(scene: Write, text: str, condition: str, right: int) -> None:
+    """Of a block that sticks for ever `b.v > 0` came up to 1 960 times, or the run could not be continued."""
+    begin, mark, end = text.partition("initial equation")
+    model = scene(f"""model Held {begin} discrete Real n(start = 0);{mark}{end}
+    equation when {condition} then n = pre(n) + 1; end when; end Held;""")
+    for solver in SOLVERS:
+        assert model.simulate(at=[0.0, 0.5, 1.0, 1.5, 2.0], solver=solver)["n"][-1] == right, solver
+
+
+def test_what_is_held_ends_no_run(scene: Write) -> None:
+    model = scene(f"model Held {BLOCK % (0, STUCK)} equation when b.v > 0 then terminate(\"moves\"); end when; end Held;")
+    for solver in SOLVERS:
+        assert model.simulate(at=[0.0, 1.0, 2.0], solver=solver)["time"][-1] == 2, solver
+
+
+def test_what_else_decides_comes_at_its_time(scene: Write) -> None:
+    """While the rate stays at its level."""
+    for other, at in (("c.s > 1[m]", 1.0), ("time > 1.1", 1.1)):
+        model = scene(f"""model Other {BLOCK % (0, "0")}  Block c(m = 1, base = world, v(start = 1));
+          discrete Time came(start = 0);
+        equation when b.v > 0 or {other} then came = time; end when; end Other;""")
+        for solver in SOLVERS:
+            assert model.simulate(at=[0.0, 2.0], solver=solver)["came"][-1] == pytest.approx(at, abs=1e-9), (other, solver)
