@@ -72,7 +72,8 @@ STILL = {
     "multiple": "if abs(-2*b.v) > 0 then 2 else 3", "times": "if -2*abs(b.v) < 0 then 2 else 3",
     "absolute sign": "if abs(sign(b.v)) > 0 then 2 else 3", "sign differs": "if sign(b.v) <> 0 then 2 else 3",
     "square": "if b.v^2 > 0 then 2 else 3", "square is none": "if b.v^2 == 0 then 3 else 2",
-    "no absolute": "if abs(b.v) == 0 then 3 else 2",
+    "no absolute": "if abs(b.v) == 0 then 3 else 2", "times a parameter": "if abs(b.v*k.k) > 0 then 2 else 3",
+    "over a parameter": "if b.v/k.k <> 0 then 2 else 3",
 }
 DRAWN = {
     **{f"expression: {name}": f"""Block b(m = 1, base = world); Spring k(k = 20, stretch = 0.1[m/s]*time - b.s);

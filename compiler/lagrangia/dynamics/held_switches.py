@@ -94,7 +94,7 @@ class Holding:
         self.jumps = dict[int, tuple[Expression, frozenset[int]]]()  # of expressions by their hashes: the shares they jump with
         self.products = dict[int, tuple[int, list[int], list[Expression]]]()  # by their numbers
         self.directions = Directions(numbering)
-        rates = frozenset(k for pair, s in places.items() if s.__hash__() in shares for k in pair)
+        rates = frozenset(k for pair, s in places.items() if self._shares_in(s) for k in pair)
         self.roots = Roots(numbering, rates - {numbering.of_number(0.0)}, self._combined)
 
     def made(self, op: int, numbers: list[int], operands: list[Expression]) -> Expression:
@@ -113,7 +113,7 @@ class Holding:
     def _noted_length(self, op: int, numbers: list[int], value: Expression, pair: Pair) -> Expression:
         if is_length(self.numbering, op, numbers):
             clipped = self._noted(apply(ca.OP_FMAX, value, 0.0), self._jumps_of(value))
-            self.roots.note_length(self.numbering.of(op, numbers), clipped, self.places[pair].__hash__() in self.shares)
+            self.roots.note_length(self.numbering.of(op, numbers), clipped, bool(self._shares_in(self.places[pair])))
         return value
 
     def _rests(self, op: int, numbers: list[int]) -> Expression | None:

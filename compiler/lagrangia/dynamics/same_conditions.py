@@ -1,7 +1,8 @@
-"""Conditions that are met in another shape: of what was found in forces, in the reactions that these forces make.
+"""Conditions that are met in another shape: of what was found in forces, in themselves and in the reactions that they make.
 
-sign(-x) is -sign(x), and a sum is the same in any order: by their values at random states, x of one is x of the other but for a
-factor.
+sign(-x) is -sign(x), abs(x/c) is that of x for any parameter c, and x - y is -(y - x): of rates these have one switch, as two
+would not change at the same time. Of reactions sums are the same in any order: by their values at random states, x of one is x of
+the other but for a factor.
 """
 
 from collections.abc import Mapping
@@ -9,25 +10,62 @@ from collections.abc import Mapping
 import casadi as ca
 import numpy as np
 
+from lagrangia.algebra.numbering import Numbering
 from lagrangia.algebra.orthogonal import Vector
-from lagrangia.algebra.scalars import Expression
+from lagrangia.algebra.scalars import Expression, as_expression, symbols_in
+from lagrangia.algebra.with_casadi import CORNERS, operations_in
 from lagrangia.dynamics.held_switches import Pair
 
 _LOOKS, _SAME = 4, 1e-9
+Same = dict[Pair, tuple[Pair, Expression]]  # by conditions: another one, and what is positive where both have the same sign
 
 
-def match(known: Mapping[Pair, Expression], others: Mapping[Pair, Expression]) -> dict[Pair, tuple[Pair, bool]]:
-    """For those of `others` that are one of the `known`: which, and whether both have the same sign."""
+def multiples(found: Mapping[Pair, Expression], v: ca.SX, p: ca.SX, numbering: Numbering) -> Same:
+    """Of conditions on rates, those that are another one but for a factor of numbers and parameters."""
+    rates, constant = symbols_in(v), symbols_in(p)
+    first, same = dict[tuple[int, ...], tuple[Pair, Expression]](), Same()
+    for pair, g in found.items():
+        if not rates.isdisjoint(symbols_in(g)) and operations_in(g).isdisjoint(CORNERS):
+            key, factor = _apart(g, constant, numbering)
+            of, other = first.setdefault(key, (pair, factor))
+            if of != pair:
+                same[pair] = of, as_expression(factor * other)
+    return same
+
+
+def _apart(g: Expression, constant: frozenset[int], numbering: Numbering) -> tuple[tuple[int, ...], Expression]:
+    """Numbers that tell g but for a factor, and a factor with the sign of that one."""
+    factor = as_expression(1.0)
+    while g.n_dep():
+        is_constant = [symbols_in(g.dep(k)) <= constant for k in range(g.n_dep())]
+        if g.op() == ca.OP_NEG:
+            factor, g = -factor, g.dep(0)
+        elif g.op() == ca.OP_TWICE:
+            g = g.dep(0)
+        elif g.op() in (ca.OP_MUL, ca.OP_DIV) and is_constant[1]:
+            factor, g = factor * g.dep(1), g.dep(0)
+        elif g.op() == ca.OP_MUL and is_constant[0]:
+            factor, g = factor * g.dep(0), g.dep(1)
+        else:
+            break
+    if g.n_dep() == 0 or g.op() != ca.OP_SUB:
+        return (numbering.number(g),), factor
+    a, b = numbering.number(g.dep(0)), numbering.number(g.dep(1))
+    return ((a, b), factor) if a < b else ((b, a), -factor)
+
+
+def match(known: Mapping[Pair, Expression], others: Mapping[Pair, Expression]) -> Same:
+    """For those of `others` that are one of the `known`: which."""
     if not others:
         return {}
     values = _values([*known.values(), *others.values()])
     own, rest = values[:, : len(known)], values[:, len(known) :]
-    found = dict[Pair, tuple[Pair, bool]]()
+    found = Same()
     for k, pair in enumerate(others):
         for first, column in zip(known, own.T, strict=True):
             factor = rest[0, k] / column[0] if column[0] else 0.0
             if factor and np.allclose(rest[:, k], factor * column, rtol=_SAME, atol=0.0):
-                found.setdefault(pair, (first, factor > 0))
+                found.setdefault(pair, (first, as_expression(np.sign(factor))))
     return found
 
 

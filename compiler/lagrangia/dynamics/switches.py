@@ -38,7 +38,7 @@ from lagrangia.dynamics.held_switches import (
 from lagrangia.dynamics.levels import EDGE, Levels
 from lagrangia.dynamics.levels import JUMPS as ALL_JUMPS
 from lagrangia.dynamics.motion import SMOOTH, Motion
-from lagrangia.dynamics.same_conditions import match
+from lagrangia.dynamics.same_conditions import Same, match, multiples
 
 _BENT = CORNERS | {ca.OP_ATAN2}
 _STRICTNESS = (ca.OP_LT, ca.OP_LE)
@@ -146,9 +146,11 @@ def find_switches(motion: Motion, late: ca.SX | None = None, bends: Sequence[ca.
     movers = ca.vertcat(motion.t, motion.q, motion.v, motion.u, reactions)
     found, rests, cones = conditions_in([known.h, *laws, *others], movers, motion.v, numbering,
                                         (known.stepped, _between_events(known)))
+    same = multiples(found, motion.v, _between_events(known), numbering)
+    found, rests, cones = _merged(found, rests, cones, same)
     found = dict(_sided(g, numbering) for g in bends) | found
     found = found | {pair: g for pair, g in _kinks_of(motion, numbering).items() if pair not in found}
-    aliases = _other_shapes(known, found, movers, numbering)
+    same |= _other_shapes(known, found, same, movers, numbering)
     if not found and not events.numel():
         return Switches()
     found = {pair: found[pair] for pair in sorted(found, key=lambda pair: pair not in signs)}
@@ -161,13 +163,21 @@ def find_switches(motion: Motion, late: ca.SX | None = None, bends: Sequence[ca.
     symbols = ca.vertcat(ca.SX(0, 1), *places.values(), ca.SX.sym("event", 2 * events.numel()), motion.impacts.forces)
     lengths = sum(pair in signs for pair in found)
     rates = _rates_of(values, motion, slopes)
-    same = {pair: places[of] if is_same else as_expression(1.0 - places[of]) for pair, (of, is_same) in aliases.items()}
-    held = {pair: rests[of] for pair, (of, _) in aliases.items() if of in rests}
-    moot = _moot_rests(ca.veccat(known.h, *laws), Holding(places, shares, rests, numbering), cones)
+    aliases = {pair: as_expression(ca.if_else(sign > 0, places[of], 1.0 - places[of])) for pair, (of, sign) in same.items()}
+    held = {pair: rests[of] for pair, (of, _) in same.items() if of in rests}
+    moot = _moot_rests(ca.veccat(known.h, *laws), Holding(places | aliases, shares, rests | held, numbering), cones)
     held = {pair: moot.get(x, x) for pair, x in held.items()} | {pair: moot[x] for pair, x in rests.items() if x in moot}
     rests = {pair: x for pair, x in rests.items() if x not in moot}
-    switches = Switches(symbols, values, rates, slopes, places, shares, rests, cones, numbering, same, held, lengths)
+    switches = Switches(symbols, values, rates, slopes, places, shares, rests, cones, numbering, aliases, held, lengths)
     return replace(switches, rubs=_find_rubs(motion, switches)) if motion.impacts.pressing else switches
+
+
+def _merged(found: dict[Pair, Expression], rests: dict[Pair, Expression], cones: tuple[tuple[Pair, Pair], ...], same: Same
+            ) -> tuple[dict[Pair, Expression], dict[Pair, Expression], tuple[tuple[Pair, Pair], ...]]:
+    """Without those that are `same` as others, which stand for them."""
+    one = {pair: same[pair][0] if pair in same else pair for pair in found}
+    return ({pair: found[pair] for pair in one.values()}, {one[pair]: x for pair, x in rests.items()},
+            tuple((one[a], one[b]) for a, b in cones))
 
 
 def _between_events(motion: Motion) -> ca.SX:
@@ -194,14 +204,13 @@ def _kinks_of(motion: Motion, numbering: Numbering) -> dict[Pair, Expression]:
     return found
 
 
-def _other_shapes(known: Motion, found: dict[Pair, Expression], movers: ca.SX, numbering: Numbering
-                  ) -> dict[Pair, tuple[Pair, bool]]:
+def _other_shapes(known: Motion, found: dict[Pair, Expression], same: Same, movers: ca.SX, numbering: Numbering) -> Same:
     """Conditions of reactions that forces feel: those of `found`, or else they come to them."""
     if known.felt is None:
         return {}
     others, _, _ = conditions_in([known.felt.values], movers, known.v, numbering, (known.stepped, _between_events(known)))
-    aliases = match(found, {pair: g for pair, g in others.items() if pair not in found})
-    found.update({pair: g for pair, g in others.items() if pair not in aliases})
+    aliases = match(found, {pair: g for pair, g in others.items() if pair not in found and pair not in same})
+    found.update({pair: g for pair, g in others.items() if pair not in aliases and pair not in same})
     return aliases
 
 
@@ -248,6 +257,7 @@ class _Finding:
     found: dict[Pair, Expression] = field(default_factory=dict)
     asked: list[tuple[Pair, ...]] = field(default_factory=list)
     both: dict[tuple[Pair, Pair], None] = field(default_factory=dict)
+    equalities: dict[Pair, Expression] = field(default_factory=dict)
     equal: dict[Pair, bool] = field(default_factory=dict)  # which may be equal for a while: how these are compared
     either: set[Pair] = field(default_factory=set)  # the same, of which so far only the larger or the smaller is asked for
     squares: dict[int, Expression] = field(default_factory=dict)  # by the numbers of their roots: of lengths
@@ -269,6 +279,9 @@ class _Finding:
         if rest is not None:
             self.asked.append(rest[0])
             self._note_square(operands)
+            if op in (ca.OP_EQ, ca.OP_NE):
+                self.equalities[ordered(*numbers)] = as_expression(operands[0] - operands[1] if numbers[0] < numbers[1]
+                                                                   else operands[1] - operands[0])
             if op in RELATIONS or len(rest[0]) > 1:  # of |a|, which is found by itself
                 return
         pair = rest[0][0] if rest else pair_of(self.numbering, op, numbers)
@@ -368,7 +381,10 @@ def conditions_in(forces: Sequence[ca.SX], movers: ca.SX, v: ca.SX, numbering: N
     is asked whether they rest; and pairs of the latter that are asked about together."""
     finding = _Finding(movers, v, numbering, symbols_in(known[0]), symbols_in(known[1]))
     rebuilt(forces, numbering, finding.note)
-    rests, found = _rests(v, finding.found, finding.asked), finding.found
+    found = finding.found
+    same = multiples(found | finding.equalities, v, known[1], numbering) if finding.equalities else {}
+    found |= {pair: g for pair, g in finding.equalities.items() if pair in same and same[pair][0] in found}
+    rests = _rests(v, found, finding.asked)
     found = _without_unused(forces, found, rests, numbering) if rests else found
     return found, rests, tuple(cone for cone in finding.both if all(pair in rests for pair in cone))
 
@@ -400,7 +416,8 @@ def _moot_rests(forces: ca.SX, holding: Holding, cones: Sequence[tuple[Pair, Pai
     """The symbols of rates that rub as they move, and have a force of their own at rest, as a clamped load (Karnopp's law): what
     holds there is a share of what rubs, as of a rate that is never found at rest. With 0 for each."""
     together = {pair for cone in cones for pair in cone}
-    asked = {pair: rest for pair, rest in holding.rests.items() if pair in holding.places and pair not in together}
+    signs = {pair for pair, sign in holding.places.items() if sign.is_symbolic()}
+    asked = {pair: rest for pair, rest in holding.rests.items() if pair in signs and pair not in together}
     if not asked:
         return {}
     (held,) = rebuilt([forces], holding.numbering, holding.made)
