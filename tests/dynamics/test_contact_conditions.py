@@ -168,6 +168,27 @@ def test_runs_whose_parameters_make_or_end_contacts_are_told(scene: Write, decla
     assert len(failures) == len(beyond)
 
 
+@pytest.mark.parametrize(("declared", "value", "within", "beyond"), [
+    ("k1 = 2, k2 = 1", "-0.5*(k1 - k2)*b.v", (2.2, 0.8), (1.6, 1.8)),
+    ("k1 = 1, k2 = 2", "-0.5*(k1 - k2)*b.v", (0.8, 2.2), (1.6, 1.4)),
+    ("k1 = 1, k2 = 2", "if k1 > k2 then -e*b.v else b.v + 1", (0.9, 1.9), (1.6, 1.55)),
+    ("k1 = 0.5, k2 = 1", "(k1*k2 - 1)*b.v", (0.6, 1.1), (0.86, 1.2))])
+def test_parameters_that_make_or_end_contacts_together_are_told(scene: Write, declared: str, value: str,
+                                                               within: tuple[float, float], beyond: tuple[float, float]) -> None:
+    """Each had its limits with the other as declared: b.s(3) = -30.1 for 0 without a word with k1 = 1.6, k2 = 1.4, a contact."""
+    model = scene(thrown(f"when b.s < 0 then reinit(b.v, {value}); end when;", f"parameter Real {declared};"))
+    model.simulate(at=[0.6], parameters=dict(zip(("k1", "k2"), within, strict=True)))
+    with pytest.raises(lag.LagError, match="L0605"):
+        model.simulate(at=[0.6], parameters=dict(zip(("k1", "k2"), beyond, strict=True)))
+    several = {"k1": [within[0], beyond[0]], "k2": [within[1], beyond[1]]}
+    assert model.simulate_many(stop=0.6, parameters=several).failures
+
+
+def test_products_that_keep_a_sign_have_limits_of_their_factors_alone(scene: Write) -> None:
+    text = thrown("when b.s < 0 then reinit(b.v, -r1*r2*b.v); end when;", "parameter Real r1 = 0.5, r2 = 0.5;")
+    assert [(p.minimum, p.maximum) for p in scene(text).scene.parameters if p.name.startswith("r")] == [(0, None)]*2
+
+
 def test_parameters_that_decide_nothing_have_no_limits(scene: Write) -> None:
     text = thrown("when b.s < x0 then reinit(b.v, if abs(b.v) < slow then 0 else -e*b.v); reinit(x.v, x.v + kick); end when;",
                   "Block x(m = 1, base = world, along = {0, 1}); parameter Real x0 = 0, slow = 0.1, kick = 1;")

@@ -28,7 +28,8 @@ _SPEEDS = (1.0, *np.geomspace(1e-4, 1e4, 33))
 _SIZES = (1, -1, 10, -10, 100, -100)  # of walls that move
 _MOST_ARMS = 64
 _REACH = np.concatenate((-np.geomspace(100, 1e-3, 60), np.geomspace(1e-3, 100, 60)))  # m or rad about a random place
-_PARTS, _CUTS = 64, 9  # of what is cut again and again, down to rounding
+_PARTS, _CUTS = 256, 7  # of what is cut again and again, down to rounding
+_MOST_CROSSINGS = 2
 _NEAR = np.geomspace(1e-2, 1e-9, 15)  # m or rad about where a level changes
 _STRAIGHT = 0.05  # relative: a level that goes on as a line
 State = tuple[Vector, Vector, Vector]  # rates, all else that is known, and the arm
@@ -66,6 +67,7 @@ class Look:
         beyond = column(*freed[len(results):])
         self.beyond = ca.Function("beyond", [*self.inputs, chosen], [beyond]) if symbols_of else None
         self.crossed = ca.Function("crossed", self.inputs, crossed) if crossed else None
+        self.places: dict[tuple[int, int, bytes], list[tuple[Vector, bool]]] | None = None
 
     def _find_choices(self, wanted: list[ca.SX], results: list[ca.SX]) -> list[ca.SX]:
         """A symbol for each threshold in `wanted`, however often and from whichever side it is asked for, in results, too."""
@@ -134,7 +136,16 @@ class Look:
             known[self.time] **= spread
             yield [(v, *state) for state in self.arms(known)]
 
-    def crossings(self, k: int, j: int, known: Vector) -> Iterator[tuple[Vector, bool]]:
+    def crossings(self, k: int, j: int, known: Vector) -> list[tuple[Vector, bool]]:
+        """As `_find_crossings` says, where `places` are kept for all parameters once."""
+        if self.places is None:
+            return [*self._find_crossings(k, j, known)]
+        key = k, j, known.tobytes()
+        if key not in self.places:
+            self.places[key] = [*self._find_crossings(k, j, known)]
+        return self.places[key]
+
+    def _find_crossings(self, k: int, j: int, known: Vector) -> Iterator[tuple[Vector, bool]]:
         """All that is known, where level k changes along reset j, each with whether it has a slope there; nothing where levels
         have the same slopes everywhere."""
         crossed = self.crossed
@@ -150,8 +161,8 @@ class Look:
             return np.asarray(np.array(found)[k])
 
         size = float(np.linalg.norm(step))
-        for distance in crossings_of(level, size) if 0 < size < np.inf else []:
-            yield known + step * distance, has_slope(level, distance, size)
+        if 0 < size < np.inf and (places := crossings_of(level, size)).size:
+            yield from zip(known + np.multiply.outer(places, step), have_slopes(level, places, size), strict=True)
 
     def arms(self, known: Vector) -> Iterator[tuple[Vector, Vector]]:
         """All that is known, at times that bring them about, and arms."""
@@ -216,24 +227,25 @@ class Look:
                 yield still, both[:, 1 + place], bool((chosen[:, 0] | is_level).all())
 
 
-def crossings_of(level: Callable[[Vector], Vector], size: float) -> list[float]:
-    """Where a function changes its sign, as far as `_REACH` tells; `size`: of what it is of, for a distance of 1."""
-    places, found = _REACH / size, list[float]()
-    values = level(places)
-    for k in np.flatnonzero(values[:-1] * values[1:] < 0).tolist():
-        low, high, first = places[k], places[k + 1], np.sign(values[k])
-        for _ in range(_CUTS):
-            inner = np.linspace(low, high, _PARTS + 1)
-            place = int(np.argmax(np.sign(level(inner[1:])) != first))
-            low, high = inner[place], inner[place + 1]
-        if np.abs(level(np.array([low, high]))).max() <= np.abs(values[k:k + 2]).max():  # else it is a pole
-            found.append(float(high))
+def crossings_of(level: Callable[[Vector], Vector], size: float) -> Vector:
+    """Where a function changes its sign, nearest to 0; `size`: of what it is of, for a distance of 1."""
+    values = level(places := _REACH / size)
+    first = np.flatnonzero(values[:-1] * values[1:] < 0)
+    first = first[np.argsort(np.abs(places[first]))][:_MOST_CROSSINGS]
+    low, high, sign = places[first], places[first + 1], np.sign(values[first])
+    rows = np.arange(first.size)
+    for _ in range(_CUTS if first.size else 0):
+        inner = np.linspace(low, high, _PARTS + 1, axis=1)
+        place = np.argmax(np.sign(level(inner[:, 1:].ravel())).reshape(-1, _PARTS) != sign[:, None], axis=1)
+        low, high = inner[rows, place], inner[rows, place + 1]
+    sizes = np.abs(level(np.concatenate((low, high))).reshape(2, -1)).max(axis=0) if first.size else low
+    found: Vector = high[sizes <= np.maximum(np.abs(values[first]), np.abs(values[first + 1]))]  # else they are poles
     return found
 
 
-def has_slope(level: Callable[[Vector], Vector], place: float, size: float) -> bool:
-    """Whether a function goes as a line there, on both sides, however near."""
-    near = _NEAR / size
-    rises = np.array([level(place + side * share * near) / (side * share * near) for side in (1, -1) for share in (1.0, 0.25)])
-    known = rises[:, np.isfinite(rises).all(axis=0)]
-    return bool((np.abs(known - known.mean(axis=0)) < _STRAIGHT * np.abs(known.mean(axis=0))).all(axis=0).any())
+def have_slopes(level: Callable[[Vector], Vector], places: Vector, size: float) -> list[bool]:
+    """Whether a function goes as a line at each of these, on both sides, however near."""
+    steps = np.multiply.outer((1.0, 0.25, -1.0, -0.25), _NEAR / size)
+    rises = level((places[:, None, None] + steps).ravel()).reshape(-1, *steps.shape) / steps
+    mean = rises.mean(axis=1, keepdims=True)
+    return [bool(x) for x in (np.abs(rises - mean) < _STRAIGHT * np.abs(mean)).all(axis=1).any(axis=1)]

@@ -24,6 +24,7 @@ from lagrangia.language.mentions import leaves
 
 _ROUNDING = 1e-14  # of rates of what is at rest
 STILL, MOVED, BODIES = range(3)  # walls
+_CROSSED = 2  # of the random states, from which it is looked for where gaps change
 _SPREAD = 25  # 0.4 to 1.6 become times of 1e-10 s to 1e5 s
 
 
@@ -88,8 +89,9 @@ def turned_back(look: Look, k: int, j: int, is_timed: bool) -> tuple[Meeting, in
     the factor between their rates, 0 where it is met from both sides; also early and late where time is written in the gap, as a
     wall may set out after any time. `look` gives the rates of gaps, r, w, and the slopes of rates of gaps and of r."""
     signs = set[int]()
-    for states in look.states((1, _SPREAD) if is_timed else (1,)):
-        found = [x for state in states for x in _turned_everywhere(look, k, j, *state) if x is not None]
+    for n, states in enumerate(look.states((1, _SPREAD) if is_timed else (1,))):
+        turned = _turned_everywhere if n < _CROSSED else _turned_anywhere
+        found = [x for state in states for x in turned(look, k, j, *state) if x is not None]
         if not found:
             continue
         if not all(found):
@@ -105,13 +107,18 @@ def turns_somewhere(look: Look, k: int, j: int) -> bool:
 
 def _turned_everywhere(look: Look, k: int, j: int, v: Vector, known: Vector, arm: Vector) -> Iterator[int | None]:
     """That in one arm, and where the gap changes there; 0, too, where it does so without a slope, along which nothing is held."""
-    places = [*look.crossings(k, j, known)]
+    places = look.crossings(k, j, known)
     if not all(has_slope for _, has_slope in places):
         yield 0
-    is_level = look.crossed is not None and not look.at(v, known, arm)[3][k].any()  # as tanh(1000*x) is but where it changes
-    yield None if is_level and places else _turned_back(look, k, j, v, known, arm)
+    yield from _turned_anywhere(look, k, j, v, known, arm)
     for place, has_slope in places:
         yield _turned_back(look, k, j, v, place, arm) if has_slope else None
+
+
+def _turned_anywhere(look: Look, k: int, j: int, v: Vector, known: Vector, arm: Vector) -> Iterator[int | None]:
+    """That in one arm, but where the gap is level there, as tanh(1000*x) is all but where it changes."""
+    is_level = look.crossed is not None and not look.at(v, known, arm)[3][k].any()
+    yield None if is_level else _turned_back(look, k, j, v, known, arm)
 
 
 def _turned_back(look: Look, k: int, j: int, v: Vector, known: Vector, arm: Vector) -> int | None:

@@ -1,6 +1,7 @@
 """What an event resets, and how that turns back what comes to where its comparisons change (collisions.py)."""
 
 from collections.abc import Sequence
+from functools import partial
 
 import casadi as ca
 import numpy as np
@@ -15,7 +16,7 @@ from lagrangia.dynamics.arms import Look
 from lagrangia.dynamics.collisions import MOVED, STILL, Meeting, Mobility
 from lagrangia.dynamics.crossings import simple_crossing
 from lagrangia.dynamics.levels import Meetings
-from lagrangia.dynamics.recognized_ranges import EVERYWHERE, Range, parameters_in, range_of
+from lagrangia.dynamics.recognized_ranges import EVERYWHERE, Range, parameters_in, range_of, shared_ranges
 from lagrangia.frames.kinematics import Kinematics
 from lagrangia.language.events import COMPARED, level_of, without_not
 from lagrangia.language.flat import When
@@ -184,24 +185,29 @@ class Resets:
             return {}
         model, (symbols, values) = self.kinematics.graph.model, default_parameters(self.kinematics)
         roots = [*(reset.value for reset in self.when.resets), *(level_of(x) for x in self.gaps if id(x) not in self.branches)]
-        written, ranges = parameters_in(model, roots), dict[str, Range]()
+        written = parameters_in(model, roots)
         felt = symbols_in(ca.veccat(*self.look.expressions))
         elements = [(v, name) for v in model.variables.values() if v.kind == "parameter" for name, _ in v.elements()]
         struck = [k for k, x in enumerate(self.gaps) if collision is not None and x is collision[0]]
+        self.look.places = {}  # where gaps change is looked for once: which way they do is asked there for each value
         known = self._recognized(self.mobility.bound, self.look.declared, struck, is_sided)
+        names = [(k, variable, name) for k, (variable, name) in enumerate(elements)
+                 if variable.name in written and symbols[k].__hash__() in felt]
+        places = [k for k, *_ in names]
 
-        def is_same(value: float) -> bool:
+        def are_same(places: list[int], values: float | Vector) -> bool:
             p, declared = self.mobility.bound.copy(), self.look.declared.copy()
-            p[k] = declared[k] = value
+            p[places] = declared[places] = values
             return self._recognized(p, declared, struck, is_sided) == known
 
-        for k, ((variable, name), declared) in enumerate(zip(elements, np.array(values).ravel(), strict=True)):
-            if variable.name in written and symbols[k].__hash__() in felt:
-                within = tuple(side if x is None else x for x, side in (
-                    (variable.minimum, EVERYWHERE[0]), (variable.maximum, EVERYWHERE[1])))
-                if (found := range_of(is_same, float(declared), (within[0], within[1]))) != EVERYWHERE:
-                    ranges[name] = found
-        return ranges
+        own, found = np.array(values).ravel(), list[Range]()
+        for k, variable, _ in names:
+            within = tuple(side if x is None else x for x, side in (
+                (variable.minimum, EVERYWHERE[0]), (variable.maximum, EVERYWHERE[1])))
+            found.append(range_of(partial(are_same, [k]), float(own[k]), (within[0], within[1])))
+        if len(found) > 1 and are_same(places, own[places]):
+            found = shared_ranges(partial(are_same, places), own[places], found)
+        return {name: x for (*_, name), x in zip(names, found, strict=True) if x != EVERYWHERE}
 
     def _recognized(self, p: Vector, declared: Vector, struck: list[int], is_sided: bool) -> list[object]:
         """Of each gap and reset whether that is turned back there, and of each gap that is `struck` how."""
