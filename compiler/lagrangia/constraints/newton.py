@@ -13,7 +13,8 @@ from lagrangia.constraints.metric import Metric, Momenta, Way
 from lagrangia.constraints.parameters import default_parameters, input_symbols, with_declared_inputs
 from lagrangia.frames.kinematics import Kinematics
 
-_SATISFIED, _DEPENDENT, _ROUNDING, _SHORTEST_STEP, _LONGEST_STEP, _FAITHFUL, _STEEPEST = 1e-10, 1e-10, 1e-10, 1e-4, 0.5, 0.9, 1e9
+_SATISFIED, _DEPENDENT, _ROUNDING, _ROUNDED = 1e-10, 1e-10, 1e-10, 1e-14
+_SHORTEST_STEP, _LONGEST_STEP, _FAITHFUL, _STEEPEST = 1e-4, 0.5, 0.9, 1e9
 _CRITICAL, _PUSH, GOLDEN_RATIO = 1e-6, 1e-2, 0.6180339887498949
 
 
@@ -178,8 +179,8 @@ class Newton:
 
     def _improve(self, x: Vector, size: float) -> Vector | None:
         before = self._sum_of_squares()
-        self._correct(np.zeros(sum(metric.order.size for metric in self.metrics)))
-        better = self._descend(x)
+        length = self._correct(np.zeros(sum(metric.order.size for metric in self.metrics)))
+        better = self._descend(x) if length > 0 else None
         if better is not None and self.part < 1 and self._sum_of_squares() <= (1 - _FAITHFUL * self.part) ** 2 * before:
             self.trusted *= 2
         if better is None and size > _SATISFIED and self._steepest():
@@ -197,7 +198,8 @@ class Newton:
 
     def _descend(self, x: Vector) -> Vector | None:
         before, part = self._sum_of_squares(), 1.0
-        while part > _SHORTEST_STEP:
+        shortest = 1.0 if before < _ROUNDED**2 else _SHORTEST_STEP
+        while part >= shortest:
             trial = x + part * self.step
             self.evaluate(trial)
             if self._sum_of_squares() < before:
