@@ -134,3 +134,18 @@ def test_values_at_events_are_in_the_unit_of_the_start(scene: Callable[[str], la
         equation
           when time > 0.5 then n = b.s; end when;
         end M;""")
+
+
+def test_numbers_at_events_and_of_states_may_measure_anything(scene: Callable[[str], lag.Model]) -> None:
+    run = scene("""model M
+      Block b(m = 1, base = world, s(start = 2));
+      discrete Real w(start = 0);
+      Real x(start = 0);
+      output Length above = b.s - w, beyond = b.s - x;
+    equation
+      b.v = 0;
+      der(x) = b.s/1[m];
+      when time > 0.5 then w = 0.5 + time/1[s]; end when;
+    end M;""").simulate(stop=1)
+    assert run["above"][-1] == pytest.approx(1.0, abs=1e-9)
+    assert run["beyond"][-1] == pytest.approx(0.0, abs=1e-9)

@@ -287,16 +287,19 @@ class _Checker:
         return self.known[name]
 
     def _told(self, variable: Variable) -> Quantity:
-        """By what it is bound to, starts from, or is given at events, where it was declared without a unit."""
+        """By what it is bound to, starts from, or is given at events, where it was declared without a unit. Numbers of these give
+        way, as they do where they are written: `w = 0.5 + time/1[s]` at an event may be a place."""
         found = ANY
         for node in (variable.binding, variable.start, *self.given.get(variable.name, ())):
             said = ANY if node is None else self.quantity(node)
+            if said == PURE and not (variable.kind == "variable" and node is variable.binding):
+                said = replace(said, is_soft=True)
             if said.dimension is not None and not said.is_soft:
                 return said
             found = found if said.dimension is None else said
         if variable.name in self.model.states:
             rate = self.quantity(self.model.states[variable.name].rate)
-            return found if rate.dimension is None or rate.is_soft else self._times(rate, Quantity(_SECOND))
+            return found if rate.dimension is None or rate.is_soft or rate == PURE else self._times(rate, Quantity(_SECOND))
         return found
 
     def _common(self, found: list[Quantity], span: Span, how: str) -> Quantity:
