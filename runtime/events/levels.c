@@ -1,6 +1,7 @@
-/* What compares nothing but held rates is told numerically: directions of rates that change what is held are taken off the
- * others, and a condition that none of these changes, nor time and place, is as far from its level as it is where all that is held is
- * exactly so. Where loops tie rates, only what follows from what is held alone is found.
+/* What compares nothing but what is held is told numerically: directions of rates that change what is held are taken off the others, and a
+ * condition that none of these changes, nor time and places that change so, is as far from its level as it is where all that is held is
+ * exactly so. What is held must be so at these places and times, too, where it is the rate of a place then. Where loops tie rates, only
+ * what follows from what is held alone is found.
  */
 #include "events/levels.h"
 
@@ -13,21 +14,22 @@
 #include "state/state.h"
 
 static const double SAME = 1e-9;   /* of changes by rates of 1 in SI units: conditions are compared by these */
-static const double ASIDE = 1e-3;  /* m, or rad: what is held may not change with positions */
-static const double LATER = 1;     /* s: nor with time */
+static const double ASIDE = 0.03;  /* of a way of 1 m, or rad */
+static const double LATER = 0.6180339887498949, LATER_BY = 0.41421356237309503; /* s: no periods that anything has */
 static const double EDGE = 1e-290; /* where both sides of <= are equal, levels are less */
 static const double PARALLEL = 1e-12; /* square of what is left of a direction of unit length */
 
-static int is_candidate(const LagRun *run, int k) { return !run->impacts.has_contact[k] && run->model->on_level[k] >= LAG_RATES_ALONE; }
+static int is_candidate(const LagRun *run, int k)
+{
+    const int on_level = run->model->on_level[k];
+    return !run->impacts.has_contact[k] && (on_level >= LAG_RATES_ALONE || on_level == LAG_PLACES_ALONE);
+}
 
-/* All conditions at rates v[n], where positions are moved and time goes on by so much. */
-static void look(LagRun *run, double aside, double later, const double *v, double *g)
+/* All conditions at places q[n] and rates v[n], so much later. */
+static void look(LagRun *run, double later, const double *q, const double *v, double *g)
 {
     LagSwitches *s = &run->switches;
-    const LagMotion *m = &run->motion;
-    for (int i = 0; i < m->n; ++i)
-        s->state[i] = m->y[i] + (i % 2 ? -aside : aside);
-    lag_conditions_by(run, m->t + later, s->state, v, s->slope + m->n, g, s->rate_inside);
+    lag_conditions_by(run, run->motion.t + later, q, v, s->slope + run->model->n, g, s->rate_inside);
 }
 
 static double product(const double *a, const double *b, int n)
@@ -53,7 +55,7 @@ static void find_slopes(LagRun *run)
     memcpy(v, run->motion.y + n, (size_t)n * sizeof *v);
     for (int i = 0; i < n; ++i) {
         v[i] += 1;
-        look(run, 0, 0, v, run->switches.g_inside);
+        look(run, 0, run->motion.y, v, run->switches.g_inside);
         v[i] = run->motion.y[n + i];
         for (int j = 0; j < s->count; ++j)
             run->impacts.level_way[i + j * n] = run->switches.g_inside[s->which[j]] - run->switches.g_begin[s->which[j]];
@@ -105,32 +107,38 @@ static int is_held_there(const LagRun *run)
     return 1;
 }
 
+/* Rates that leave what is held as it is, into v (n), and places that they lead to into switches.state. */
+static void go_free(LagRun *run, int pattern, int rank, double *v)
+{
+    const int n = run->model->n, bit = pattern == 0 ? 0 : 1 << (pattern - 1);
+    for (int i = 0; i < n; ++i)
+        v[i] = i & bit ? -1 : 1;
+    for (int j = 0; j < rank; ++j) {
+        const double *row = run->impacts.level_way + j * n;
+        take_off(v, row, product(v, row, n), n);
+    }
+    for (int i = 0; i < n; ++i) {
+        run->switches.state[i] = run->motion.y[i] + ASIDE * v[i];
+        v[i] += run->switches.slope[i];
+    }
+}
+
 /* Of candidates, those that only what is held changes, which is on their level. */
 static void find(LagRun *run)
 {
     LagSwitches *s = &run->switches;
     const LagModel *model = run->model;
-    const int n = model->n;
     double *v = run->impacts.state;
     find_slopes(run);
     const int rank = find_directions(run);
-    const double *still = s->slope;
-    look(run, 0, 0, still, s->g_before);
+    look(run, 0, run->motion.y, s->slope, s->g_before);
     for (int k = 0; k < model->n_whens; ++k)
         run->impacts.is_level[k] &= fabs(s->g_before[lag_when(model, k)]) <= lag_max(s->unknown[lag_when(model, k)], EDGE);
-    look(run, ASIDE, LATER, still, s->g_inside);
-    if (!is_held_there(run))
-        memset(run->impacts.is_level, 0, (size_t)model->n_whens * sizeof(int));
-    keep_same(run);
-    for (int pattern = 0; pattern < lag_conditions_patterns(n); ++pattern) {
-        const int bit = pattern == 0 ? 0 : 1 << (pattern - 1);
-        for (int i = 0; i < n; ++i)
-            v[i] = i & bit ? -1 : 1;
-        for (int j = 0; j < rank; ++j)
-            take_off(v, run->impacts.level_way + j * n, product(v, run->impacts.level_way + j * n, n), n);
-        for (int i = 0; i < n; ++i)
-            v[i] += still[i];
-        look(run, 0, 0, v, s->g_inside);
+    for (int pattern = -1; pattern < lag_conditions_patterns(model->n); ++pattern) {
+        go_free(run, pattern < 0 ? 0 : pattern, rank, v);
+        look(run, LATER + pattern * LATER_BY, s->state, pattern < 0 ? s->slope : v, s->g_inside);
+        if (!is_held_there(run))
+            memset(run->impacts.is_level, 0, (size_t)model->n_whens * sizeof(int));
         keep_same(run);
     }
 }
@@ -146,14 +154,14 @@ void lag_levels_enter(LagRun *run)
     memset(impacts->is_level, 0, (size_t)model->n_whens * sizeof *impacts->is_level);
     if (run->sliding.count == 0 || model->n_delays > 0 || !model->on_level)
         return;
-    look(run, 0, 0, run->motion.y + model->n, s->g_begin);
+    look(run, 0, run->motion.y, run->motion.y + model->n, s->g_begin);
     for (int k = 0; k < model->n_whens; ++k)
         some |= impacts->is_level[k] = is_candidate(run, k);
     if (some)
         find(run);
     for (int k = 0; k < model->n_whens; ++k) {
         const int i = lag_when(model, k), is_true = model->on_level[k] & 1;
-        if (!impacts->is_level[k] || is_true == s->held[i])
+        if (!impacts->is_level[k] || is_true == s->held[i] || model->on_level[k] == LAG_PLACES_ALONE)
             continue;
         if (run->started && is_true) {
             s->turned[i] = LAG_JUMPS;
@@ -166,8 +174,9 @@ void lag_levels_enter(LagRun *run)
 int lag_levels_wait(const LagRun *run, int i)
 {
     const LagSwitches *s = &run->switches;
-    const int k = i - lag_when(run->model, 0);
-    if (run->impacts.has_contact[k] || run->model->on_level[k] != LAG_RATES_ALONE || !(fabs(s->g[i]) <= s->unknown[i]))
+    const int k = i - lag_when(run->model, 0), on_level = run->model->on_level[k];
+    const int may_wait = !run->impacts.has_contact[k] && (on_level == LAG_RATES_ALONE || on_level == LAG_PLACES_ALONE);
+    if (!may_wait || !(fabs(s->g[i]) <= s->unknown[i]))
         return 0;
     for (int j = 0; j < lag_when(run->model, 0); ++j)
         if (s->turned[j])

@@ -1,4 +1,4 @@
-"""Events on rates that friction and contacts hold: at their level, and not where rounding takes them."""
+"""Events on rates and places that friction and contacts hold: at their level, and not where rounding takes them."""
 
 from collections.abc import Callable
 
@@ -33,7 +33,9 @@ STUCK, TEARS_OFF = "2.9*sin(9*time)", "5*sin(1*time)"
     (BLOCK % (1, STUCK), "b.v < 0", 0), (BLOCK % (-1, STUCK), "b.v >= 0", 1), (BLOCK % (-1, STUCK), "b.v > 0", 0),
     (BLOCK % (0, TEARS_OFF), "b.v > 0", 1), (BLOCK % (0, TEARS_OFF), "b.v < 0", 0), (BLOCK % (0, TEARS_OFF), "abs(b.v) > 0", 1),
     (CLUTCH, "q.w < p.w", 0), (CLUTCH, "p.w >= q.w", 1), (CLUTCH, "q.w > p.w", 0),
-    (TABLE, "P.center.v[2] > 0", 0), (TABLE, "P.center.v[1] < 0", 0)])
+    (TABLE, "P.center.v[2] > 0", 0), (TABLE, "P.center.v[1] < 0", 0),
+    (BLOCK % (0, STUCK), "b.s > 0", 0), (BLOCK % (0, STUCK), "b.s < 0", 0), (BLOCK % (0, STUCK), "b.s >= 0", 0),
+    (BLOCK % (0, TEARS_OFF), "b.s > 0", 1), (BLOCK % (0, TEARS_OFF), "b.s < 0", 0)])
 def test_what_is_held_is_at_its_level(scene: Write, text: str, condition: str, right: int) -> None:
     """Of a block that sticks for ever `b.v > 0` came up to 1 960 times, or the run could not be continued."""
     begin, mark, end = text.partition("initial equation")
@@ -57,3 +59,24 @@ def test_what_else_decides_comes_at_its_time(scene: Write) -> None:
         equation when b.v > 0 or {other} then came = time; end when; end Other;""")
         for solver in SOLVERS:
             assert model.simulate(at=[0.0, 2.0], solver=solver)["came"][-1] == pytest.approx(at, abs=1e-9), (other, solver)
+
+
+def test_what_does_not_count_yet_may_later(scene: Write) -> None:
+    """c.v = 10 t and c.s = 5 t^2 decide where b sticks."""
+    for condition, at in (("b.v > 0 or c.v > 3", 0.3), ("max(b.v, c.v - 3[m/s]) > 0", 0.3), ("max(b.s, c.s - 0.8[m]) > 0", 0.4)):
+        stuck = BLOCK % (0, "0")
+        model = scene(f"""model Later {stuck}  Block c(m = 1, base = world);  AppliedForce h(at = c.center, force = {{10, 0}});
+          discrete Time came(start = 0);
+        equation when {condition} then came = time; end when; end Later;""")
+        for solver in SOLVERS:
+            assert model.simulate(at=[0.0, 2.0], solver=solver)["came"][-1] == pytest.approx(at, abs=1e-7), (condition, solver)
+
+
+def test_what_is_carried_moves(scene: Write) -> None:
+    """By a table with a period of 1 s, which is at rest at the start and whole seconds later."""
+    model = scene("""model Carried
+      discrete Real n(start = 0);  Block b(m = 1, base = world);  Prismatic t(a = world);
+      Motion to_and_fro(of = t.s, to = 0.001*(1 - cos(2*pi*time)));  DryFriction f(F = 300, rate = b.v - t.v);
+    equation when b.v > 0 then n = pre(n) + 1; end when; end Carried;""")
+    for solver in ("erk5", "erk9", "implicit"):
+        assert model.simulate(at=[0.0, 0.3, 1.2, 2.2], solver=solver)["n"][1:].tolist() == [1, 2, 3], solver

@@ -272,11 +272,12 @@ class Meetings:
         self.at_rest = ca.vertcat(ca.SX(0, 1), *(kinematics.symbols.accelerations[name] for name in sorted(kept)))
         self.kinds = set[int]()  # 1 inclusive, 0 strict, -1 neither
         self.constant = symbols_in(parameter_symbols(kinematics))
-        self.is_alone = True  # nothing but rates is compared, with constants
+        self.places = symbols_in(ca.vertcat(ca.SX(0, 1), *kinematics.symbols.positions.values()))
+        self.compared = list[ca.SX]()
 
     def note(self, node: Flat, difference: ca.SX) -> None:
         """One of the comparisons, and the level of it."""
-        self.is_alone &= symbols_in(difference) <= self.constant | symbols_in(self.rates)
+        self.compared.append(difference)
         if ca.depends_on(difference, self.rates):
             is_plain = isinstance(node, Binary) and node.operator in COMPARED and operations_in(difference).isdisjoint(JUMPS)
             self.kinds.add(int(node.operator in ("<=", ">=")) if isinstance(node, Binary) and is_plain else -1)
@@ -286,9 +287,15 @@ class Meetings:
         return min(self.kinds) if len(self.kinds) == 1 else -1
 
     def of_rates(self) -> int:
-        """The same, and 2 more where nothing else decides."""
+        """The same, and 2 more where one comparison of nothing but rates decides; -2: one of nothing but places. Neither may ask
+        for the larger of several: what does not count now may later."""
         on_level = self.on_level()
-        return on_level + 2 if on_level >= 0 and self.is_alone else on_level
+        if len(self.compared) != 1 or not operations_in(self.compared[0]).isdisjoint({*JUMPS, ca.OP_FMIN, ca.OP_FMAX}):
+            return on_level
+        by = symbols_in(self.compared[0]) - self.constant
+        if by <= symbols_in(self.rates):
+            return on_level + 2 if on_level >= 0 else on_level
+        return -2 if by <= self.places else on_level
 
 
 def _decided(found: _Threshold, known: _Known) -> bool | None:
