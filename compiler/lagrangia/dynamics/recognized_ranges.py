@@ -14,7 +14,7 @@ from lagrangia.language.tree import Call, Flat, Ref
 _STEPS = (0.5, 2.0, 11.0, 101.0)  # by the size of the declared value
 _USUAL = (0.0, 1.0, -1.0)  # limits
 _BESIDE, _CLOSE = 1e-6, 1e-9  # by the same size
-_SHARES = (1.0, 0.9, 0.75, 0.5, 0.25, 0.1, 0.01)  # of how far ranges of several go
+_SHARES = (1.0, 0.9, 0.75, 0.5, 0.25)  # of how far ranges of several go
 _MOST_CORNERS = 32
 Range = tuple[float, float]
 EVERYWHERE = (-math.inf, math.inf)
@@ -57,20 +57,20 @@ def _end(is_same: Callable[[float], bool], declared: float, limit: float, side: 
 
 def shared_ranges(is_same: Callable[[Vector], bool], declared: Vector, ranges: Sequence[Range]) -> list[Range]:
     """The ranges of several, each of which was found with the others as declared: nearer to these, where that does not hold for
-    all that they may be together. Signs are kept where that helps, and what has no end gets one only where nothing else does."""
+    all that they may be together. Signs are kept where that helps; what has no end gets none. As they are where less
+    than a quarter would be left: that refuses more than it finds out."""
     n, far = len(ranges), _STEPS[-1] * np.where(declared == 0, 1.0, np.abs(declared))
     own = np.array(ranges).T
     side = np.sign(declared)
     kept = np.array([np.where(side > 0, np.maximum(own[0], 0), own[0]), np.where(side < 0, np.minimum(own[1], 0), own[1])])
     cases = [*product((0, 1), repeat=n)] if 2**n <= _MOST_CORNERS else np.random.default_rng(7).integers(0, 2, (_MOST_CORNERS, n))
-    tries = [(ends, np.isfinite(ends), share) for share in _SHARES for ends in (own, kept)]
-    tries += [(own, np.ones((2, n), dtype=bool), share) for share in _SHARES]
-    for ends, nearer, share in tries:
+    for share, ends in product(_SHARES, (own, kept)):
+        nearer = np.isfinite(ends)
         reach = np.clip(ends, declared - far, declared + far) - declared
         found = declared + np.where(nearer, share, 1.0) * reach
         if all(is_same(found[np.array(case, dtype=int), range(n)]) for case in cases):
             return [(float(low), float(high)) for low, high in (np.where(nearer, found, ends) if share < 1 else ends).T]
-    return [(float(x), float(x)) for x in declared]
+    return [*ranges]
 
 
 def parameters_in(model: FlatModel, roots: Iterable[Flat]) -> frozenset[str]:

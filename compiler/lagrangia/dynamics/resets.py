@@ -205,8 +205,11 @@ class Resets:
             within = tuple(side if x is None else x for x, side in (
                 (variable.minimum, EVERYWHERE[0]), (variable.maximum, EVERYWHERE[1])))
             found.append(range_of(partial(are_same, [k]), float(own[k]), (within[0], within[1])))
-        if len(found) > 1 and are_same(places, own[places]):
-            found = shared_ranges(partial(are_same, places), own[places], found)
+        ended = [n for n, x in enumerate(found) if x != EVERYWHERE]
+        sites = [places[n] for n in ended]
+        if len(ended) > 1 and are_same(sites, own[sites]):
+            shared = shared_ranges(partial(are_same, sites), own[sites], [found[n] for n in ended])
+            found = [shared[ended.index(n)] if n in ended else x for n, x in enumerate(found)]
         return {name: x for (*_, name), x in zip(names, found, strict=True) if x != EVERYWHERE}
 
     def _recognized(self, p: Vector, declared: Vector, struck: list[int], is_sided: bool) -> list[object]:
