@@ -16,6 +16,7 @@
 static const double SAME = 1e-9;   /* of changes by rates of 1 in SI units: conditions are compared by these */
 static const double ASIDE = 0.03;  /* of a way of 1 m, or rad */
 static const double LATER = 0.6180339887498949, LATER_BY = 0.41421356237309503; /* s: no periods that anything has */
+static const double SPREAD = 0.7320508075688772; /* of sizes of rates */
 static const double EDGE = 1e-290; /* where both sides of <= are equal, levels are less */
 static const double PARALLEL = 1e-12; /* square of what is left of a direction of unit length */
 
@@ -111,8 +112,10 @@ static int is_held_there(const LagRun *run)
 static void go_free(LagRun *run, int pattern, int rank, double *v)
 {
     const int n = run->model->n, bit = pattern == 0 ? 0 : 1 << (pattern - 1);
-    for (int i = 0; i < n; ++i)
-        v[i] = i & bit ? -1 : 1;
+    for (int i = 0; i < n; ++i) { /* as no sums, products or squares are alike in all patterns */
+        const double size = 0.5 + fmod(SPREAD * (i + 1) + LATER_BY * (pattern + 1), 1);
+        v[i] = i & bit ? -size : size;
+    }
     for (int j = 0; j < rank; ++j) {
         const double *row = run->impacts.level_way + j * n;
         take_off(v, row, product(v, row, n), n);

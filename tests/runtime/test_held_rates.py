@@ -80,3 +80,20 @@ def test_what_is_carried_moves(scene: Write) -> None:
     equation when b.v > 0 then n = pre(n) + 1; end when; end Carried;""")
     for solver in ("erk5", "erk9", "implicit"):
         assert model.simulate(at=[0.0, 0.3, 1.2, 2.2], solver=solver)["n"][1:].tolist() == [1, 2, 3], solver
+
+
+FREE = """
+  Block h(m = 1, base = world);  DryFriction f(F = 3, rate = h.v);
+  Block a(m = 1, base = world), b(m = 1, base = world), c(m = 1, base = world), d(m = 1, base = world);
+  AppliedForce wa(at = a.center, force = {1, 0}), wb(at = b.center, force = {2*time, 0}), wc(at = c.center, force = {1, 0}),
+    wd(at = d.center, force = {2*time, 0});
+"""
+
+
+@pytest.mark.parametrize("condition", ["b.v^2 > a.v^2", "abs(b.v) > abs(a.v)", "b.v + d.v > a.v + c.v", "b.v*d.v > a.v*c.v"])
+def test_what_moves_freely_is_not_taken_for_held(scene: Write, condition: str) -> None:
+    """Rates equal at rest, beside a body that sticks: these events never came while rates of 1 and -1 were tried alone."""
+    model = scene(f"""model Free {FREE} discrete Real n(start = 0);
+    equation when {condition} then n = pre(n) + 1; end when; end Free;""")
+    for solver in ("auto", "erk5", "implicit"):
+        assert list(model.simulate(at=[0.9, 1.1, 2.0], solver=solver)["n"]) == [0, 1, 1], solver

@@ -75,3 +75,14 @@ def test_a_power_of_a_rate_has_no_series(scene: Write) -> None:
     model = sliding(scene, "b.v*abs(b.v/1[m/s])^n*1[s/m]", "parameter Real n = 0.5; Spring k(k = 30, stretch = b.s - 0.3);")
     with pytest.raises(lag.LagError, match="taylor"):
         model.simulate(at=[5.0], solver="taylor", tolerance=1e-9)
+
+
+def test_factors_that_are_0_leave_the_sign_of_a_rate_alone(scene: Callable[[str], lag.Model]) -> None:
+    """With k = 0 a switch that stood for both k v and v never turned: -20 for 0.25 m."""
+    model = scene("""model M
+      parameter Real k = 1;
+      Block b(m = 1, base = world, v(start = 1));
+      AppliedForce w(at = b.center, force = {-(1 + exp(-abs(k*b.v/1[m/s])))*sign(b.v)*1[N], 0});
+    end M;""")
+    for solver in ("auto", "erk5", "implicit"):
+        assert model.simulate(at=[5.0], solver=solver, parameters={"k": 0})["b.s"][-1] == pytest.approx(0.25, abs=1e-6), solver

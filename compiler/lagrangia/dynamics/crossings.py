@@ -13,6 +13,7 @@ _ODD = frozenset({ca.OP_SINH, ca.OP_ASINH, ca.OP_TANH, ca.OP_ATANH, ca.OP_ATAN, 
 _RISING = _ODD | {ca.OP_EXP, ca.OP_EXPM1, ca.OP_LOG1P}
 _BACK = {ca.OP_SINH: np.arcsinh, ca.OP_ASINH: np.sinh, ca.OP_TANH: np.arctanh, ca.OP_ATAN: np.tan, ca.OP_EXP: np.log}
 _WITHIN = {ca.OP_SINH: inf, ca.OP_ASINH: inf, ca.OP_TANH: 1.0, ca.OP_ATAN: atan(inf), ca.OP_EXP: inf}
+_SAME = 1e-9
 _Factor = tuple[ca.SX, bool, bool]  # it, whether its sign counts, whether it is below
 
 
@@ -20,6 +21,20 @@ def simple_crossing(level: ca.SX) -> ca.SX:
     """What is positive, 0 and negative where `level` is, which rises with it; `level` itself where nothing is simpler."""
     found = _stripped(level)
     return level if found is None else found
+
+
+def crossing_of(level: ca.SX, moving: ca.SX) -> ca.SX:
+    """The same; `level` itself, too, where it is that but for a factor that nothing in `moving` changes."""
+    found = simple_crossing(level)
+    if found is level:
+        return level
+    symbols, random = ca.vertcat(ca.SX(0, 1), *ca.symvar(level)), np.random.default_rng(8)
+    moves = np.array([ca.depends_on(moving, x) for x in symbols.elements()], dtype=bool)
+    ratio = ca.Function("ratio", [symbols], [level / found])
+    state = random.uniform(0.4, 1.6, symbols.numel())
+    there = np.where(moves, random.uniform(0.4, 1.6, symbols.numel()), state)
+    here, beside = float(ratio(state)), float(ratio(there))
+    return level if abs(here - beside) <= _SAME * abs(here) else found
 
 
 def _stripped(d: ca.SX) -> ca.SX | None:

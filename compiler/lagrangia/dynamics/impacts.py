@@ -28,7 +28,7 @@ from lagrangia.constraints.parameters import parameter_symbols
 from lagrangia.constraints.rows import Row
 from lagrangia.dynamics import collisions as meets
 from lagrangia.dynamics.collisions import BODIES, STILL, Meeting, Mobility
-from lagrangia.dynamics.crossings import simple_crossing
+from lagrangia.dynamics.crossings import crossing_of
 from lagrangia.dynamics.energies import Load, paced
 from lagrangia.dynamics.levels import EDGE, JUMPS, Levels, Meetings, Steps, least_of, level_of_parts
 from lagrangia.dynamics.limits import changes_nothing, side_of
@@ -234,7 +234,7 @@ class _Event(Resets):
 
     def _level_of_part(self, node: Flat) -> ca.SX:
         value, level = self.kinematics.evaluator.value, level_of(node)
-        g = simple_crossing(self._expression(value(level)))
+        g = crossing_of(self._expression(value(level)), self.moving)
         truth = self._expression(value(node)) if is_comparison(node) else g
         self.meetings.note(node, g)
         goes_on = ca.depends_on(g, self.moving) and operations_in(g).isdisjoint(JUMPS)

@@ -14,7 +14,7 @@ from lagrangia.constraints.parameters import default_parameters
 from lagrangia.dynamics import collisions as meets
 from lagrangia.dynamics.arms import Look
 from lagrangia.dynamics.collisions import MOVED, STILL, Meeting, Mobility
-from lagrangia.dynamics.crossings import simple_crossing
+from lagrangia.dynamics.crossings import crossing_of
 from lagrangia.dynamics.levels import Meetings
 from lagrangia.dynamics.recognized_ranges import EVERYWHERE, Range, parameters_in, range_of, shared_ranges
 from lagrangia.frames.kinematics import Kinematics
@@ -27,6 +27,8 @@ _FEW = 2  # of the random states that are looked at, for each of many values of 
 
 class Resets:
     """Of one event, with the `parts` of its condition, which all have to be true."""
+
+    moving: ca.SX  # what is not the same for ever
 
     def __init__(self, kinematics: Kinematics, mobility: Mobility, when: When) -> None:
         self.when, self.condition, self.g = when, without_not(when.condition), ca.SX(0)
@@ -61,7 +63,7 @@ class Resets:
     def _level_at(self, node: Flat) -> ca.SX:
         if id(node) not in self.levels:
             level = self._expression(self.kinematics.evaluator.value(level_of(node)))
-            self.levels[id(node)] = simple = simple_crossing(level)
+            self.levels[id(node)] = simple = crossing_of(level, self.moving)
             if simple is not level:
                 self.branches.add(id(node))
         return self.levels[id(node)]

@@ -1,8 +1,8 @@
 """Conditions that are met in another shape: of what was found in forces, in themselves and in the reactions that they make.
 
 sign(-x) is -sign(x), abs(x/c) is that of x for any parameter c, and x - y is -(y - x): of rates these have one switch, as two
-would not change at the same time. Of reactions sums are the same in any order: by their values at random states, x of one is x of
-the other but for a factor.
+would not change at the same time. That of c x is another, as c may be 0. Of reactions sums are the same in any order: by their
+values at random states, x of one is x of the other but for a factor.
 """
 
 from collections.abc import Mapping
@@ -42,9 +42,9 @@ def _apart(g: Expression, constant: frozenset[int], numbering: Numbering) -> tup
             factor, g = -factor, g.dep(0)
         elif g.op() == ca.OP_TWICE:
             g = g.dep(0)
-        elif g.op() in (ca.OP_MUL, ca.OP_DIV) and is_constant[1]:
+        elif (g.op() == ca.OP_DIV and is_constant[1]) or (g.op() == ca.OP_MUL and g.dep(1).is_constant()):
             factor, g = factor * g.dep(1), g.dep(0)
-        elif g.op() == ca.OP_MUL and is_constant[0]:
+        elif g.op() == ca.OP_MUL and g.dep(0).is_constant():
             factor, g = factor * g.dep(0), g.dep(1)
         else:
             break
