@@ -10,8 +10,7 @@ enum { LAG_RATES_ALONE = 2, LAG_PLACES_ALONE = -2 };
 
 /* What slides has been chosen: into impacts.is_level, which events that are no contacts compare nothing but what is held; what they hold
  * from then on, until something else slides, is as their conditions say of that, where these compare rates, and what it was, where they
- * compare places. Those that come by it: into switches.turned, and the
- * segment is over. */
+ * compare places. Those that come by it: into switches.turned, and the segment is over. */
 void lag_levels_enter(LagRun *run);
 
 /* Whether the event with condition i, which compares places or is true beyond its level alone, is on it where friction stops, turns round

@@ -13,19 +13,14 @@ _ODD = frozenset({ca.OP_SINH, ca.OP_ASINH, ca.OP_TANH, ca.OP_ATANH, ca.OP_ATAN, 
 _RISING = _ODD | {ca.OP_EXP, ca.OP_EXPM1, ca.OP_LOG1P}
 _BACK = {ca.OP_SINH: np.arcsinh, ca.OP_ASINH: np.sinh, ca.OP_TANH: np.arctanh, ca.OP_ATAN: np.tan, ca.OP_EXP: np.log}
 _WITHIN = {ca.OP_SINH: inf, ca.OP_ASINH: inf, ca.OP_TANH: 1.0, ca.OP_ATAN: atan(inf), ca.OP_EXP: inf}
-_SAME = 1e-9
+_SAME = 1e-9  # of a factor, at other places and times
 _Factor = tuple[ca.SX, bool, bool]  # it, whether its sign counts, whether it is below
 
 
-def simple_crossing(level: ca.SX) -> ca.SX:
-    """What is positive, 0 and negative where `level` is, which rises with it; `level` itself where nothing is simpler."""
-    found = _stripped(level)
-    return level if found is None else found
-
-
 def crossing_of(level: ca.SX, moving: ca.SX) -> ca.SX:
-    """The same; `level` itself, too, where it is that but for a factor that nothing in `moving` changes."""
-    found = simple_crossing(level)
+    """What is positive, 0 and negative where `level` is, which rises with it; `level` itself where nothing is simpler, or where
+    that is it but for a factor that nothing in `moving` changes."""
+    found = _simple(level)
     if found is level:
         return level
     symbols, random = ca.vertcat(ca.SX(0, 1), *ca.symvar(level)), np.random.default_rng(8)
@@ -37,14 +32,19 @@ def crossing_of(level: ca.SX, moving: ca.SX) -> ca.SX:
     return level if abs(here - beside) <= _SAME * abs(here) else found
 
 
+def _simple(level: ca.SX) -> ca.SX:
+    found = _stripped(level)
+    return level if found is None else found
+
+
 def _stripped(d: ca.SX) -> ca.SX | None:
     """None where nothing is taken off; factors that are numbers are not, alone."""
     parts = [d.dep(k) for k in range(d.n_dep())]
     if d.op() in _RISING - {ca.OP_EXP}:
-        return simple_crossing(parts[0])
+        return _simple(parts[0])
     if d.op() in (ca.OP_ADD, ca.OP_SUB):
         inner = _compared(d.op(), *parts)
-        return None if inner is None else simple_crossing(as_expression(inner))
+        return None if inner is None else _simple(as_expression(inner))
     factors = [*_factors(d, False)]
     return None if factors[0][0].element_hash() == d.element_hash() else _product(factors)
 

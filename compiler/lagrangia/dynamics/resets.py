@@ -210,8 +210,8 @@ class Resets:
         ended = [n for n, x in enumerate(found) if x != EVERYWHERE]
         sites = [places[n] for n in ended]
         if len(ended) > 1 and are_same(sites, own[sites]):
-            shared = shared_ranges(partial(are_same, sites), own[sites], [found[n] for n in ended])
-            found = [shared[ended.index(n)] if n in ended else x for n, x in enumerate(found)]
+            for n, x in zip(ended, shared_ranges(partial(are_same, sites), own[sites], [found[n] for n in ended]), strict=True):
+                found[n] = x
         return {name: x for (*_, name), x in zip(names, found, strict=True) if x != EVERYWHERE}
 
     def _recognized(self, p: Vector, declared: Vector, struck: list[int], is_sided: bool) -> list[object]:

@@ -37,12 +37,11 @@ def _apart(g: Expression, constant: frozenset[int], numbering: Numbering) -> tup
     """Numbers that tell g but for a factor, and a factor with the sign of that one."""
     factor = as_expression(1.0)
     while g.n_dep():
-        is_constant = [symbols_in(g.dep(k)) <= constant for k in range(g.n_dep())]
         if g.op() == ca.OP_NEG:
             factor, g = -factor, g.dep(0)
         elif g.op() == ca.OP_TWICE:
             g = g.dep(0)
-        elif (g.op() == ca.OP_DIV and is_constant[1]) or (g.op() == ca.OP_MUL and g.dep(1).is_constant()):
+        elif (g.op() == ca.OP_DIV and symbols_in(g.dep(1)) <= constant) or (g.op() == ca.OP_MUL and g.dep(1).is_constant()):
             factor, g = factor * g.dep(1), g.dep(0)
         elif g.op() == ca.OP_MUL and g.dep(0).is_constant():
             factor, g = factor * g.dep(0), g.dep(1)
