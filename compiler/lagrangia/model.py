@@ -2,7 +2,7 @@
 
 import os
 import warnings
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property, partial
 from pathlib import Path
@@ -12,7 +12,7 @@ from lagrangia.base.checked_values import a_length, by_name, names
 from lagrangia.base.diagnostics import EngineWarning, Interrupted, RunError, fail
 from lagrangia.run.cache import find_scene, keep_scene
 from lagrangia.run.engines import Engine, divided, load_engine
-from lagrangia.run.formulas import AS_DECLARED, Compute, Formulas, Sets, by_masses, by_numbers
+from lagrangia.run.formulas import AS_DECLARED, Compute, Formulas, Sets, by_masses, by_numbers, feel_masses
 from lagrangia.run.interpret import evaluate, evaluate_each
 from lagrangia.run.library import Runtime, find_runtime, has_compiler, has_runtime
 from lagrangia.run.origin import Origin, origin_of
@@ -236,14 +236,14 @@ class Model(Analysed, Swept):
             fail("L0901", "not supported yet: prepared runs without a run time of our own: call simulate")
         return PreparedRun(suited.scene, engine, experiment, values, tuple(initial or ()), tuple(parameters or ()))
 
-    def _for_all_of(self, varied: Iterable[str]) -> "Model":
+    def _for_all_of(self, varied: Collection[str]) -> "Model":
         """The model whose formulas hold whatever the values of these parameters."""
         parameters = [parameter for parameter in self.scene.parameters if parameter.name in varied]
         if any(self.scene.parameters[k] in parameters for k in self.scene.notes["touching"]["parameters"]):
             fail("L0901", "not supported yet: prepared runs over parameters by which constraints only just hold: call simulate")
         model = self.general if any(p.compiled is not None and (p in parameters or p.value is None)
                                     for p in self.scene.parameters) else self
-        return model if model.scene.evenness is None else model._in(replace(model.formulas, for_any_mass=True))
+        return model._in(replace(model.formulas, for_any_mass=True)) if feel_masses(model.scene, varied) else model
 
     def fitting(self, parameters: Given) -> "Model":
         """This model, or the same scene in the formulas that these parameters need: it may have other coordinates."""

@@ -46,6 +46,16 @@ def test_masses_far_apart_get_formulas_that_bear_them() -> None:
         assert run((), [mass]) == pytest.approx(wanted, rel=1e-6, abs=1e-7)
 
 
+def test_only_what_moves_masses_asks_for_formulas_that_bear_any() -> None:
+    """Weights do not, and their runs are as short as those of `simulate`; what masses are made of does."""
+    text = (EXAMPLES / "four_bar.lag").read_text(encoding="utf-8").replace("Bar crank(m = 1", "Bar crank(m = own")
+    model = lag.loads(text.replace("  Revolute O", "  parameter Mass own = 1;\n  Revolute O"))
+    run = model.prepare(parameters={"world.gravity[2]": -1.0}, stop=0.5, at=[0.25, 0.5])
+    assert np.array_equal(run((), [-5.0]), model.simulate(stop=0.5, at=[0.25, 0.5], parameters={"world.gravity[2]": -5.0}).rows)
+    again = model.prepare(parameters={"own": 1.0}, stop=0.5, at=[0.25, 0.5])
+    assert [prepared.scene.evenness is None for prepared in (run, again)] == [False, True]
+
+
 @pytest.mark.parametrize(("start", "values", "told"), [
     ([np.nan], [1.0], "initial value of 'shoulder.phi' must be a finite number"),
     ([0.1], [-1.0], "'upper.L' is -1 m, less than its minimum"),

@@ -3,7 +3,7 @@
 Only the standard library is used: what was compiled before is read without CasADi.
 """
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from enum import IntEnum
 from typing import Any
 
@@ -117,3 +117,20 @@ class Tape:
     n_work: int
     code: Any
     constants: Any
+
+    def reached(self, places: Collection[tuple[int, int]]) -> set[tuple[int, int]]:
+        """The results that numbers of its arguments enter; both by (which, place)."""
+        found: set[tuple[int, int]] = set()
+        marked: set[int] = set()
+        for k in range(0, len(self.code), 4):
+            op, out, a, b = self.code[k : k + 4]
+            if op == Op.OUTPUT:
+                if a in marked:
+                    found.add((out, b))
+                continue
+            if op == Op.INPUT:
+                enters = (a, b) in places
+            else:
+                enters = op != Op.CONST and (a in marked or (op in BINARY and b in marked))
+            (marked.add if enters else marked.discard)(out)
+        return found

@@ -4,7 +4,7 @@ Numbers that are compiled in hold for themselves alone; what moves no mass follo
 for masses that are uneven, or 0 in a loop, are longer; and what only just holds does so for the values that are declared.
 """
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Collection, Iterable, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -53,6 +53,14 @@ def by_masses(scene: Scene, formulas: Formulas, sets: Sets, compute: Compute) ->
     pivots = (compute(scene.evenness, _all(scene, *one, compute))[0] for one in sets())
     is_even = all(_every(x > 1) for found in pivots for x in found)
     return formulas if is_even else replace(formulas, for_any_mass=True)
+
+
+def feel_masses(scene: Scene, varied: Collection[str]) -> bool:
+    """Whether values of these parameters decide whether the formulas hold, by the masses that they make."""
+    if scene.evenness is None:
+        return False
+    given = {(0, k) for k, parameter in enumerate(scene.parameters) if parameter.name in varied}
+    return bool(scene.evenness.reached({(0, k) for _, k in scene.tapes["parameters"].reached(given)}))
 
 
 def massless_of(scene: Scene) -> tuple[str, ...]:
