@@ -60,7 +60,7 @@ def test_derivatives_are_those_of_differences(path: Path) -> None:
     """Along every state and input at five states of the motion, and the adjoint ones are their transposes."""
     scene = model_of(path).scene
     # Constraints that repeat each other do so on the motion alone: their derivatives hold in its close neighbourhood.
-    reach, error = (2e-8, 1e-5) if model_of(path).freedom["repeated"] else (1e-4, 1e-6)
+    reach, error = (2e-8, 1e-5) if model_of(path).freedom["repeated"] else (1e-4, 1e-7)
     instance = Instance(path, "3", "ModelExchange").start()
     states, unknowns, knowns = names_of(instance)
     run = model_of(path).simulate(at=np.linspace(scene.start, scene.stop, 7)[1:-1])

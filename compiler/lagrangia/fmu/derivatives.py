@@ -2,7 +2,7 @@
 
 With F(t, q, v, u, p) = (dq/dt, dv/dt, y), p those parameters that can be set: forward F' s by CasADi's forward mode, adjoint
 F'^T w by its reverse mode; both exact, each of a few times the cost of F. Those of closed loops are those of Model
-Exchange (runtime/fmi/exchange.c) with one Newton correction for the projection, which has the same derivatives there.
+Exchange (runtime/fmi/exchange.c) with two Newton corrections for the projection, which have the same derivatives there.
 
 Axes of hinges that may be set lead to angles that no derivative has where an axis lies along another (dynamics/spatial_axes.py):
 what follows from such parameters alone is left out of F' s where s does not go along one of them.
@@ -31,6 +31,8 @@ from lagrangia.dynamics.switches import find_switches
 from lagrangia.fmu.factors import DEPENDENT, factor_kinds
 from lagrangia.frames.kinematics import Kinematics
 from lagrangia.native.tapes import Tape
+
+_CORRECTIONS = 2  # each leaves what E (dynamics/kkt.py) makes of it: 1e-5 in space, whose square is rounding of an importer
 
 
 @dataclass(frozen=True)
@@ -87,8 +89,10 @@ def _equations(compilation: Compilation, outputs: tuple[str, ...],
     (rates,) = ca.substitute([rates], [motion.a, switches.slopes], [a, still])
     Q, V = q, v
     if motion.constrained is not None:
-        Q = q + place
-        V = v + ca.substitute(steer, q, Q)
+        for _ in range(_CORRECTIONS):
+            Q += ca.substitute(place, q, Q)
+        for _ in range(_CORRECTIONS):
+            V += ca.substitute(steer, ca.vertcat(q, v), ca.vertcat(Q, V))
         a, y, rates = ca.substitute([a, y, rates], [q, v], [Q, V])
     here = told.of(Q)
     slope = ca.vertcat(told.pace(here, V), a)
