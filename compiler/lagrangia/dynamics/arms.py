@@ -244,8 +244,10 @@ def crossings_of(level: Callable[[Vector], Vector], size: float) -> Vector:
 
 
 def have_slopes(level: Callable[[Vector], Vector], places: Vector, size: float) -> list[bool]:
-    """Whether a function goes as a line at each of these, on both sides, however near."""
-    steps = np.multiply.outer((1.0, 0.25, -1.0, -0.25), _NEAR / size)
-    rises = level((places[:, None, None] + steps).ravel()).reshape(-1, *steps.shape) / steps
-    mean = rises.mean(axis=1, keepdims=True)
-    return [bool(x) for x in (np.abs(rises - mean) < _STRAIGHT * np.abs(mean)).all(axis=1).any(axis=1)]
+    """Whether a function goes as a line at each of these, however near: as one on each side where it has a bend, which both rise
+    or both fall."""
+    steps = np.multiply.outer(((1.0, 0.25), (-1.0, -0.25)), _NEAR / size)
+    rises = level((places[:, None, None, None] + steps).ravel()).reshape(-1, *steps.shape) / steps
+    mean = rises.mean(axis=2)
+    are_lines = (np.abs(rises - mean[:, :, None]) < _STRAIGHT * np.abs(mean[:, :, None])).all(axis=(1, 2))
+    return [bool(x) for x in (are_lines & (mean[:, 0] * mean[:, 1] > 0)).any(axis=1)]

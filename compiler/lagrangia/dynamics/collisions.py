@@ -100,15 +100,22 @@ def turned_back(look: Look, k: int, j: int, is_timed: bool) -> tuple[Meeting, in
     return (Meeting.BACK, sum(signs)) if signs else (Meeting.NONE, 0)
 
 
+def is_flat(look: Look, k: int, j: int, is_timed: bool) -> bool:
+    """Whether gap k changes along reset j somewhere without a slope; at the places that `look` keeps."""
+    states = (state for found in islice(look.states((1, _SPREAD) if is_timed else (1,)), _CROSSED) for state in found)
+    return not all(has_slope for _, known, _ in states for _, has_slope in look.crossings(k, j, known))
+
+
 def turns_somewhere(look: Look, k: int, j: int) -> bool:
     """Whether reset j is turned back at gap k in some arm."""
     return any(_turned_back(look, k, j, *state) for states in islice(look.states(), 2) for state in states)
 
 
 def _turned_everywhere(look: Look, k: int, j: int, v: Vector, known: Vector, arm: Vector) -> Iterator[int | None]:
-    """That in one arm, and where the gap changes there; 0, too, where it does so without a slope, along which nothing is held."""
+    """That in one arm, and where the gap changes there; 0, too, where it only does so without a slope, along which nothing is
+    held."""
     places = look.crossings(k, j, known)
-    if not all(has_slope for _, has_slope in places):
+    if places and not any(has_slope for _, has_slope in places):
         yield 0
     yield from _turned_anywhere(look, k, j, v, known, arm)
     for place, has_slope in places:

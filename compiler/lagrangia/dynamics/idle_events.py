@@ -81,7 +81,11 @@ def _tell_contacts(report: Report, impacts: Impacts, k: int, when: When) -> None
             "what comes from there goes on, without an event, and nothing keeps it from that" if is_beside else
             "each event sets what is written, and when bounces have ended nothing keeps what is there from going on"),
              "give each wall a `when` of its own, with its gap by itself: when gap < 0 and ... then ... end when")
-    if (met := impacts.collisions[k]) is not None and met[1] != Meeting.BETWEEN:
+    if (node := impacts.flat[k]) is not None:
+        tell(node, f"where '{node.span.text}', this turns back what comes there, but what is compared has no slope at a place "
+             "where it changes, as x^3 - x^5 has none at 0: when bounces have ended nothing keeps what is there where it is",
+             "compare the distance itself: when gap < 0 then ... end when")
+    elif (met := impacts.collisions[k]) is not None and met[1] != Meeting.BETWEEN:
         tell(met[0], f"where '{met[0].span.text}' {_HELD_BY[met[1]]}", _BETTER[met[1] == Meeting.IN_SOME])
 
 

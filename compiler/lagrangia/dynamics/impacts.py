@@ -52,7 +52,7 @@ from lagrangia.language.flat import Reset, When, Work
 from lagrangia.language.tree import Binary, Call, Flat, Number, Unary
 
 KICK, CONTACT, ONE_WAY = range(3)  # LAG_KICK, ...
-_TOLD = ("as_declared", "as_if_still", "unheld", "ranges")
+_TOLD = ("as_declared", "as_if_still", "unheld", "flat", "ranges")
 _NONE = ca.SX(0, 1)
 
 
@@ -78,6 +78,7 @@ class Impacts:
     as_declared: tuple[Flat | None, ...] = ()  # (w,): a comparison that is a contact for parameters as they are declared alone
     as_if_still: tuple[Flat | None, ...] = ()  # (w,): one that would be a contact if what is met there stood still
     unheld: tuple[Flat | None, ...] = ()  # (w,): one that turns back what comes there, and that holds nothing
+    flat: tuple[Flat | None, ...] = ()  # (w,): one that turns back, and changes without a slope at some place
     ranges: tuple[Mapping[str, Range], ...] = ()  # (w,): of parameters with which it stays what it is taken for
 
     def may_hide(self, t: ca.SX) -> bool:
@@ -169,6 +170,7 @@ class _Event(Resets):
         self.condition = condition_of(when, model)
         self.parts = self._find_parts()
         contacts, self.collision = self._find_contacts()
+        self.flat = self._find_flat(next((x for x in contacts if x is not None), self.collision and self.collision[0]))
         if self.collision is not None and self.collision[1] > Meeting.BACK:
             kept, contacts = None, self._strike(self.collision[0])
         limits = [] if any(contacts) else self._find_limits(self.parts)

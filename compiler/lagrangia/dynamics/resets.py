@@ -180,6 +180,15 @@ class Resets:
                 return self.condition
         return None
 
+    def _find_flat(self, node: Flat | None) -> Flat | None:
+        """What is met, where it changes without a slope at some place, along which nothing is held."""
+        k = next((k for k, x in enumerate(self.gaps) if x is node), None)
+        if node is None or k is None:
+            return None
+        self.look.places = {}  # where gaps change is looked for once: `_find_ranges` asks there which way, for each value
+        look, is_timed = self.look.where(self.mobility.bound), self._is_timed(self._level_at(node))
+        return node if any(meets.is_flat(look, k, j, is_timed) for j in np.flatnonzero(self.may_rest).tolist()) else None
+
     def _find_ranges(self, collision: tuple[Flat, Meeting] | None, is_sided: bool) -> dict[str, Range]:
         """Of parameters that decide at which comparisons what comes is turned back, and where `is_sided` from which side: the
         values for which it is so. None where that holds for parameters as they are declared alone."""
@@ -191,7 +200,7 @@ class Resets:
         felt = symbols_in(ca.veccat(*self.look.expressions))
         elements = [(v, name) for v in model.variables.values() if v.kind == "parameter" for name, _ in v.elements()]
         struck = [k for k, x in enumerate(self.gaps) if collision is not None and x is collision[0]]
-        self.look.places = {}  # where gaps change is looked for once: which way they do is asked there for each value
+        self.look.places = self.look.places or {}
         known = self._recognized(self.mobility.bound, self.look.declared, struck, is_sided)
         names = [(k, variable, name) for k, (variable, name) in enumerate(elements)
                  if variable.name in written and symbols[k].__hash__() in felt]
