@@ -71,6 +71,32 @@ def test_a_one_way_rope_is_taut_where_it_hangs(scene: Write) -> None:
     assert sorted(x.stability for x in hinged) == ["fixed", "stable", "unstable"]
 
 
+@pytest.mark.parametrize("condition", ["(b.s - 0.5)^3 < 0", "tanh(100*(b.s - 0.5)) < 0", "sign(b.s - 0.5) < 0",
+                                       "max(b.s - 0.5, 2*b.s - 1) < 0", "b.s < 0.5 and b.s > -0.5"])
+def test_contacts_told_by_resets_hold_where_their_gap_is_closed(condition: str, scene: Write) -> None:
+    """The first three held at 0, where what is reset has its own."""
+    model = scene(f"""model Falls Block b(m = 1, base = world, along = {{0, 1}}, s(start = 1)); equation
+      when {condition} then reinit(b.v, -0.5*b.v); end when; end Falls;""")
+    (first,) = model.equilibrium()
+    close(first.position["b.s"], 0.5)
+    assert first.stability == "fixed" and ("max" in condition or list(first.contacts.values()) == pytest.approx([G]))
+
+
+@pytest.mark.parametrize("start", [-0.2, 0.4])
+def test_what_lies_on_a_body_that_feels_nothing_of_it(start: float, scene: Write) -> None:
+    """x = -10/50, b half a metre above it (it was at 0), y on a spring at b: x and y swing by themselves, y along with x."""
+    model = scene(f"""model Rides World world(gravity = {{-10, 0}}); Block b(m = 1, base = world, s(start = 1));
+      Block x(m = 1, base = world, s(start = {start})), y(m = 1, base = world, s(start = 2));
+      energy potential 25*x.s^2 + 15*(y.s - b.s - 1)^2;
+      equation when b.s < x.s + 0.5 then reinit(b.v, x.v - 0.5*(b.v - x.v)); end when; end Rides;""")
+    (first,) = model.equilibrium()
+    close([first.position[x] for x in ("x.s", "b.s", "y.s")], [-0.2, 0.3, 1.3 - 1/3])
+    assert list(first.contacts.values()) == pytest.approx([20])
+    modes = model.modes()
+    close(modes.omega, np.sqrt([30, 50]))
+    close(modes[1].shape["b.s"]/modes[1].shape["y.s"], -2/3)
+
+
 def test_what_stands_on_its_end_falls(scene: Write) -> None:
     """A free bar upright on a floor, found from there: growth sqrt(m g L/2 / (m L^2/12)), for its foot slides."""
     model = scene("""model Upright Bar b(m = 3, L = 1); Stop s1(a = world, b = b.a), s2(a = world, b = b.b);

@@ -52,7 +52,7 @@ from lagrangia.language.flat import Reset, When, Work
 from lagrangia.language.tree import Binary, Call, Flat, Number, Unary
 
 KICK, CONTACT, ONE_WAY = range(3)  # LAG_KICK, ...
-_TOLD = ("as_declared", "as_if_still", "unheld", "flat", "ranges")
+_TOLD = ("as_declared", "as_if_still", "unheld", "flat", "ranges", "met")
 _NONE = ca.SX(0, 1)
 
 
@@ -80,6 +80,7 @@ class Impacts:
     unheld: tuple[Flat | None, ...] = ()  # (w,): one that turns back what comes there, and that holds nothing
     flat: tuple[Flat | None, ...] = ()  # (w,): one that turns back, and changes without a slope at some place
     ranges: tuple[Mapping[str, Range], ...] = ()  # (w,): of parameters with which it stays what it is taken for
+    met: tuple[Flat | None, ...] = ()  # (w,): the gap of a contact; of what goes one way that of the place
 
     def may_hide(self, t: ca.SX) -> bool:
         """Whether conditions may come and go however slow the motion is: with time, or where they jump."""
@@ -94,6 +95,15 @@ class Impacts:
     def contact_forces(self) -> dict[str, Scalar]:
         """By the names that the evaluator asks for them; while a way is looked for, with the impulse."""
         return {name_of_contact(k): force + impulse for k, (force, impulse) in self.pressing.items()}
+
+    def gaps_in(self, kinematics: Kinematics) -> dict[int, ca.SX]:
+        """Those of what holds what rests, by their events, where positions are others; what jumps is as it is here."""
+        value, found = kinematics.evaluator.value, dict[int, ca.SX]()
+        for k, node in enumerate(self.met):
+            if node is not None:
+                g = crossing_of(ca.SX(value(node)), column(*kinematics.symbols.positions.values()))
+                found[k] = g if operations_in(g).isdisjoint(JUMPS) else self.gaps[k]
+        return found
 
     def loads_in(self, kinematics: Kinematics) -> tuple[Load, ...]:
         """The same where positions are others."""
@@ -166,6 +176,7 @@ class _Event(Resets):
         kept = next((k for k, x in enumerate(self.places) if are_alike(x, self.kept_position)), None)
         self.gap = self.arm = ca.SX(0)
         self.held: Flat | None = None
+        self.met: Flat | None = None
         self.sense, self.is_sided = ca.SX(1), False  # whether the force is along what is reset by a side that is found
         self.condition = condition_of(when, model)
         self.parts = self._find_parts()
@@ -180,6 +191,8 @@ class _Event(Resets):
         self.kept = kept if kept is not None and self.kinds[kept] != KICK else None  # whose contact force may be asked for
         if chosen is not None:
             self._divide(chosen, kind)
+            assert self.held is not None
+            self.met = level_of(chosen) if kind == CONTACT else Unary("-", self.held, self.when.span)
             self._ride()
         elif is_comparison(self.condition):
             self._require_change()

@@ -86,8 +86,20 @@ def tangent_of(x: TangentParts, is_preferred: Sequence[bool], reach: Matrix, pla
         P[dependent] = -inverse @ pushed
     W = _null_space(rates @ N) if rates.shape[0] > J.shape[0] else np.eye(len(independent))
     E = (E0 + K @ P, E1 + C @ P, E2 + M @ P)
-    return Tangent(independent, N, P, W, N.T @ M @ N, N.T @ C @ N, N.T @ K @ N, (N.T @ E[0], N.T @ E[1], N.T @ E[2]),
+    L = N if x.pulls is None or plane is not None else _untouched(N, M, x.pulls[:J.shape[0]], kept)
+    return Tangent(independent, N, P, W, L.T @ M @ N, L.T @ C @ N, L.T @ K @ N, (L.T @ E[0], L.T @ E[1], L.T @ E[2]),
                    (M, C, K, x.rates if x.pulls is None else x.pulls, E0, E1, E2))
+
+
+def _untouched(N: Matrix, M: Matrix, pulls: Matrix, kept: Collection[int]) -> Matrix:
+    """L, (n, f): sums of equations without multipliers, L^T pulls^T = 0. N itself where these pull along what they hold; else, as
+    where a force acts on what lies on a wall and not on the wall, those with the same mass: L^T M N = N^T M N."""
+    if np.abs(pulls @ N).max(initial=0.0) <= _RANK * np.abs(pulls).max(initial=0.0):
+        return N
+    free = [k for k in range(len(N)) if k not in kept]
+    L = np.zeros((len(N), len(free) - pulls.shape[0]))
+    L[free] = _null_space(pulls[:, free])
+    return np.asarray(L @ np.linalg.pinv(N.T @ M.T @ L, rcond=_RANK) @ (N.T @ M.T @ N))
 
 
 def pivots(J: Matrix, weight: Matrix) -> list[int]:

@@ -55,7 +55,7 @@ class Resting:
             elif lam.size:
                 full[:own], full[own : e.m] = lam[:own], lam[own + p : e.m + p]
                 full[[e.m + k for k in pressing]] = lam[own : own + p]
-            by = self.slopes(("q", "v") if e.m or p or sticking else ("q",), q, full)
+            by = self.slopes(("q", "v", *(["lambda"] if p else [])) if e.m or p or sticking else ("q",), q, full)
             places = np.vstack([by["q"][1], by["q"][3][list(pressing)]])
             return by["q"][0], places, self._rows(by, pressing, sticking) if "v" in by else places
 
@@ -105,8 +105,9 @@ class Resting:
         return TangentParts(parts.M, parts.C, parts.K, J, rates, parts.E, pushed, by["lambda"][0][:, places].T), places
 
     def _rows(self, by: dict[str, list[Vector]], pressing: tuple[int, ...], sticking: tuple[int, ...]) -> Vector:
-        rates = by["v"][2]
-        return np.vstack([rates[: self.m_h], by["q"][3][list(pressing)], rates[self.m_h :], by["v"][4][list(sticking)]])
+        """What multipliers do: forces of contacts need not be along their gaps."""
+        rates, pulls = by["v"][2], by["lambda"][0][:, [self.e.m + k for k in pressing]].T if pressing else by["q"][3][:0]
+        return np.vstack([rates[: self.m_h], pulls, rates[self.m_h :], by["v"][4][list(sticking)]])
 
 
 # ------------------------------------------------------------ in words

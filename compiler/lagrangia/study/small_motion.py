@@ -18,7 +18,7 @@ from lagrangia.algebra.with_casadi import CORNERS, uses
 from lagrangia.base.diagnostics import fail
 from lagrangia.base.records import dataclass
 from lagrangia.constraints.parameters import scalars
-from lagrangia.dynamics.energies import Energies, Load, evaluate_energies, generalised_force
+from lagrangia.dynamics.energies import Energies, evaluate_energies, generalised_force
 from lagrangia.dynamics.held_switches import Holding, Pair
 from lagrangia.dynamics.reactions import build_reactions
 from lagrangia.dynamics.switches import conditions_in, jumps_at_rest
@@ -196,10 +196,9 @@ class _Parts:
         self.unloaded = inertia - free.by_turns(self.T) + free.by_turns(self.V) + ca.gradient(self.D, v)
         self.R = self.unloaded + held
         self.loads = energies.loads
-        struck = motion.impacts.loads_in(free)
-        if loads := (*energies.loads, *struck):
+        if loads := (*energies.loads, *motion.impacts.loads_in(free)):
             self.R = self.R - generalised_force(loads, q, v)
-        self.holds, self.holding = _find_holds(motion, energies, self, struck)
+        self.holds, self.holding = _find_holds(motion, energies, self)
         self.R, self.unloaded = map(free.by_places, self.held([self.R, self.unloaded]))
         rolling = ca.vertcat(ca.SX(0, 1), *[ca.SX(row.rate(free)) for row in rows if not row.is_holonomic])
         if rolling.numel() and ca.depends_on(rolling, ca.vertcat(*s)):
@@ -265,12 +264,9 @@ class _Parts:
                  "ask for reactions to loads, or for displacements")
 
 
-def _find_holds(motion: "Motion", energies: Energies, parts: _Parts, struck: Sequence[Load]) -> tuple[Holds, Holding]:
-    """`struck`: the loads of events, in the kinematics of the parts."""
+def _find_holds(motion: "Motion", energies: Energies, parts: _Parts) -> tuple[Holds, Holding]:
     impacts = motion.impacts
-    events = {x.__hash__(): k for k, x in enumerate(impacts.forces.elements())}
-    pressing = [(events[ca.SX(load.force[0]).__hash__()], load) for load in struck if ca.SX(load.force[0]).__hash__() in events]
-    gaps = [-ca.SX(load.position[0]) for _, load in pressing]
+    gaps = impacts.gaps_in(parts.free)
     numbering, whens = Numbering(), parts.free.graph.model.whens
     may_hold = uses(_function_of(parts.R), CORNERS | {ca.OP_SQRT})  # v/|v| has corners in |v| alone
     signals = {state.coordinate for state in parts.free.graph.model.states.values()}
@@ -281,9 +277,9 @@ def _find_holds(motion: "Motion", energies: Energies, parts: _Parts, struck: Seq
     places = dict(zip(conditions, shares.elements(), strict=True))
     owners = _owners(energies, motion.v, numbering)
     return Holds(
-        ca.vertcat(_NONE, *[impacts.forces[k] for k, _ in pressing]), ca.vertcat(_NONE, *gaps),
-        ca.vertcat(_NONE, *[impacts.conditions[k] for k, _ in pressing]), shares, ca.vertcat(_NONE, *conditions.values()),
-        tuple(whens[k].component or whens[k].condition.span.text for k, _ in pressing),
+        ca.vertcat(_NONE, *[impacts.forces[k] for k in gaps]), ca.vertcat(_NONE, *gaps.values()),
+        ca.vertcat(_NONE, *[impacts.conditions[k] for k in gaps]), shares, ca.vertcat(_NONE, *conditions.values()),
+        tuple(whens[k].component or whens[k].condition.span.text for k in gaps),
         tuple(owners.get(pair) or "friction" for pair in conditions), tuple((order[a], order[b]) for a, b in cones),
     ), Holding(places, frozenset(x.__hash__() for x in places.values()), _at_rest(conditions, rests), numbering)
 
