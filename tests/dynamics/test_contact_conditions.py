@@ -91,6 +91,25 @@ def test_bodies_that_meet_from_both_sides_exchange_momentum(scene: Write, condit
     np.testing.assert_allclose([run["b.s"][0], run["x.s"][0]], [0.5*side, -1.25*side], rtol=0, atol=1e-9)
 
 
+def carried(gap: str) -> str:
+    decl = "energy potential 100*x.s^2; energy dissipation 2*x.v^2; Block x(m = 2, base = world);"
+    both = "(b.m*b.v + x.m*x.v)/(b.m + x.m)"
+    return thrown(f"""when {gap} < 0 then reinit(b.v, {both} - e*x.m/(b.m + x.m)*(b.v - x.v));
+      reinit(x.v, {both} + e*b.m/(b.m + x.m)*(b.v - x.v)); end when;""", decl)
+
+
+@pytest.mark.parametrize("gap", ["(b.s - x.s - 0.5)^3", "tanh(1000*(b.s - x.s - 0.5))", "sign(b.s - x.s - 0.5)"])
+def test_bodies_that_meet_are_held_by_gaps_of_all_kinds(scene: Write, gap: str) -> None:
+    """As by the distance itself; functions of it and what jumps let b fall when bounces had ended."""
+    plain, model = scene(carried("b.s - x.s - 0.5")), scene(carried(gap))
+    assert not model.warnings
+    for solver in SOLVERS:
+        right, found = (x.simulate(at=[*AT, 5.0], solver=solver, tolerance=1e-9) for x in (plain, model))
+        np.testing.assert_allclose([right["b.s"][-1], right["x.s"][-1]], [0.35, -0.15], rtol=0, atol=0.01)
+        np.testing.assert_allclose([found["b.s"], found["x.s"]], [right["b.s"], right["x.s"]], rtol=0, atol=1e-8, err_msg=solver)
+        assert np.abs(found.energy.residual).max() < 1e-7
+
+
 def test_contacts_whose_force_rubs_have_one_side_and_the_other_is_told(scene: Write) -> None:
     """Friction drove what was met at the other side: 5 m/s became 7.17."""
     for parts in ("b.s < 0 and b.s > -1", "b.s > -1 and b.s < 0"):

@@ -84,7 +84,7 @@ def test_contacts_told_by_resets_hold_where_their_gap_is_closed(condition: str, 
 
 @pytest.mark.parametrize("start", [-0.2, 0.4])
 def test_what_lies_on_a_body_that_feels_nothing_of_it(start: float, scene: Write) -> None:
-    """x = -10/50, b half a metre above it (it was at 0), y on a spring at b: x and y swing by themselves, y along with x."""
+    """x = -10/50, b half a metre above it (it was at 0), y on a spring at b: x and y swing by themselves."""
     model = scene(f"""model Rides World world(gravity = {{-10, 0}}); Block b(m = 1, base = world, s(start = 1));
       Block x(m = 1, base = world, s(start = {start})), y(m = 1, base = world, s(start = 2));
       energy potential 25*x.s^2 + 15*(y.s - b.s - 1)^2;
@@ -95,6 +95,19 @@ def test_what_lies_on_a_body_that_feels_nothing_of_it(start: float, scene: Write
     modes = model.modes()
     close(modes.omega, np.sqrt([30, 50]))
     close(modes[1].shape["b.s"]/modes[1].shape["y.s"], -2/3)
+
+
+@pytest.mark.parametrize("gap", ["b.s - x.s - 0.5", "(b.s - x.s - 0.5)^3", "sign(b.s - x.s - 0.5)"])
+def test_what_lies_on_a_body_that_carries_it(gap: str, scene: Write) -> None:
+    """Both are reset: x = -20/50 (nothing was found), and 2 kg swing on 50 N/m."""
+    model = scene(f"""model Carried World world(gravity = {{-10, 0}}); parameter Mass m = 1;
+      Block b(m = m, base = world, s(start = 1)), x(m = m, base = world, s(start = -0.2)); energy potential 25*x.s^2;
+      equation when {gap} < 0 then reinit(b.v, (m*b.v + m*x.v)/(m + m) - 0.5*m/(m + m)*(b.v - x.v));
+        reinit(x.v, (m*b.v + m*x.v)/(m + m) + 0.5*m/(m + m)*(b.v - x.v)); end when; end Carried;""")
+    (first,) = model.equilibrium()
+    close([first.position["x.s"], first.position["b.s"]], [-0.4, 0.1])
+    assert list(first.contacts.values()) == pytest.approx([10])
+    close(model.modes().omega, [5])
 
 
 def test_what_stands_on_its_end_falls(scene: Write) -> None:

@@ -177,6 +177,7 @@ class _Event(Resets):
         self.gap = self.arm = ca.SX(0)
         self.held: Flat | None = None
         self.met: Flat | None = None
+        self.struck = list[tuple[Flat, ca.SX]]()  # what meets, and its shares in the rate of a gap along which no impulse goes
         self.sense, self.is_sided = ca.SX(1), False  # whether the force is along what is reset by a side that is found
         self.condition = condition_of(when, model)
         self.parts = self._find_parts()
@@ -191,8 +192,7 @@ class _Event(Resets):
         self.kept = kept if kept is not None and self.kinds[kept] != KICK else None  # whose contact force may be asked for
         if chosen is not None:
             self._divide(chosen, kind)
-            assert self.held is not None
-            self.met = level_of(chosen) if kind == CONTACT else Unary("-", self.held, self.when.span)
+            self.met = Unary("-", self.held, self.when.span) if kind == ONE_WAY and self.held is not None else level_of(chosen)
             self._ride()
         elif is_comparison(self.condition):
             self._require_change()
@@ -290,11 +290,14 @@ class _Event(Resets):
     def loads(self, force: ca.SX, impulses: Iterator[ca.SX]) -> Iterator[Load]:
         """`force` along the gap where there is a contact, and a force for each reset."""
         value, component, span = self.kinematics.evaluator.value, self.when.component, self.when.span
-        unit = Number(1.0, None, span)
-        if self.held is not None:
-            work = Work(unit, self.held, component, span)
-            yield paced(Load((force * self.sense,), tuple(scalars_of(value(work.position))), work), self.kinematics)
-        for position in self.positions:
+        unit, impulse = Number(1.0, None, span), next(impulses) if self.struck else ca.SX(0)
+        held = [(self.held, self.sense)] if self.held is not None else [(x, -share) for x, share in self.struck]
+        for position, sense in held:
+            load = Load((force * sense,), tuple(scalars_of(value(position))), Work(unit, position, component, span))
+            yield paced(load, self.kinematics)
+        for position, share in self.struck:
+            yield Load((impulse * share,), tuple(scalars_of(value(position))), Work(unit, position, component, span))
+        for position in self.positions[bool(self.struck):]:
             moved = tuple(scalars_of(value(position)))
             yield Load(tuple(next(impulses) for _ in moved), moved, Work(unit, position, component, span))
 
@@ -304,6 +307,8 @@ class _Event(Resets):
         self.gap = self._level_at(chosen)
         (self.arm,) = self.kinematics.algebra.arms_in_force([self.gap])
         self.g = ca.mmin(ca.vertcat(*guards)) if guards else ca.SX(1)
+        if self.struck:
+            return
         own = next(k for k, x in enumerate(self.kinds) if x == kind)
         closing = self._closing(own)
         is_met = kind == CONTACT and ca.depends_on(closing, column(*self.kinematics.symbols.positions.values()))
@@ -356,9 +361,12 @@ class _Event(Resets):
     def _strike(self, node: Flat) -> list[Flat | None]:
         """The reset of the rate of the gap in the place of those of what meets there; returns of each reset whether it is one."""
         moving, others = ([k for k, x in enumerate(self.may_rest) if x == is_moving] for is_moving in (True, False))
-        pace = self._pace_of(self._expression(self.kinematics.evaluator.value(level_of(node))))
+        pace = self._pace_of(self._level_at(node))
         rates, wanted = (ca.vertcat(*(x[k] for k in moving)) for x in (self.rates, self.wanted))
-        after = pace + ca.dot(meets.shares_of(pace, rates, self.meetings.rates), wanted - rates)
+        shares = meets.shares_of(pace, rates, self.meetings.rates)
+        after = pace + ca.dot(shares, wanted - rates)
+        if id(node) in self.branches:
+            self.struck = [(self.places[k], share) for k, share in zip(moving, shares.elements(), strict=True)]
         kept = [x for reset, x in zip(self.when.resets, self.positions, strict=True) if reset.is_kept]
         self.positions, self.places = [level_of(node), *kept], [level_of(node), *(self.places[k] for k in others)]
         self.rates, self.wanted = [pace, *(self.rates[k] for k in others)], [after, *(self.wanted[k] for k in others)]

@@ -146,7 +146,7 @@ class Resets:
         """The comparison at which several that are reset are turned back together, and how."""
         if sum(self.may_rest) < 2:
             return None
-        most = [Meeting.CARRIED if id(x) in self.branches else Meeting.BETWEEN for x in self.gaps]  # no impulse goes along parts
+        most = [Meeting.CARRIED if id(x) in self.joined else Meeting.BETWEEN for x in self.gaps]  # no impulse goes along several
         found = [(x, min(self._meeting(k), most[k])) for k, x in enumerate(self.gaps)]
         return max((x for x in found if x[1] != Meeting.NONE), key=lambda x: x[1], default=None)
 
