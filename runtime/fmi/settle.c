@@ -42,6 +42,9 @@ static LagAnswer check_parameters(LagInstance *s)
         if (!(p[i] >= s->fmu->minimum[i] && p[i] <= s->fmu->maximum[i]))
             return lag_instance_log(s, LAG_ANSWER_ERROR, LAG_ERROR_CATEGORY, "%.200s is %g, which is not from %g to %g", names[i],
                                     p[i], s->fmu->minimum[i], s->fmu->maximum[i]);
+    const int unrecognized = lag_run_unrecognized(s->run);
+    if (unrecognized >= 0)
+        return lag_instance_log(s, LAG_ANSWER_ERROR, LAG_ERROR_CATEGORY, "%.600s", s->fmu->recognized[unrecognized]);
     return LAG_ANSWER_OK;
 }
 

@@ -137,6 +137,15 @@ static int wrong_parameter(const LagBatch *batch, const double *p)
     return -1;
 }
 
+/* Refuses a run: parameter `index` is not what it may be, or, beyond n_parameters, a comparison of several does not hold. */
+static LagStatus refuse(LagOutcome *outcome, int index, double value)
+{
+    outcome->kind = LAG_RUN_PARAMETER;
+    outcome->failure.index = index;
+    outcome->failure.value = value;
+    return LAG_NOT_STARTED;
+}
+
 static LagStatus start(LagBatch *batch, LagFollower *f, int64_t i)
 {
     LagRun *run = f->run;
@@ -146,13 +155,11 @@ static LagStatus start(LagBatch *batch, LagFollower *f, int64_t i)
         lag_run_set_parameters(run, batch->p, batch->mask);
     f->has_parameters = 1;
     const int wrong = wrong_parameter(batch, lag_run_parameters(run));
-    if (wrong >= 0) {
-        LagOutcome *outcome = &batch->outcomes[i];
-        outcome->kind = LAG_RUN_PARAMETER;
-        outcome->failure.index = wrong;
-        outcome->failure.value = lag_run_parameters(run)[wrong];
-        return LAG_NOT_STARTED;
-    }
+    if (wrong >= 0)
+        return refuse(&batch->outcomes[i], wrong, lag_run_parameters(run)[wrong]);
+    const int unrecognized = lag_run_unrecognized(run);
+    if (unrecognized >= 0)
+        return refuse(&batch->outcomes[i], batch->model->n_parameters + unrecognized, 0);
     const LagStatus status = lag_follow_hold(f);
     return status == LAG_OK ? lag_run_start(run, batch->state, batch->state + batch->model->n) : status;
 }

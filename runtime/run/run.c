@@ -21,7 +21,7 @@ static size_t work_size(const LagModel *model)
                                       &model->force, &model->regular, &model->residual, &model->nearest,
                                       &model->kick, &model->switches, &model->resets, &model->roots, &model->looks,
                                       &model->held_first, &model->samples, &model->lags, &model->delayed, &model->before,
-                                      &model->guards};
+                                      &model->guards, &model->recognized};
     size_t largest = 0;
     for (size_t i = 0; i < sizeof functions / sizeof *functions; ++i)
         largest = functions[i]->n_work > largest ? functions[i]->n_work : largest;
@@ -195,6 +195,15 @@ LagStatus lag_run_set_parameters(LagRun *run, const double *given, const double 
 }
 
 const double *lag_run_parameters(const LagRun *run) { return run->p; }
+
+int lag_run_unrecognized(const LagRun *run)
+{
+    double first = -1;
+    const double *in[] = {run->p};
+    double *out[] = {&first};
+    lag_call(&run->model->recognized, in, out, run->work);
+    return (int)first;
+}
 
 LagStatus lag_run_set_inputs(LagRun *run, const double *times, const double *values, int rows)
 {

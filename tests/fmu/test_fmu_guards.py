@@ -120,3 +120,19 @@ def test_branches_end_simulations_and_nothing_else_tells_of_them(version: str, t
             assert f"the simulation ends: {'late' if end == 0.5 else 'first'}" in capfd.readouterr().out
     told = fmpy.read_model_description(str(fmu_of(path, version)))
     assert len(told.derivatives) == 2 and not [x.name for x in told.modelVariables if "terminate" in x.name]
+
+
+@pytest.mark.parametrize("version", VERSIONS)
+@pytest.mark.parametrize("kind", KINDS)
+def test_parameters_that_end_contacts_together_are_refused(tmp_path: Path, version: str, kind: str,
+                                                           capfd: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "bounces.lag"
+    path.write_text("""model Bounces parameter Real k1 = 2, k2 = 1;
+        World world(gravity = {-10, 0}); Block b(m = 1, base = world, s(start = 1));
+        equation when b.s < 0 then reinit(b.v, -0.5*(k1 - k2)*b.v); end when; end Bounces;""")
+    one = Instance(path, version, kind).start({"k1": 3.0, "k2": 2.5})
+    one.free()
+    other = Instance(path, version, kind)
+    with pytest.raises(FMICallException):
+        other.start({"k1": 1.6, "k2": 1.8})
+    assert "the event at 'b.s < 0' ceases to be a contact" in capfd.readouterr().out

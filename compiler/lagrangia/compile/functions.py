@@ -101,7 +101,7 @@ def build_functions(
         "energies": ca.Function("energies", state, found["energies"], labels, ["energies"], APART),
     }
     table |= _functions_of_constraints(motion, found, d, c) | _flow_functions(motion, hamilton, found["flow"], c)
-    table |= mode_functions(motion, modes) | _kick_function(state, found["kick"], kick.before)
+    table |= mode_functions(motion, modes) | _kick_function(state, found["kick"], kick.before) | _recognizing_function(motion)
     table |= (_start_functions(kinematics, motion, initial) | _sampling_functions(kinematics, motion, sampling)
               | _delay_functions(motion, delaying, [*state[:4], full[-2], c], found["delayed"]))
     needs = bool(y.numel()) and ca.depends_on(y, ca.vertcat(a, symbols))
@@ -172,6 +172,15 @@ def _functions_of_parameters(kinematics: Kinematics, motion: Motion, hoisted: ca
     given, mask, p = all_parameters(kinematics, motion.p.numel())
     return {"parameters": ca.Function("parameters", [given, mask], [p], ["given", "mask"], ["p"], APART),
             "hoist": ca.Function("hoist", [motion.p], [hoisted], ["p"], ["c"], APART)}
+
+
+def _recognizing_function(motion: Motion) -> dict[str, ca.Function]:
+    """The place of the first of the comparisons of parameters that does not hold, or -1."""
+    holds = [x.holds for comparisons in motion.impacts.recognized for x in comparisons]
+    first = ca.SX(-1)
+    for k, x in reversed([*enumerate(holds)]):
+        first = ca.if_else(x, first, k)
+    return {"recognized": ca.Function("recognized", [motion.p], [ca.densify(first)], ["p"], ["first"])} if holds else {}
 
 
 def _watched(motion: Motion, switches: Switches) -> dict[str, list[ca.SX]]:

@@ -15,7 +15,7 @@ from lagrangia.compile.functions import Functions, build_island_functions, eleme
 from lagrangia.compile.hoisted_tapes import tapes_of
 from lagrangia.compile.instructions import count_operations, tape_of
 from lagrangia.constraints.initial import InitialConditions, find_idle_starts
-from lagrangia.constraints.parameters import find_odd_inertias, scalars
+from lagrangia.constraints.parameters import find_odd_inertias, parameter_symbols, scalars
 from lagrangia.constraints.rows import Constraints
 from lagrangia.constraints.several_starts import find_several_starts
 from lagrangia.constraints.virtual_forces import find_idle_displacements
@@ -73,7 +73,7 @@ def build_scene(
     turning = ((v.name, of) for v in model.variables.values() if (of := rate_of(v)) in attitudes and of is not None)
     aliases |= {f"{name}[{k}]": len(slots) + slots[part] for name, of in turning for k, part in enumerate(parts_of(of), 1)}
     experiment = model.experiment
-    parameters, recognized = _recognized(_parameters(model, "parameter", kinematics.symbols.compiled), model, motion.impacts)
+    parameters = _parameters(model, "parameter", kinematics.symbols.compiled)
     inputs = _parameters(model, "input", {})
     sizes = _sizes(len(coordinates), len(parameters), len(inputs), len(kinematics.algebra.modes), functions, motion, tapes) | {
         "n_outputs": len(outputs), "n_initial": initial.residuals.numel(), "n_initial_positions": initial.n_positions,
@@ -92,7 +92,7 @@ def build_scene(
         notes=_notes(motion, tapes)
         | {"form": functions.form.why if functions.form else "", "thresholds": [*functions.thresholds]}
         | _freedom(kinematics, motion, constraints, is_still) | _told(kinematics, constraints, initial, functions, motion.impacts)
-        | ({"guards": tell_guards(model, functions.guarding)} if model.guards else {}) | recognized,
+        | ({"guards": tell_guards(model, functions.guarding)} if model.guards else {}) | _recognized(kinematics, motion.impacts),
         refused={**functions.refused, **({"conservative": no_momenta} if no_momenta else {}), **_refusals(kinematics)},
     ))
 
@@ -396,21 +396,15 @@ def _parameters(model: FlatModel, kind: str, compiled_in: Mapping[str, Any]) -> 
     return tuple(found)
 
 
-def _recognized(parameters: tuple[Parameter, ...], model: FlatModel, impacts: Impacts
-                ) -> tuple[tuple[Parameter, ...], dict[str, object]]:
-    """The same within the values for which contacts and kicks are what they were taken for; and whose these limits are."""
-    found = {x.name: x for x in parameters}
-    told = dict[str, dict[str, object]]()
-    for when, ranges in zip(model.whens, impacts.ranges, strict=False):
-        for name, (low, high) in ranges.items():
-            known = found[name]
-            if low > (-math.inf if known.minimum is None else known.minimum):
-                found[name] = known = replace(known, minimum=low)
-                told.setdefault(name, {})["minimum"] = when.condition.span.text
-            if high < (math.inf if known.maximum is None else known.maximum):
-                found[name] = replace(known, maximum=high)
-                told.setdefault(name, {})["maximum"] = when.condition.span.text
-    return tuple(found.values()), {"recognized": told} if told else {}
+def _recognized(kinematics: Kinematics, impacts: Impacts) -> dict[str, object]:
+    """Of each comparison of `recognized`, in words, the condition of its event, whether that becomes a contact where it does not
+    hold, and the parameters in it."""
+    model, symbols = kinematics.graph.model, parameter_symbols(kinematics).elements()
+    names = [name for v in model.variables.values() if v.kind == "parameter" for name, _ in v.elements()]
+    told = [{"event": when.condition.span.text, "makes": x.makes, "parameters": [
+                name for name, symbol in zip(names, symbols, strict=True) if ca.depends_on(x.holds, symbol)]}
+            for when, comparisons in zip(model.whens, impacts.recognized, strict=False) for x in comparisons]
+    return {"recognized": told} if told else {}
 
 
 def _called(model: FlatModel, when: When) -> str:

@@ -8,9 +8,11 @@ fast something approaches (|b.v - x.v| is not its opposite); all else may be as 
 from collections.abc import Callable, Iterator, Sequence
 from copy import copy
 from itertools import product
+from typing import Any
 
 import casadi as ca
 import numpy as np
+from numpy.typing import NDArray
 
 from lagrangia.algebra.numbering import Numbering, rebuilt
 from lagrangia.algebra.orthogonal import Vector
@@ -24,11 +26,11 @@ _CHOICES = frozenset({*_RELATIONS, ca.OP_EQ, ca.OP_NE, ca.OP_FABS, ca.OP_SIGN, c
 SAME = 1e-9  # relative difference of what is the same but for rounding
 _SEEDS, _MOST_SEEDS = 2, 6  # of random states: of what is smooth, and of what may have branches
 _TIMES = np.concatenate((np.geomspace(1e-6, 1e4, 2000), np.linspace(0, 20, 2001)))
-_SPEEDS = (1.0, *np.geomspace(1e-4, 1e4, 33))
-_SIZES = (1, -1, 10, -10, 100, -100)  # of walls that move
+SPEEDS = (1.0, *np.geomspace(1e-4, 1e4, 33))
+SIZES = (1, -1, 10, -10, 100, -100)  # of walls that move
 _MOST_ARMS = 64
 _REACH = np.concatenate((-np.geomspace(100, 1e-3, 60), np.geomspace(1e-3, 100, 60)))  # m or rad about a random place
-_PARTS, _CUTS = 256, 7  # of what is cut again and again, down to rounding
+_PARTS, _CUTS = 32, 11  # of what is cut again and again, down to rounding
 _MOST_CROSSINGS = 2
 _NEAR = np.geomspace(1e-2, 1e-9, 15)  # m or rad about where a level changes
 _STRAIGHT = 0.05  # relative: a level that goes on as a line
@@ -66,8 +68,9 @@ class Look:
         self.by_rates = [not symbols_in(x).isdisjoint(symbols_in(v)) for x in self.differences]
         beyond = column(*freed[len(results):])
         self.beyond = ca.Function("beyond", [*self.inputs, chosen], [beyond]) if symbols_of else None
-        self.crossed = ca.Function("crossed", self.inputs, crossed) if crossed else None
-        self.places: dict[tuple[int, int, bytes], list[tuple[Vector, bool]]] | None = None
+        self.crossed = ca.Function("crossed", self.inputs, crossed[:1]) if crossed else None
+        self.along = ca.Function("along", self.inputs, crossed[1:])
+        self.known_crossings = dict[tuple[int, int, bytes, bytes], list[tuple[Vector, bool]]]()
 
     def _find_choices(self, wanted: list[ca.SX], results: list[ca.SX]) -> list[ca.SX]:
         """A symbol for each threshold in `wanted`, however often and from whichever side it is asked for, in results, too."""
@@ -130,20 +133,23 @@ class Look:
 
     def states(self, spreads: Sequence[int] = (1,)) -> Iterator[list[State]]:
         """Random states about 1, each in all its arms; time is such a number to the power of each of `spreads`."""
+        for v, known in self.places(spreads):
+            yield [(v, *state) for state in self.arms(known)]
+
+    def places(self, spreads: Sequence[int]) -> Iterator[tuple[Vector, Vector]]:
+        """Rates and all else that is known of these states."""
         for seed, spread in product(self.seeds, spreads):
             random = np.random.default_rng(seed)
             v, known = (random.uniform(0.4, 1.6, x.numel()) for x in self.inputs[:2])
             known[self.time] **= spread
-            yield [(v, *state) for state in self.arms(known)]
+            yield v, known
 
     def crossings(self, k: int, j: int, known: Vector) -> list[tuple[Vector, bool]]:
-        """As `_find_crossings` says, where `places` are kept for all parameters once."""
-        if self.places is None:
-            return [*self._find_crossings(k, j, known)]
-        key = k, j, known.tobytes()
-        if key not in self.places:
-            self.places[key] = [*self._find_crossings(k, j, known)]
-        return self.places[key]
+        """As `_find_crossings` says, each looked for once."""
+        key = k, j, known.tobytes(), self.p.tobytes()
+        if key not in self.known_crossings:
+            self.known_crossings[key] = [*self._find_crossings(k, j, known)]
+        return self.known_crossings[key]
 
     def _find_crossings(self, k: int, j: int, known: Vector) -> Iterator[tuple[Vector, bool]]:
         """All that is known, where level k changes along reset j, each with whether it has a slope there; nothing where levels
@@ -152,12 +158,12 @@ class Look:
         if crossed is None:
             return
         step = np.zeros(known.size)
-        step[:self.time] = np.array(crossed(0, known, self.p)[1])[:, j]
+        step[:self.time] = np.array(self.along(0, known, self.p))[:, j]
 
         def level(distances: Vector) -> Vector:
             states = known[:, None] + np.multiply.outer(step, distances)
             shape = (1, distances.size)
-            found = crossed(np.zeros((self.inputs[0].numel(), 1)), states, np.tile(self.p[:, None], shape))[0]
+            found = crossed(np.zeros((self.inputs[0].numel(), 1)), states, np.tile(self.p[:, None], shape))
             return np.asarray(np.array(found)[k])
 
         size = float(np.linalg.norm(step))
@@ -169,12 +175,18 @@ class Look:
         arm = np.zeros(len(self.differences))
         for k in np.flatnonzero(self.by_parameters).tolist():
             arm[k] = self._chosen(k, known, self.declared, arm)
-        free = np.flatnonzero(~np.array(self.by_time, dtype=bool))
-        cases = product((0.0, 1.0), repeat=len(free)) if 2**len(free) <= _MOST_ARMS else (
-            np.random.default_rng(7).integers(0, 2, len(free)).astype(float) for _ in range(_MOST_ARMS))
-        for case in [*cases]:
+        for free, case in self.free_arms():
             arm[free] = case
             yield from self._at_times(known, arm)
+
+    def free_arms(self) -> Iterator[tuple[NDArray[np.intp], Sequence[float]]]:
+        """Which of them neither parameters nor time decide, and what these may be together."""
+        free = np.flatnonzero(~np.array(self.by_time, dtype=bool))
+        if 2**len(free) <= _MOST_ARMS:
+            yield from ((free, case) for case in product((0.0, 1.0), repeat=len(free)))
+        else:
+            random = np.random.default_rng(7)
+            yield from ((free, random.integers(0, 2, len(free)).astype(float).tolist()) for _ in range(_MOST_ARMS))
 
     def _at_times(self, known: Vector, arm: Vector) -> Iterator[tuple[Vector, Vector]]:
         timed = [k for k in np.flatnonzero(self.by_time).tolist() if not self.by_parameters[k]]
@@ -185,24 +197,25 @@ class Look:
         states[self.time] = _TIMES
         for k in timed:
             beyond = np.array(self.beyond(np.ones((self.inputs[0].numel(), 1)), states, self.p, arms))[k]
-            arms[k] = self._is_true(k, beyond)
+            arms[k] = self.is_true(k, beyond)
         for place in np.unique(arms[timed], axis=1, return_index=True)[1]:
             yield states[:, place], arms[:, place]
 
     def _chosen(self, k: int, known: Vector, p: Vector, arm: Vector) -> float:
         assert self.beyond is not None
         v = np.ones(self.inputs[0].numel())
-        return float(self._is_true(k, np.array(self.beyond(v, known, p, arm)).ravel()[k]))
+        return float(self.is_true(k, np.array(self.beyond(v, known, p, arm)).ravel()[k]))
 
-    def _is_true(self, k: int, beyond: Vector) -> Vector:
+    def is_true(self, k: int, beyond: Any) -> Any:
+        """Whether arm k is taken, of numbers or an expression that it compares with 0."""
         match self.operations[k]:
             case ca.OP_LE:
-                return np.asarray(beyond <= 0)
+                return beyond <= 0
             case ca.OP_EQ:
-                return np.asarray(beyond == 0)
+                return beyond == 0
             case ca.OP_NE:
-                return np.asarray(beyond != 0)
-        return np.asarray(beyond < 0)
+                return beyond != 0
+        return beyond < 0
 
     def approaches(self, v: Vector, step: Vector, pace: float, slope: Vector, state: tuple[Vector, Vector]
                    ) -> Iterator[tuple[Vector, Vector, bool]]:
@@ -214,12 +227,12 @@ class Look:
             yield still, still + step, True
             return
         rates = np.flatnonzero(self.by_rates)
-        for size in _SIZES:
+        for size in SIZES:
             still = size*v - step * ((pace + np.dot(slope, size*v - v)) / np.dot(slope, step))
-            both = np.column_stack([still, *(still + speed*step for speed in _SPEEDS)])
+            both = np.column_stack([still, *(still + speed*step for speed in SPEEDS)])
             shape = (1, both.shape[1])
             beyond = np.array(self.beyond(both, np.tile(known[:, None], shape), self.p, np.tile(arm[:, None], shape)))[rates]
-            is_true = np.array([self._is_true(k, x) for k, x in zip(rates.tolist(), beyond, strict=True)])
+            is_true = np.array([self.is_true(k, x) for k, x in zip(rates.tolist(), beyond, strict=True)])
             chosen = is_true == (arm[rates, None] > 0.5)
             is_level = np.abs(beyond[:, 0]) <= SAME*np.abs(beyond).max(axis=1)
             place = next(iter(np.flatnonzero(chosen[:, 1:].all(axis=0))), None)

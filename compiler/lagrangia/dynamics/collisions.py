@@ -14,8 +14,8 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from lagrangia.algebra.orthogonal import Vector
-from lagrangia.algebra.scalars import column, symbols_in
+from lagrangia.algebra.orthogonal import Vector, independent_columns
+from lagrangia.algebra.scalars import as_expression, column, symbols_in
 from lagrangia.constraints.parameters import parameter_symbols, parameters_of, usual_parameters
 from lagrangia.constraints.rows import Row
 from lagrangia.dynamics.arms import SAME, Look, State
@@ -25,7 +25,7 @@ from lagrangia.language.mentions import leaves
 _ROUNDING = 1e-14  # of rates of what is at rest
 STILL, MOVED, BODIES = range(3)  # walls
 _CROSSED = 2  # of the random states, from which it is looked for where gaps change
-_SPREAD = 25  # 0.4 to 1.6 become times of 1e-10 s to 1e5 s
+SPREAD = 25  # 0.4 to 1.6 become times of 1e-10 s to 1e5 s
 
 
 class Meeting(IntEnum):
@@ -77,6 +77,21 @@ class Mobility:
             return np.full(impulses.shape, np.nan)
         return np.asarray(np.linalg.lstsq(both, pushed, rcond=None)[0][:len(M)])
 
+    def moved_by(self, v: ca.SX, places: ca.SX, p: ca.SX, impulse: ca.SX) -> ca.SX:
+        """The same of one impulse as an expression of parameters p; which rows others repeat is told as they are usual.
+        NaN where that leaves it open."""
+        others = ca.SX([0.7] * self.function.numel_in(3))
+        M, J = (ca.SX(x) for x in self.function(v, places, p, others))
+        usual = [np.array(x) for x in self.function(ca.evalf(v), ca.evalf(places), self.bound, ca.evalf(others))]
+        if not all(np.isfinite(x).all() for x in usual):
+            return ca.SX.nan(v.numel())
+        kept = independent_columns(usual[1].T, SAME).tolist()
+        M0, J0, J = usual[0], usual[1][kept], J[kept, :]
+        if np.linalg.matrix_rank(np.block([[M0, J0.T], [J0, np.zeros((len(kept), len(kept)))]])) < len(M0) + len(kept):
+            return ca.SX.nan(v.numel())
+        both = ca.vertcat(ca.horzcat(M, J.T), ca.horzcat(J, ca.SX(J.shape[0], J.shape[0])))
+        return as_expression(ca.solve(both, ca.vertcat(impulse, ca.SX.zeros(J.shape[0])))[: v.numel()])
+
 
 def shares_of(pace: ca.SX, rates: ca.SX, v: ca.SX) -> ca.SX:
     """c: by how much the rate of a gap changes with each of the rates that are reset."""
@@ -89,7 +104,7 @@ def turned_back(look: Look, k: int, j: int, is_timed: bool) -> tuple[Meeting, in
     the factor between their rates, 0 where it is met from both sides; also early and late where time is written in the gap, as a
     wall may set out after any time. `look` gives the rates of gaps, r, w, and the slopes of rates of gaps and of r."""
     signs = set[int]()
-    for n, states in enumerate(look.states((1, _SPREAD) if is_timed else (1,))):
+    for n, states in enumerate(look.states((1, SPREAD) if is_timed else (1,))):
         turned = _turned_everywhere if n < _CROSSED else _turned_anywhere
         found = [x for state in states for x in turned(look, k, j, *state) if x is not None]
         if not found:
@@ -102,8 +117,13 @@ def turned_back(look: Look, k: int, j: int, is_timed: bool) -> tuple[Meeting, in
 
 def is_flat(look: Look, k: int, j: int, is_timed: bool) -> bool:
     """Whether gap k changes along reset j somewhere without a slope; at the places that `look` keeps."""
-    states = (state for found in islice(look.states((1, _SPREAD) if is_timed else (1,)), _CROSSED) for state in found)
+    states = (state for found in islice(look.states((1, SPREAD) if is_timed else (1,)), _CROSSED) for state in found)
     return not all(has_slope for _, known, _ in states for _, has_slope in look.crossings(k, j, known))
+
+
+def is_passed(look: Look, k: int, j: int) -> bool:
+    """Whether reset j lets through what approaches gap k, at states which tell that without a look at where the gap changes."""
+    return any(x == 0 for states in islice(look.states(), 2) for state in states for x in _turned_anywhere(look, k, j, *state))
 
 
 def turns_somewhere(look: Look, k: int, j: int) -> bool:
@@ -193,7 +213,7 @@ def _meeting(look: Look, k: int, own: NDArray[np.intp], mobility: Mobility, stat
 def wall_of(look: Look, k: int, j: int) -> int:
     """Against what reset j is turned back at gap k: STILL where the two rates are the same but for a factor, MOVED where their
     slopes are, else BODIES."""
-    return max((_wall(look, k, j, state) for states in look.states((_SPREAD,)) for state in states), default=STILL)
+    return max((_wall(look, k, j, state) for states in look.states((SPREAD,)) for state in states), default=STILL)
 
 
 def _wall(look: Look, k: int, j: int, state: State) -> int:

@@ -32,7 +32,7 @@ from lagrangia.dynamics.crossings import crossing_of
 from lagrangia.dynamics.energies import Load, paced
 from lagrangia.dynamics.levels import EDGE, JUMPS, Levels, Meetings, Steps, least_of, level_of_parts
 from lagrangia.dynamics.limits import changes_nothing, side_of
-from lagrangia.dynamics.recognized_ranges import Range
+from lagrangia.dynamics.recognition import Comparison, Recognition
 from lagrangia.dynamics.resets import Resets, is_comparison
 from lagrangia.frames.evaluation import scalars_of
 from lagrangia.frames.kinematics import Kinematics
@@ -52,7 +52,7 @@ from lagrangia.language.flat import Reset, When, Work
 from lagrangia.language.tree import Binary, Call, Flat, Number, Unary
 
 KICK, CONTACT, ONE_WAY = range(3)  # LAG_KICK, ...
-_TOLD = ("as_declared", "as_if_still", "unheld", "flat", "ranges", "met")
+_TOLD = ("as_declared", "as_if_still", "unheld", "flat", "recognized", "met")
 _NONE = ca.SX(0, 1)
 
 
@@ -79,7 +79,7 @@ class Impacts:
     as_if_still: tuple[Flat | None, ...] = ()  # (w,): one that would be a contact if what is met there stood still
     unheld: tuple[Flat | None, ...] = ()  # (w,): one that turns back what comes there, and that holds nothing
     flat: tuple[Flat | None, ...] = ()  # (w,): one that turns back, and changes without a slope at some place
-    ranges: tuple[Mapping[str, Range], ...] = ()  # (w,): of parameters with which it stays what it is taken for
+    recognized: tuple[list[Comparison], ...] = ()  # (w,): what parameters have to be for it to stay what it is taken for
     met: tuple[Flat | None, ...] = ()  # (w,): the gap of a contact; of what goes one way that of the place
 
     def may_hide(self, t: ca.SX) -> bool:
@@ -196,19 +196,44 @@ class _Event(Resets):
             self._ride()
         elif is_comparison(self.condition):
             self._require_change()
-        self._find_what_is_told(chosen)
+        self._find_what_is_told(chosen, found)
 
-    def _find_what_is_told(self, chosen: Flat | None) -> None:
+    def _find_what_is_told(self, chosen: Flat | None, found: Sequence[Flat | None]) -> None:
         """What people may take for a contact, and is none."""
         is_kick = chosen is None and self.collision is None
         turning = [node for nodes in self.back.values() for node in nodes]
         self.as_declared = chosen if any(x is chosen for x in self.beside) and self.collision is None else None
         self.unheld = None if chosen is None else next((x for x in turning if x is not chosen), None)
-        self.ranges = self._find_ranges(self.collision, self.is_sided)
+        held = [x if kind == CONTACT else None for kind, x in zip(self.kinds, found, strict=True)]
+        self.recognized = self._find_recognized(held)
         self.alternative = self._find_alternative() if chosen is None else None
         self.as_if_still = self._find_alone() if is_kick and sum(self.may_rest) == 1 else None
         if is_kick and self.alternative is None and self.as_if_still is None:
             self.unheld = self._find_in_some()
+
+    def _find_recognized(self, contacts: Sequence[Flat | None]) -> list[Comparison]:
+        """What parameters have to be where resets are those of `contacts`, at which comparisons, and all others are none, as was
+        found for these. None where that holds for parameters as they are declared alone."""
+        collision, found = self.collision, list[Comparison]()
+        if not self.gaps or (collision is not None and collision[1] == Meeting.AS_DECLARED):
+            return found
+        recognition = Recognition(self.look, self._felt_parameters(), self.mobility.bound)
+        for k, node in enumerate(self.gaps if recognition.symbols else []):
+            if collision is not None and collision[1] == Meeting.BETWEEN:
+                found += recognition.stays_collision(k, self.returning, self.mobility) if collision[0] is node else []
+                continue
+            if any(x is node for x in self.beside):
+                continue
+            is_timed = self._is_timed(self._level_at(node))
+            for j in self.returning.tolist():
+                if contacts[j] is node:
+                    found += recognition.stays_contact(k, j, is_timed, self.walls[j][1] if self.is_sided else 0)
+                elif all(x is not node for x in self.back.get(j, [])):
+                    kick = recognition.stays_kick(k, j, is_timed)
+                    found += kick if kick and self._may_hold(k, j) else []
+            if self.returning.size > 1 and collision is None:
+                found += recognition.stays_apart(k, self.returning, self.mobility)
+        return recognition.as_declared(found)
 
     def _find_parts(self) -> list[Flat]:
         """What all has to be true; of comparisons that jump where something moves, the comparisons that these are made of."""
@@ -333,23 +358,28 @@ class _Event(Resets):
         self._join()
         turned = self.turned
         self.walls = {j: (self._wall(node, j), side) for j, (node, meeting, side) in turned.items() if meeting == Meeting.BACK}
-        contacts = [turned[k][0] if k in self.walls and self._is_free(k, turned[k][0]) else None for k in range(len(self.rates))]
+        contacts = [turned[k][0] if k in self.walls and self._is_free(k, turned[k][0], self.walls[k]) else None
+                    for k in range(len(self.rates))]
         if any(contacts):
             return contacts, None
         parted = ((node, Meeting.IN_SOME if k not in self.walls else Meeting.CARRIED) for k, (node, *_) in turned.items())
         return contacts, self._find_collision() or next(parted, None)
 
-    def _is_free(self, k: int, node: Flat) -> bool:
+    def _is_free(self, k: int, node: Flat, wall: tuple[int, int]) -> bool:
         """Whether neither reset k, which is turned back at `node`, changes the rate of the wall, nor others of the event."""
-        if self.walls[k][1] == 0 and id(node) in self.branches - self.joined:
+        if wall[1] == 0 and id(node) in self.branches - self.joined:
             return False
-        if self.walls[k][0] != BODIES:
+        if wall[0] != BODIES:
             return True
-        v, wall = self.meetings.rates, self._wall_of(self._level_at(node), self.rates[k])[0]
-        moving = symbols_in(wall) & symbols_in(v)
+        v, met = self.meetings.rates, self._wall_of(self._level_at(node), self.rates[k])[0]
+        moving = symbols_in(met) & symbols_in(v)
         if not all(moving.isdisjoint(symbols_in(rate)) for j, rate in enumerate(self.rates) if j != k):
             return False
-        return not meets.is_carried(self._look([ca.densify(ca.gradient(x, v)) for x in (wall, self.rates[k])], []), self.mobility)
+        return not meets.is_carried(self._look([ca.densify(ca.gradient(x, v)) for x in (met, self.rates[k])], []), self.mobility)
+
+    def _may_hold(self, k: int, j: int) -> bool:
+        """Whether reset j would be one of a contact if it were turned back at gap k."""
+        return self._is_free(j, self.gaps[k], (meets.wall_of(self.look, k, j), 1))
 
     def _ride(self) -> None:
         """Of contacts whose wall moves: rates, and what these are reset to, as they are seen from it."""

@@ -1,13 +1,11 @@
 """What an event resets, and how that turns back what comes to where its comparisons change (collisions.py)."""
 
 from collections.abc import Sequence
-from functools import partial
 
 import casadi as ca
 import numpy as np
 
 from lagrangia.algebra.duals import Scalar
-from lagrangia.algebra.orthogonal import Vector
 from lagrangia.algebra.scalars import column, symbols_in
 from lagrangia.algebra.with_casadi import CORNERS, operations_in
 from lagrangia.constraints.parameters import default_parameters
@@ -16,13 +14,11 @@ from lagrangia.dynamics.arms import Look
 from lagrangia.dynamics.collisions import MOVED, STILL, Meeting, Mobility
 from lagrangia.dynamics.crossings import crossing_of
 from lagrangia.dynamics.levels import Meetings
-from lagrangia.dynamics.recognized_ranges import EVERYWHERE, Range, parameters_in, range_of, shared_ranges
+from lagrangia.dynamics.recognition import parameters_in
 from lagrangia.frames.kinematics import Kinematics
 from lagrangia.language.events import COMPARED, level_of, without_not
 from lagrangia.language.flat import When
 from lagrangia.language.tree import Binary, Flat
-
-_FEW = 2  # of the random states that are looked at, for each of many values of parameters
 
 
 class Resets:
@@ -108,7 +104,8 @@ class Resets:
         if not nodes or not any(self.may_rest):
             return {}
         self.gaps, self.look, found = nodes, self._look_at(nodes), dict[int, tuple[Flat, Meeting, int]]()
-        for j in np.flatnonzero(self.may_rest).tolist():
+        self.returning = np.flatnonzero(self.may_rest)
+        for j in self.returning.tolist():
             ways = [(node, *self._turned(k, j, node)) for k, node in enumerate(nodes)]
             best = max(ways, key=lambda way: way[1])
             self.back[j] = [node for node, meeting, _ in ways if meeting == Meeting.BACK]
@@ -129,12 +126,12 @@ class Resets:
         """How reset j is turned back at gap k, `node`: for parameters beside those that are declared, or else as declared."""
         is_timed = self._is_timed(self._level_at(node))
         general = meets.turned_back(self.look.where(self.mobility.bound), k, j, is_timed)
-        if general[0] == Meeting.BACK:
+        if general[0] == Meeting.BACK and not meets.is_passed(self.look.where(self.look.declared), k, j):
             return general
         own = meets.turned_back(self.look.where(self.look.declared), k, j, is_timed)
         if own[0] == Meeting.BACK:
             self.beside.append(node)
-        return max(own, general)
+        return own if general[0] == Meeting.BACK else max(own, general)
 
     def _wall(self, node: Flat, j: int) -> int:
         """Against what a contact turns a rate back: STILL, MOVED in time, or BODIES that move as they may."""
@@ -185,53 +182,17 @@ class Resets:
         k = next((k for k, x in enumerate(self.gaps) if x is node), None)
         if node is None or k is None:
             return None
-        self.look.places = {}  # where gaps change is looked for once: `_find_ranges` asks there which way, for each value
         look, is_timed = self.look.where(self.mobility.bound), self._is_timed(self._level_at(node))
         return node if any(meets.is_flat(look, k, j, is_timed) for j in np.flatnonzero(self.may_rest).tolist()) else None
 
-    def _find_ranges(self, collision: tuple[Flat, Meeting] | None, is_sided: bool) -> dict[str, Range]:
-        """Of parameters that decide at which comparisons what comes is turned back, and where `is_sided` from which side: the
-        values for which it is so. None where that holds for parameters as they are declared alone."""
-        if not self.gaps or self.beside or (collision is not None and collision[1] == Meeting.AS_DECLARED):
-            return {}
-        model, (symbols, values) = self.kinematics.graph.model, default_parameters(self.kinematics)
+    def _felt_parameters(self) -> ca.SX:
+        """All of them, numbers but for those that are written in what is compared and reset."""
+        model, (symbols, _) = self.kinematics.graph.model, default_parameters(self.kinematics)
         roots = [*(reset.value for reset in self.when.resets), *(level_of(x) for x in self.gaps if id(x) not in self.branches)]
-        written = parameters_in(model, roots)
-        felt = symbols_in(ca.veccat(*self.look.expressions))
-        elements = [(v, name) for v in model.variables.values() if v.kind == "parameter" for name, _ in v.elements()]
-        struck = [k for k, x in enumerate(self.gaps) if collision is not None and x is collision[0]]
-        self.look.places = self.look.places or {}
-        known = self._recognized(self.mobility.bound, self.look.declared, struck, is_sided)
-        names = [(k, variable, name) for k, (variable, name) in enumerate(elements)
-                 if variable.name in written and symbols[k].__hash__() in felt]
-        places = [k for k, *_ in names]
-
-        def are_same(places: list[int], values: float | Vector) -> bool:
-            p, declared = self.mobility.bound.copy(), self.look.declared.copy()
-            p[places] = declared[places] = values
-            return self._recognized(p, declared, struck, is_sided) == known
-
-        own, found = np.array(values).ravel(), list[Range]()
-        for k, variable, _ in names:
-            within = tuple(side if x is None else x for x, side in (
-                (variable.minimum, EVERYWHERE[0]), (variable.maximum, EVERYWHERE[1])))
-            found.append(range_of(partial(are_same, [k]), float(own[k]), (within[0], within[1])))
-        ended = [n for n, x in enumerate(found) if x != EVERYWHERE]
-        sites = [places[n] for n in ended]
-        if len(ended) > 1 and are_same(sites, own[sites]):
-            for n, x in zip(ended, shared_ranges(partial(are_same, sites), own[sites], [found[n] for n in ended]), strict=True):
-                found[n] = x
-        return {name: x for (*_, name), x in zip(names, found, strict=True) if x != EVERYWHERE}
-
-    def _recognized(self, p: Vector, declared: Vector, struck: list[int], is_sided: bool) -> list[object]:
-        """Of each gap and reset whether that is turned back there, and of each gap that is `struck` how."""
-        look = self.look.where(p, declared)
-        look.seeds = look.seeds[:_FEW]
-        own = np.flatnonzero(self.may_rest)
-        found = [meets.turned_back(look, k, j, self._is_timed(self._level_at(node)))
-                 for k, node in enumerate(self.gaps) for j in own.tolist()]
-        return [*((meeting == Meeting.BACK, side if is_sided else 0) for meeting, side in found),
-                *(meets.look_at_meeting(look, k, own, self.mobility) for k in struck)]
+        written, felt = parameters_in(model, roots), symbols_in(ca.veccat(*self.look.expressions))
+        names = [v.name for v in model.variables.values() if v.kind == "parameter" for _ in v.elements()]
+        return ca.vertcat(ca.SX(0, 1), *(x if name in written and x.__hash__() in felt else number for name, x, number in zip(
+            names, symbols.elements(), self.mobility.bound.tolist(), strict=True)))
 
 
 def is_comparison(node: Flat) -> bool:

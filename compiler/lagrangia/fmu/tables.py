@@ -5,6 +5,7 @@ from collections.abc import Mapping, Sequence
 
 from lagrangia.fmu.elements import element_lists
 from lagrangia.fmu.variables import KEPT, FmuModel, held_of
+from lagrangia.run.recognized import tell_recognized
 from lagrangia.run.rules import Moment, solver_by
 
 _GROUPS = ("real", "integer", "boolean", "string", *KEPT)
@@ -39,6 +40,11 @@ def integers(model: FmuModel) -> Mapping[str, Sequence[int]]:
 def guards_of(model: FmuModel) -> list[str]:
     """What is said where assertions do not hold, and at the ends of runs."""
     return [str(guard["text"]) for guard in model.scene.notes.get("guards", ())]
+
+
+def recognized_of(model: FmuModel) -> list[str]:
+    """What is said where parameters make or end contacts."""
+    return [tell_recognized(known) for known in model.scene.notes.get("recognized", ())]
 
 
 def vectors(model: FmuModel) -> Mapping[str, Sequence[float]]:

@@ -57,6 +57,7 @@ class PreparedRun:
         self._found = (c_double * len(values.parameters)).from_address(place)  # all parameters, as C has them
         self._limits = [(k, -_LARGEST if p.minimum is None else p.minimum, _LARGEST if p.maximum is None else p.maximum)
                         for k, p in enumerate(scene.parameters) if p.minimum is not None or p.maximum is not None]
+        self._is_recognized = "recognized" in scene.tapes
         self._counts = self._run.counts  # what C counts of the latest run
         self._asks_loss = min(scene.notes["thresholds"], default=math.inf) < experiment.tolerance
         self._is_over = False  # terminate(...) has ended the latest run
@@ -134,7 +135,8 @@ class PreparedRun:
             given[place] = value
         self._library.lag_run_set_parameters(self._handle, given, self._mask)
         found = self._found[:]
-        if not math.isfinite(sum(found)) or any(not a <= found[k] <= b for k, a, b in self._limits):
+        if (not math.isfinite(sum(found)) or any(not a <= found[k] <= b for k, a, b in self._limits)
+                or (self._is_recognized and self._library.lag_run_unrecognized(self._handle) >= 0)):
             check_parameters(self.scene, found)
 
     def _advance(self, place: int) -> int:

@@ -14,6 +14,7 @@ from lagrangia.base.checked_values import a_count, a_number, by_name, misfit, nu
 from lagrangia.base.diagnostics import Report, fail, suggest
 from lagrangia.base.records import dataclass
 from lagrangia.run.input_rates import complete_rates
+from lagrangia.run.recognized import require_recognized
 from lagrangia.run.scene import Parameter, Scene
 from lagrangia.run.solvers import AUTO, is_casadi, number_of
 
@@ -301,7 +302,9 @@ def check_parameters(scene: Scene, parameters: Sequence[float]) -> None:
     """All parameters, dependent ones too, must be finite and within the limits of their types. Raises LagError L0605."""
     report = Report()
     for known, value in zip(scene.parameters, parameters, strict=True):
-        _require_possible("parameter", known, value, report, scene.notes.get("recognized", {}).get(known.name))
+        _require_possible("parameter", known, value, report)
+    report.raise_errors()
+    require_recognized(scene, parameters, report)
     for name, places in scene.notes.get("directions", {}).items():
         if not any(parameters[k] for k in places):
             report.error("L0605", f"the direction '{name}' has no length: all its parts are 0", None,
@@ -326,14 +329,7 @@ def _odd_inertia(own: Sequence[float]) -> str:
     return "is negative about an axis" if min(minors) < -_ROUNDING else ""
 
 
-def _require_possible(what: str, known: Parameter, value: float, report: Report,
-                      recognized: Mapping[str, str] | None = None) -> None:
-    """`recognized`: the conditions of events that a minimum or maximum is from."""
+def _require_possible(what: str, known: Parameter, value: float, report: Report) -> None:
     unit = f" {known.unit}" if known.unit else ""
     if wrong := misfit(value, unit, known.minimum, known.maximum):
-        side = "minimum" if known.minimum is not None and value < known.minimum else "maximum"
-        event = (recognized or {}).get(side)
-        hints = [] if event is None else [
-            f"beyond it the event at '{event}' becomes a contact, which holds what rests there, or ceases to be one: that is "
-            f"decided by parameters as they are declared, so declare {known.name} = {value:g}"]
-        report.error("L0605", f"the {what} '{known.name}' {wrong}", None, *hints, f"declared at {known.place}")
+        report.error("L0605", f"the {what} '{known.name}' {wrong}", None, f"declared at {known.place}")

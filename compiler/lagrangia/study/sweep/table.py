@@ -14,6 +14,7 @@ from lagrangia.base.records import dataclass
 from lagrangia.base.result_files import Target, cells, quoted, require_parquet
 from lagrangia.run.batch import GUARD_BITS, Ending
 from lagrangia.run.guards import broken_in_general, guard_in_general
+from lagrangia.run.recognized import tell_recognized, tell_unrecognized
 from lagrangia.run.remarks import warn_of_run
 from lagrangia.run.runtime import Failure, Status
 from lagrangia.run.scene import Scene
@@ -256,7 +257,8 @@ def explain_outcome(job: Job, run: int, outcome: Any) -> str:
     if kind is Ending.OVERTIME:
         return f"out of time at t = {time:.6g}"
     if kind is Ending.PARAMETER:
-        return _wrong_parameter(scene, index, value)
+        own = index - len(scene.parameters)
+        return _wrong_parameter(scene, index, value) if own < 0 else tell_unrecognized(scene, own, job.parameters_of(run))
     if kind is Ending.OPEN:
         return f"the energy account misses by {value:.1e} of its size, more than the tolerance explains, from t = {time:.6g} on"
     failure = Failure(Status(outcome["status"]), index, bool(outcome["rate"]), time, value)
@@ -276,6 +278,8 @@ def _wrong_parameter(scene: Scene, index: int, value: float) -> str:
 def _in_general(scene: Scene, kind: int, status: int, index: int, rate: int) -> str:
     ending = Ending(kind)
     if ending is Ending.PARAMETER:
+        if index >= len(scene.parameters):
+            return tell_recognized(scene.notes["recognized"][index - len(scene.parameters)])
         return f"the parameter '{scene.parameters[index].name}' is out of its limits"
     if ending is Ending.OPEN:
         return "the energy account is open: a smaller tolerance or another solver is needed"
