@@ -9,9 +9,11 @@ import pytest
 pytest.importorskip("fmpy")
 
 from helpers.fmus import EXAMPLES, fmu_of
-from helpers.sanitizers import needs_sanitizers, sanitized
+from helpers.sanitizers import needs_sanitizers, run_sanitized
+from lagrangia.base.folders import data_folder
 from lagrangia.fmu.build import standard_headers
 from lagrangia.native.build import find_compiler
+from lagrangia.native.prebuilt import sources
 
 SEQUENCES, CALLS = int(os.environ.get("LAGRANGIA_FUZZ", "1500")), 12  # LAGRANGIA_FUZZ=100000 takes two minutes
 COMMON = """
@@ -223,13 +225,10 @@ def test_no_sequence_of_calls_crashes(example: str, version: str, tmp_path: Path
     with zipfile.ZipFile(fmu_of(EXAMPLES / f"{example}.lag", version)) as archive:
         archive.extractall(tmp_path)
     text = COMMON.replace("HEADER", f"fmi{version}Functions.h") + (FMI2 if version == "2" else FMI3) + MAIN
-    (tmp_path / "driver.c").write_text(text)
-    files = sorted((tmp_path / "sources").iterdir())
-    own = [file for file in files if file.name.startswith(("scene", f"fmi{version}"))]
-    shared = [file for file in files if file not in own]
+    known = {file.name for file in sources(data_folder("runtime"))}  # compiled for all that run under sanitizers
+    own = sorted(file for file in (tmp_path / "sources").glob("*.c") if file.name not in known)
     flags = ["-DLAG_STATIC=1", "-DFMI3_OVERRIDE_FUNCTION_PREFIX=1", f"-DSEQUENCES={SEQUENCES}", f"-DCALLS={CALLS}",
              "-ffp-contract=off", f"-I{tmp_path / 'sources'}", f"-I{standard_headers()}"]
-    printed = sanitized(tmp_path, ["driver.c", *(str(file) for file in own if file.suffix == ".c")],
-                        [file for file in shared if file.suffix == ".c"], [file for file in shared if file.suffix == ".h"], flags)
+    printed = run_sanitized(tmp_path, {"driver.c": text}, own, flags)
     worked, refused = map(int, printed.split())
     assert worked > SEQUENCES and refused > SEQUENCES, "both happened often"

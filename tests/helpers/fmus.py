@@ -1,10 +1,14 @@
-"""FMUs of scenes for the tests, each exported once in a session, and runs of them by FMPy."""
+"""FMUs of scenes for the tests, each exported once for all tests and processes of a run, and runs of them by FMPy."""
 
 import ctypes
+import os
+from collections.abc import Callable
+from contextlib import suppress
 from functools import cache
+from hashlib import sha256
 from math import prod
 from pathlib import Path
-from tempfile import TemporaryDirectory
+from tempfile import mkdtemp
 
 import fmpy
 import fmpy.fmi2
@@ -12,22 +16,58 @@ import fmpy.fmi3
 import numpy as np
 
 import lagrangia as lag
-from lagrangia.base.folders import data_folder
+from lagrangia.base.folders import data_folder, stamps
+from lagrangia.base.store import key_of
 from lagrangia.fmu.build import host_platform
 from lagrangia.fmu.description import element_of, labels
-from lagrangia.fmu.export import Export, export_fmu
+from lagrangia.fmu.export import Export, Extras, archive, model_files
+from lagrangia.fmu.pictures import draw_graph, draw_icon
+from lagrangia.fmu.variables import build_fmu_model
 from lagrangia.native.prebuilt import find_fmu
 
 EXAMPLES = Path(__file__).parents[2] / "models" / "examples"
 EXPORTED = sorted(EXAMPLES.glob("*.lag"))
-_FOLDER = TemporaryDirectory(prefix="lagrangia-fmus-")
 _ENGINE = "tape" if find_fmu(data_folder("runtime"), "2") else "native"
 VERSIONS, KINDS = ("2", "3"), ("CoSimulation", "ModelExchange")
 
 
-@cache
+def of_this_run(kind: str) -> Path:
+    """A folder that all processes of this run share: conftest.own_cache."""
+    return Path(os.environ["LAGRANGIA_CACHE"]).parent / kind
+
+
 def model_of(path: Path) -> lag.Model:
-    return lag.load(path)
+    return _model_at(_place_of(path))
+
+
+@cache
+def _model_at(place: Path) -> lag.Model:
+    return lag.load(place)
+
+
+def _place_of(path: Path) -> Path:
+    """The same place for the same text, so that all tests that write it find it exported; its own beside files it may read."""
+    if EXAMPLES in path.parents or any(
+            file.is_file() and file.suffix != ".fmu" for file in path.parent.iterdir() if file != path):
+        return path
+    text = path.read_bytes()
+    return _once(of_this_run("texts") / sha256(text).hexdigest() / path.name, lambda place: place.write_bytes(text))
+
+
+def _once(place: Path, make: Callable[[Path], object]) -> Path:
+    """Made by the process that asks first, beside its place, where the others find it whole."""
+    if not place.exists():
+        place.parent.mkdir(parents=True, exist_ok=True)
+        made = Path(mkdtemp(dir=place.parent)) / place.name
+        make(made)
+        with suppress(OSError):  # another process was faster
+            made.rename(place)
+    return place
+
+
+@cache
+def _runtime() -> tuple[object, ...]:
+    return tuple(stamps(data_folder("runtime"), ""))
 
 
 def reported(path: Path) -> list[str]:
@@ -37,27 +77,24 @@ def reported(path: Path) -> list[str]:
 
 
 def fmu_of(path: Path, version: str, engine: str = _ENGINE, arrays: bool = True) -> Path:
-    """For this machine alone, with sources; by the library that comes with the package, where it did."""
-    return _exported(path, version, engine, arrays)
+    """For this machine alone, with sources; by the library that comes with the package, where it did. Without what takes longer
+    to make than all else, and is no more than `equations` and `functions` of the model say."""
+    place = _place_of(path)
+    name = f"{place.stem}-{key_of(str(place), place.read_bytes(), version, engine, arrays, _runtime())}.fmu"
+    return _once(of_this_run("fmus") / name, lambda target: _export(place, target, Export(
+        version, platforms=(host_platform() or "host",), engine=engine, arrays=arrays)))
 
 
 def unpacked(path: Path, version: str, engine: str = _ENGINE, arrays: bool = True) -> Path:
-    return _unpacked(path, version, engine, arrays)
+    archived = fmu_of(path, version, engine, arrays)
+    return _once(archived.with_suffix(""), lambda folder: fmpy.extract(str(archived), str(folder)))
 
 
-@cache
-def _exported(path: Path, version: str, engine: str, arrays: bool) -> Path:
-    target = Path(_FOLDER.name) / f"{path.stem}-{abs(hash(path))}-{version}-{engine}{'' if arrays else '-scalars'}.fmu"
-    export_fmu(model_of(path), Export(version, platforms=(host_platform() or "host",), engine=engine, arrays=arrays), target)
-    return target
-
-
-@cache
-def _unpacked(path: Path, version: str, engine: str, arrays: bool) -> Path:
-    archive = fmu_of(path, version, engine, arrays)
-    folder = archive.with_suffix("")
-    fmpy.extract(str(archive), str(folder))
-    return folder
+def _export(place: Path, target: Path, wanted: Export) -> None:
+    model = _model_at(place)
+    described = build_fmu_model(model)
+    extras = Extras(draw_icon(model, described.state_start), draw_graph(model.compilation), "", model_files(model))
+    target.write_bytes(archive(described, wanted, extras))
 
 
 def simulated(path: Path, version: str, kind: str, names: list[str], **options: object) -> np.ndarray:

@@ -18,23 +18,19 @@ needs_sanitizers = pytest.mark.skipif(sys.platform == "win32", reason="needs the
 _OPTIONS = ("-std=c99", "-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all")
 
 
-def run_sanitized(folder: Path, files: Mapping[str, str]) -> None:
-    """Builds the files, by their names, with all of the run time, and runs them: exit code 0, and nothing found."""
+def run_sanitized(folder: Path, files: Mapping[str, str], others: Sequence[Path] = (), flags: Sequence[str] = ()) -> str:
+    """What a program of these files, by their names, of others and of all of the run time prints: exit code 0, nothing found.
+
+    The first to ask compiles the run time, for all tests and processes of this run. `flags` are for the program's own files.
+    """
     for name, text in files.items():
         (folder / name).write_text(text)
-    runtime = data_folder("runtime")
-    sanitized(folder, [*files], sources(runtime), sorted(runtime.rglob("*.h")), [f"-I{runtime}"])
-
-
-def sanitized(folder: Path, own: Sequence[str], shared: Sequence[Path], headers: Sequence[Path], flags: Sequence[str]) -> str:
-    """What a program of a folder's own files and of shared ones prints: exit code 0, and nothing found.
-
-    The first to ask compiles the shared ones, which these headers belong to, for all tests and processes of this run.
-    """
     compiler, program = find_compiler(), folder / "driver"
     assert compiler is not None
-    objects = map(str, _objects([*compiler.command, *_OPTIONS, *flags], shared, headers))
-    _compile([*compiler.command, *_OPTIONS, *flags], folder, ["-o", str(program), *own, *objects, "-lm"])
+    command, runtime = [*compiler.command, *_OPTIONS], data_folder("runtime")
+    objects = _objects([*command, f"-I{runtime}"], sources(runtime), sorted(runtime.rglob("*.h")))
+    own = [*files, *map(str, others)]
+    _compile([*command, *flags, f"-I{runtime}"], folder, ["-o", str(program), *own, *map(str, objects), "-lm"])
     done = subprocess.run([program], capture_output=True, text=True, check=False, timeout=3600)
     assert done.returncode == 0, done.stderr[-3000:]
     return done.stdout
