@@ -98,6 +98,15 @@ def runtime() -> Runtime:
 
 
 @pytest.fixture(scope="session")
+def built(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder for caches that tests and processes share: the run time is compiled once for each other way to compile it."""
+    base = tmp_path_factory.getbasetemp()
+    folder = (base.parent if "PYTEST_XDIST_WORKER" in os.environ else base) / "built"
+    folder.mkdir(exist_ok=True)
+    return folder
+
+
+@pytest.fixture(scope="session")
 def shared_texts(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder for scenes that all processes read."""
     base = tmp_path_factory.getbasetemp()

@@ -14,6 +14,7 @@ from pathlib import Path
 import pytest
 
 import lagrangia as lag
+from helpers.register_widths import in_registers
 from lagrangia.base import folders
 from lagrangia.base.folders import cache_folder, data_folder
 from lagrangia.native import build as native
@@ -128,22 +129,6 @@ def test_builds_started_together_finish_in_any_order(monkeypatch: pytest.MonkeyP
     assert runtime.path().exists()
 
 
-@pytest.fixture(scope="module")
-def built(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Caches that the scenes of a test share, in all processes: the run time is compiled once for each way to compile it."""
-    base = tmp_path_factory.getbasetemp()
-    folder = (base.parent if "PYTEST_XDIST_WORKER" in os.environ else base) / "built"
-    folder.mkdir(exist_ok=True)
-    return folder
-
-
-def built_of(kind: str) -> Path | None:
-    """The library of this kind that comes with the package, if one does."""
-    found = prebuilt.find(data_folder("runtime"))
-    library = found.with_stem(kind) if found else None
-    return library if library and library.exists() else None
-
-
 @needs_compiler
 @pytest.mark.slow
 @pytest.mark.skipif(prebuilt.kind_here() == "any", reason="the processor has no registers beyond the usual ones")
@@ -163,18 +148,14 @@ def test_wide_registers_and_vectors_change_no_digit(file: Path, solver: str, str
     monkeypatch.setenv("LAGRANGIA_CACHE", str(built / "wide"))
     wide, here = rows(), prebuilt.kind_here()
     for kind in prebuilt.kinds()[prebuilt.kinds().index(here) + 1 :]:  # four numbers to a register, and two
-        monkeypatch.setattr(prebuilt, "kind_here", lambda kind=kind: kind)
-        monkeypatch.setenv("LAGRANGIA_CACHE", str(built / kind))
-        with monkeypatch.context() as patch:
-            own = built_of(kind)  # that of this kind, which is compiled where it does not come with the package
-            patch.setattr(prebuilt, "find", lambda *_, own=own, **__: own)
+        with in_registers(kind, built):
             assert rows() == wide
-    monkeypatch.setattr(prebuilt, "kind_here", lambda: here)
     compiler = find_compiler()
     assert compiler is not None
     if not compiler.is_zig:  # headers of clang ask which one it is
         monkeypatch.setenv("LAGRANGIA_CC", f"{shlex.join(compiler.command)} -U__GNUC__ -D__GNUC__=11")
         monkeypatch.setenv("LAGRANGIA_CACHE", str(built / "without"))
+        monkeypatch.setattr(start_runtime, "__defaults__", (None, "-O1"))
         assert rows() == wide
 
 

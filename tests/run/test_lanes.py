@@ -8,13 +8,15 @@ import numpy as np
 import pytest
 
 import lagrangia as lag
+from helpers.register_widths import in_registers
 from helpers.sanitizers import needs_sanitizers, run_sanitized
 from lagrangia.base.folders import data_folder
 from lagrangia.native.build import find_compiler
 from lagrangia.native.c_code import write_c
-from lagrangia.native.prebuilt import FLAGS, flags_of, kind_here, sources
+from lagrangia.native.prebuilt import FLAGS, flags_of, kind_here
 from lagrangia.run.batch import Batch, Ending, Lanes
 from lagrangia.run.engines import load_engine
+from lagrangia.run.library import start_runtime
 from lagrangia.run.request import Request
 from lagrangia.study.sweep.measures import quantities, read_measures
 from lagrangia.study.sweep.plan import Design, Job
@@ -294,7 +296,7 @@ int main(void)
 
 @pytest.mark.slow
 @pytest.mark.skipif(kind_here() != "avx512" or find_compiler() is None, reason="needs a processor with registers of both widths")
-def test_digits_do_not_depend_on_the_width_of_registers(pendulum: lag.Model, tmp_path: Path) -> None:
+def test_digits_do_not_depend_on_the_width_of_registers(pendulum: lag.Model, built: Path, tmp_path: Path) -> None:
     suited, _ = prepared(pendulum, MEASURES)
     scene, compiler, runtime = suited.scene, find_compiler(), data_folder("runtime")
     assert compiler is not None
@@ -306,7 +308,8 @@ def test_digits_do_not_depend_on_the_width_of_registers(pendulum: lag.Model, tmp
     printed = set()
     for kind in ("avx2", "avx512"):
         program = str(tmp_path / kind)
-        files = [str(tmp_path / "driver.c"), str(tmp_path / "scene.c"), *map(str, sources(runtime))]
+        with in_registers(kind, built):
+            files = [str(tmp_path / "driver.c"), str(tmp_path / "scene.c"), str(start_runtime().path())]
         flags = [*FLAGS, "-O1", *flags_of(kind), f"-I{runtime}"]
         subprocess.run([*compiler.command, *flags, *files, "-o", program, "-lm"], check=True)
         printed.add(subprocess.run([program], capture_output=True, text=True, check=True).stdout)

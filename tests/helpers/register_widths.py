@@ -1,0 +1,26 @@
+"""The run time for other registers than the widest of this machine."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+
+from lagrangia.base.folders import data_folder
+from lagrangia.native import prebuilt
+from lagrangia.run.library import start_runtime
+
+
+@contextmanager
+def in_registers(kind: str, built: Path) -> Iterator[None]:
+    """As on a processor of this kind. Where its library does not come with the package it is compiled into a folder of `built`,
+    at -O1, which changes no digit and takes less time."""
+    found = prebuilt.find(data_folder("runtime"))
+    own = found.with_stem(kind) if found and found.with_stem(kind).exists() else None
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(prebuilt, "kind_here", lambda: kind)
+        patch.setattr(prebuilt, "find", lambda *_, **__: own)
+        patch.setenv("LAGRANGIA_CACHE", str(built / kind))
+        if own is None:
+            patch.setattr(start_runtime, "__defaults__", (None, "-O1"))
+        yield
