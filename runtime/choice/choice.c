@@ -12,7 +12,7 @@
 static const double PIRK_CONSTRAINED = 2e-4, PIRK_ROLLING = 1.5e-2, PIRK_FREE = 2e-3;
 /* Operations of an evaluation, for each coordinate, from which on it pays in loops up to the tolerance PIRK_ROLLING: what it takes
  * beside evaluations of eight states at once are sums for each coordinate. What swings back is read from few steps anyway. */
-static const double PIRK_COUPLED = 75;
+static const double PIRK_COUPLED = 75, PIRK_TURNING = 55; /* the latter where attitudes turn: such loops are rougher */
 /* Operations of an evaluation, and more for each coordinate, from which on Adams' methods pay: an evaluation takes some 0.3 ns an
  * operation, what they do beside it 140 ns and 4 ns a coordinate. */
 static const double ADAMS_STEP = 700, ADAMS_COORDINATE = 20;
@@ -68,7 +68,8 @@ static int has_cheap_series(const LagFacts *f) { return f->series_cost < f->erk_
 
 static double pirk_limit(const LagFacts *f)
 {
-    const int is_coupled = f->constraints > 0 && f->rhs_cost > PIRK_COUPLED * f->coordinates && !f->is_swing;
+    const double coupled = f->has_attitudes ? PIRK_TURNING : PIRK_COUPLED;
+    const int is_coupled = f->constraints > 0 && f->rhs_cost > coupled * f->coordinates && !f->is_swing;
     return f->rolls || is_coupled ? PIRK_ROLLING : f->constraints > 0 ? PIRK_CONSTRAINED : PIRK_FREE;
 }
 

@@ -1,7 +1,8 @@
 """Closed loops -> the coordinates to solve for, and in what order the others follow from them.
 
 With as many coordinates given as the loops leave free, the rates of the others are found group by group: a row that brings one
-new coordinate, or two rows that bring two, which are what mechanism theory calls an Assur group of class II (a dyad). Which
+new coordinate, or two rows that bring two, which are what mechanism theory calls an Assur group of class II (a dyad). In space,
+where this leads nowhere, points that are held together are looked at along axes of a body (held_points.py). Which
 coordinates to solve for is decided at positions along the motion that the loops allow from the start: a crank that turns all
 round holds its dyads well everywhere, where with the rocker given they would pass dead points. Source: Wehage and Haug,
 Generalized coordinate partitioning, J. Mech. Des. 104 (1982).
@@ -16,6 +17,7 @@ import numpy as np
 
 from lagrangia.base.records import dataclass
 from lagrangia.constraints.assembly import assembled
+from lagrangia.constraints.held_points import HeldPoints, find_held_points
 from lagrangia.constraints.initial import InitialConditions
 from lagrangia.constraints.positions import Positions, Vector
 from lagrangia.constraints.rows import Constraints
@@ -28,6 +30,7 @@ _SHORTEST = 0.1  # lever of a coordinate, beside the longest
 _POOR, _GOOD = 0.03, 0.3  # sines of transmission angles
 _MOSTLY = 0.9  # the share of positions where no angle is to be poor
 _MOST_TRIED, _MOST_ENTRIES = 64, 500  # coordinates that are tried; free ones times all
+_FEW = 3  # independent coordinates for which axes of bodies pay: what is left is summed up over bodies for each of them
 _NOTHING = 1e-300
 # Of a normal distribution, for all legs there can be (by NumPy's generator with seed 1, which takes 5 ms to import).
 _WISHES = (
@@ -59,6 +62,7 @@ class Partition:
     independent: tuple[int, ...]
     groups: tuple[Group, ...]
     reach: tuple[float, ...]  # of all coordinates: what a unit of them moves, about
+    points: tuple[HeldPoints, ...] = ()  # whose rows the groups have along axes of their own
 
     def part(self, among: Sequence[int], rows: Sequence[int]) -> "Partition":
         """That of some coordinates and of their rows, which are then numbered by their places among these."""
@@ -66,7 +70,8 @@ class Partition:
         groups = [Group(tuple(line[r] for r in group.rows), tuple(place[k] for k in group.coordinates))
                   for group in self.groups if group.rows[0] in line]
         independent = tuple(place[k] for k in self.independent if k in place)
-        return Partition(independent, tuple(groups), tuple(self.reach[k] for k in among))
+        points = [replace(x, rows=tuple(line[r] for r in x.rows)) for x in self.points if x.rows[0] in line]
+        return Partition(independent, tuple(groups), tuple(self.reach[k] for k in among), tuple(points))
 
 
 def find_partition(kinematics: Kinematics, constraints: Constraints, initial: InitialConditions) -> Partition | None:
@@ -80,9 +85,38 @@ def find_partition(kinematics: Kinematics, constraints: Constraints, initial: In
     J = ca.jacobian(rate, ca.vertcat(*kinematics.symbols.rates.values()))
     pattern = J.sparsity()
     if _complete(_Chain.of(pattern), None) is None:
-        return None
+        return _along_own_axes(kinematics, phi, J, find_held_points(rows), initial) if n - m <= _FEW else None
     slopes = _slopes_along(Positions(kinematics, phi, J), kinematics, initial)
     return _complete(_Chain.of(pattern), slopes) if slopes is not None else None
+
+
+def _along_own_axes(kinematics: Kinematics, phi: ca.SX, J: ca.SX, points: Sequence[HeldPoints], initial: InitialConditions
+                    ) -> Partition | None:
+    """The same with the rows of points along the axes of that end where they know of fewer coordinates."""
+    if not points:
+        return None
+    both = [turned_rows(kinematics, J, ends) for ends in (points, [x.swapped for x in points])]
+    along_both = _slopes_along(Positions(kinematics, phi, ca.vertcat(*both)), kinematics, initial)
+    if along_both is None:
+        return None
+    slopes, other = np.split(along_both, 2, axis=1)
+    known, also_known = (np.abs(x).max(axis=0) > _CLOSED * np.abs(x).max() for x in (slopes, other))
+    chosen = list(points)
+    for k, x in enumerate(points):
+        rows = list(x.rows)
+        if also_known[rows].sum() < known[rows].sum():
+            chosen[k], slopes[:, rows], known[rows] = x.swapped, other[:, rows], also_known[rows]
+    partition = _complete(_Chain.of(ca.sparsify(ca.DM(known.astype(float))).sparsity()), slopes)
+    return replace(partition, points=tuple(chosen)) if partition is not None else None
+
+
+def turned_rows(kinematics: Kinematics, x: ca.SX, points: Sequence[HeldPoints]) -> ca.SX:
+    """The rows of x (m, k), those of points along axes of their own."""
+    found = ca.densify(x)
+    for one in points:
+        axes = ca.vertcat(*[ca.horzcat(*row) for row in kinematics.pose(one.own, 0).axes])
+        found[list(one.rows), :] = axes.T @ found[list(one.rows), :]
+    return found
 
 
 def is_too_large(n: int, m: int) -> bool:

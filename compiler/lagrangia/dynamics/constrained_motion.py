@@ -135,10 +135,20 @@ def _tree_of(system: System) -> FreeTree | None:
 
 
 def bring_down(held: ConstrainedMotion, free: FreeMotion, partition: Partition) -> ConstrainedMotion | None:
-    """The same, regular motions in independent coordinates. None where masses are too uneven for several of them."""
+    """The same, regular motions in independent coordinates. None where masses are too uneven for several of them, or points
+    are held together whose bodies are not known."""
     if held.evenness.numel() == 0 and len(partition.independent) > 1:
         return None
-    return replace(held, regular=_regular(held.rows, free, NullSpace(free.M, held.J, partition)), partition=partition)
+    system: NullSpace | None = None
+    if not partition.points:
+        system = NullSpace(free.M, held.J, partition)
+    elif free.tree is not None and len(free.tree.balls) == len(partition.points):
+        from lagrangia.dynamics.null_space_in_tree import null_space_in_tree
+
+        system = null_space_in_tree(free.M, held.J, partition, free.tree)
+    if system is None:
+        return None
+    return replace(held, regular=_regular(held.rows, free, system), partition=partition)
 
 
 def _accelerate(system: System, rows: ConstraintRows, free: FreeMotion, refine: bool) -> tuple[ca.SX, ca.SX]:

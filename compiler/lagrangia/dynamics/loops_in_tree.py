@@ -30,7 +30,7 @@ from lagrangia.base.records import dataclass
 from lagrangia.dynamics.energies import Energies
 from lagrangia.dynamics.forces import Forces
 from lagrangia.dynamics.kkt import DOUBTFUL, LEAST
-from lagrangia.frames.spatial_inertia import SIZE
+from lagrangia.frames.spatial_inertia import SIZE, Matrix
 
 Vector = list[Scalar]
 Inertia = list[Vector]  # the upper triangle counts
@@ -55,6 +55,18 @@ class Granted:
 
     loads: Wrenches
     r: Vector  # (n,)
+    w: Sequence[Sequence[Scalar]] = ()  # in space: of the carriers' axes, (3,)
+    accelerations: Sequence[Vector] = ()  # in space: that their axes have then, (6,)
+
+
+@dataclass(frozen=True)
+class Ball:
+    """The three constraints of two points held together in space, in axes of their own."""
+
+    rows: tuple[int, ...]  # their places, along the axes of the world
+    axes: Matrix  # of the world from their own
+    wrenches: Sequence[Mapping[int, Vector]]  # of each of the three, by carriers
+    bias: Vector  # of their rates: what they are without accelerations, (3,)
 
 
 class LoopTree(Protocol):

@@ -19,6 +19,7 @@ from lagrangia.algebra.with_casadi import operations_in
 from lagrangia.base.diagnostics import Span, fail
 from lagrangia.base.later import Later
 from lagrangia.base.records import dataclass
+from lagrangia.constraints.held_points import HeldPoints
 from lagrangia.constraints.partition import Partition
 from lagrangia.constraints.rows import Constraints
 from lagrangia.dynamics.along_tree import Tree, articulate
@@ -29,7 +30,7 @@ from lagrangia.dynamics.dissipation import gradient_by_rates
 from lagrangia.dynamics.energies import Energies, generalised_force, rate_of_potential
 from lagrangia.dynamics.forces import forces_of_loops
 from lagrangia.dynamics.impacts import Impacts
-from lagrangia.dynamics.loops_in_tree import Granted
+from lagrangia.dynamics.loops_in_tree import Ball, Granted
 from lagrangia.dynamics.massless_directions import refuse_loose
 from lagrangia.dynamics.regularity import is_even
 from lagrangia.dynamics.schur import FreeTree, prefers
@@ -377,21 +378,26 @@ def _hold(kinematics: Kinematics, bodies: Bodies, energies: Energies, constraint
     along = None
     if tree is not None:
         alone = _along(tree, energies, Later(lambda: free.h))
-        own = FreeTree(tree, alone, forces_of_loops(kinematics, constraints.rows), range(tree.size), _granted(tree, energies))
+        forces, acting = forces_of_loops(kinematics, constraints.rows), _granted(tree, energies)
+        balls = _balls(kinematics, tree, partition.points, acting) if partition is not None and acting is not None else ()
+        own = FreeTree(tree, alone, forces, range(tree.size), acting, balls)
         along = own if is_even(kinematics, own.balance) else None
     found = [constrain(kinematics, rows, replace(free, tree=along), for_any_mass)]
     if is_preferred is None and found[0][2].tree is not None:
         found.append(constrain(kinematics, rows, free, for_any_mass))
-    acceleration, source, whole = found[-1]
-    short = bring_down(whole, free, partition) if partition is not None else None
-    if short is not None:
-        found.append((acceleration, source, short))
+    nodes: dict[str, int] = {}
+    best = _shortest(found, kinematics, nodes)
+    short = bring_down(best[2], replace(free, tree=along), partition) if partition is not None else None
+    return _shortest([best, (*best[:2], short)], kinematics, nodes) if short is not None else best, nodes
+
+
+def _shortest(found: Sequence[Held], kinematics: Kinematics, nodes: dict[str, int]) -> Held:
+    """Of several, with what each counts, which comes to `nodes`."""
     if len(found) == 1:
-        return found[0], {}
-    nodes = {held.way: _work([held.regular.acceleration if held.regular else acceleration], kinematics)
-             for acceleration, _, held in found}
-    best = min(found, key=lambda held: nodes[held[2].way] / (1 if held[2].way == "constrained" else _CLEARLY))
-    return best, nodes
+        return found[0]
+    nodes |= {held.way: _work([held.regular.acceleration if held.regular else acceleration], kinematics)
+              for acceleration, _, held in found if held.way not in nodes}
+    return min(found, key=lambda held: nodes[held[2].way] / (1 if held[2].way == "constrained" else _CLEARLY))
 
 
 def _along(tree: Tree, energies: Energies, inertial: Later[ca.SX]) -> ca.SX:
@@ -412,6 +418,17 @@ def _granted(tree: Tree, energies: Energies) -> Granted | None:
         return [as_expression(x) for x in _on_time([*map(ca.SX, numbers)], tree.kinematics)]
 
     return Granted({k: on_time(load) for k, load in found.loads.items()}, on_time(found.r))
+
+
+def _balls(kinematics: Kinematics, tree: Tree, points: Sequence[HeldPoints], acting: Granted) -> Sequence[Ball]:
+    """Points held together in space; none where supports move."""
+    if not points or kinematics.is_timed:
+        return ()
+    from lagrangia.dynamics.ball_joints import ball_at
+    from lagrangia.dynamics.spatial_tree import SpatialBodies
+
+    assert isinstance(tree, SpatialBodies)
+    return [ball for x in points if (ball := ball_at(kinematics, tree, x, acting)) is not None]
 
 
 def _on_time(expressions: list[ca.SX], kinematics: Kinematics) -> list[ca.SX]:

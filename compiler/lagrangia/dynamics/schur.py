@@ -20,7 +20,7 @@ from lagrangia.base.records import dataclass
 from lagrangia.dynamics.along_tree import Tree
 from lagrangia.dynamics.forces import Forces
 from lagrangia.dynamics.kkt import DOUBTFUL, SMALL, count_operations
-from lagrangia.dynamics.loops_in_tree import ClosedTree, Granted, meeting
+from lagrangia.dynamics.loops_in_tree import Ball, ClosedTree, Granted, meeting
 
 # Operations along the tree, of a body and of a body for each constraint that moves all; and of an entry of M. Measured on ropes.
 _BODY, _PASS, _ENTRY = 75, 30, 16
@@ -41,6 +41,7 @@ class FreeTree:
     forces: Sequence[Forces | None]  # of their constraints, where it is known what bodies they act on, (m,)
     chosen: Sequence[int]  # their places among all
     acting: Granted | None = None  # what makes the acceleration, where that is known
+    balls: Sequence[Ball] = ()  # of their constraints
 
     @property
     def mass(self) -> ca.SX:
@@ -61,8 +62,10 @@ class FreeTree:
 
     def part(self, among: Sequence[int], rows: Sequence[int]) -> "FreeTree":
         """Some of these coordinates, with their constraints."""
+        line = {row: k for k, row in enumerate(rows)}
+        balls = [replace(ball, rows=tuple(line[row] for row in ball.rows)) for ball in self.balls if ball.rows[0] in line]
         return FreeTree(self.bodies, self.acceleration[list(among), 0], [self.forces[k] for k in rows],
-                        [self.chosen[k] for k in among], self.acting)
+                        [self.chosen[k] for k in among], self.acting, balls)
 
     def solve(self, r: ca.SX) -> ca.SX:
         """M^-1 r, (n,)."""

@@ -112,10 +112,11 @@ class SpatialBodies:
         if forces is None:
             return None
         field, forces = self._without_field(forces)
-        loads = self.tree.bias_loads(drift_of(self.tree.links, [minus(0.0, x) for x in field]))
+        drift = drift_of(self.tree.links, [minus(0.0, x) for x in field])
+        loads = self.tree.bias_loads(drift)
         for joint, load in self.on_carriers(forces)[0].items():
             loads[joint] = added(loads.get(joint, [0.0] * 6), load)
-        return Granted(loads, self._on_coordinates(forces))
+        return Granted(loads, self._on_coordinates(forces), drift.w, drift.granted)
 
     def field(self, energies: Energies) -> tuple[Sequence[Scalar], Forces | None]:
         """The acceleration with which all bodies fall, (3,), and the forces beside it; None where these have no place."""
@@ -140,25 +141,39 @@ class SpatialBodies:
         found: dict[int, Vector] = {}
         is_held = False
         for frame, wrench in forces.on_frames.items():
-            joint, load = self._load(frame, wrench)
+            joint, load = self.load(frame, wrench)
             is_held |= joint is None
             if joint is not None:
                 found[joint] = added(found.get(joint, [0.0] * 6), load)
         return found, is_held
 
-    def _load(self, frame: str, wrench: Sequence[Scalar]) -> tuple[int | None, Vector]:
+    def load(self, frame: str, wrench: Sequence[Scalar]) -> tuple[int | None, Vector]:
         """A wrench along the world's axes, on the link that the frame is fixed to, in its axes."""
+        if self.places[self.bodies.home[frame]].joint is None:
+            return None, []
+        back = transposed(self.kinematics.pose(frame, 0).axes)
+        return self.own_load(frame, [*product(back, wrench[:3]), *product(back, wrench[3:])])
+
+    def own_load(self, frame: str, wrench: Sequence[Scalar]) -> tuple[int | None, Vector]:
+        """A wrench along the frame's own axes, on the link that the frame is fixed to, in that one's axes."""
         local, place = self.bodies.local[frame], self.places[self.bodies.home[frame]]
         if place.joint is None:
             return None, []
         joint, place = place.joint, place.followed(local.axes, local.origin)
         seat = self.seats[joint]
-        back = transposed(self.kinematics.pose(frame, 0).axes)
-        force, torque = (product(place.R, product(back, part)) for part in (wrench[:3], wrench[3:]))
+        force, torque = (product(place.R, part) for part in (wrench[:3], wrench[3:]))
         torque = added(torque, cross(place.origin, force))
         force, torque = product(seat.G, force), product(seat.G, torque)
         torque = added(torque, cross(seat.origin, force))
         return joint, [*seat.turn.to_parent(force), *seat.turn.to_parent(torque)]
+
+    def point(self, frame: str) -> Vector:
+        """Where the origin of a frame is that is fixed to a link, in that one's axes, (3,)."""
+        local, place = self.bodies.local[frame], self.places[self.bodies.home[frame]]
+        assert place.joint is not None
+        seat = self.seats[place.joint]
+        place = place.followed(local.axes, local.origin)
+        return seat.turn.to_parent(added(seat.origin, product(seat.G, place.origin)))
 
     # ------------------------------------------------------------ weight
 
