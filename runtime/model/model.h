@@ -146,6 +146,7 @@ struct LagModel {
     int may_hide;     /* forces have exponentials of what changes, which may be narrow within a step */
     int may_be_narrow; /* those and others of rates, as in friction that is rubbed smooth, so that steps that are wide look twice */
     int loops_know_time; /* what moves in time stands in constraints: it may drive a linkage through dead points */
+    int carries_in_time; /* T depends on time: what is moved in it carries something */
     int conditions_may_hide; /* some event's depends on time besides at time events, or jumps, or forces count whole numbers: no step of the
                               * motion tells how quick it is */
     int shares_bend;  /* accelerations are no linear functions of shares: friction feels reactions, which it changes */

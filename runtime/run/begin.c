@@ -32,14 +32,25 @@ static void look_at_inputs(LagRun *run)
     run->assembly.newton.u = run->u;
 }
 
+/* They follow from parameters, which many runs may share. */
+static void guess_by_parameters(LagRun *run)
+{
+    const int all = lag_start_size(run->model);
+    const double *in[] = {run->p};
+    double *out[] = {run->guesses, run->guesses + all};
+    if (run->guesses_version != run->parameters_version)
+        lag_call(&run->model->start, in, out, run->work);
+    run->guesses_version = run->parameters_version;
+    memcpy(run->start, run->guesses, 2 * (size_t)all * sizeof *run->start);
+}
+
 /* Guesses, and over them what was given, which is kept. */
 static void guess(LagRun *run, const double *q_given, const double *v_given)
 {
     const int n = run->model->n, lost = run->model->n_lost, all = n + lost;
-    const double *in[] = {run->p}, *given[] = {q_given, v_given};
-    double *out[] = {run->start, run->start + all};
+    const double *given[] = {q_given, v_given};
     lag_retry_begin(run, q_given, v_given);
-    lag_call(&run->model->start, in, out, run->work);
+    guess_by_parameters(run);
     for (int i = 0; i < 2 * all; ++i) {
         const int k = i % all, is_rate = i / all;
         const double value = k >= n ? run->lost[is_rate * lost + k - n] : given[is_rate] ? given[is_rate][k] : NAN;

@@ -38,6 +38,8 @@ int lag_follow_new(LagFollower *f, const LagModel *model, LagRun *run, const Lag
     layout(f, &arena);
     lag_window_init(&f->window, run);
     for (int i = 0; i < sweep->n_reductions; ++i)
+        f->taken[i] = lag_reduce_first(&sweep->reductions[i]);
+    for (int i = 0; i < sweep->n_reductions; ++i)
         f->window.has_energies |= sweep->reductions[i].column >= lag_run_row_width(model) - LAG_ACCOUNT_SIZE;
     return 1;
 }
@@ -264,7 +266,8 @@ void lag_follow_start(LagFollower *f)
     f->end = f->sweep->t_stop;
     f->n_pending = f->sweep->n_reductions - f->n_at;
     for (int i = 0; i < f->sweep->n_reductions; ++i) {
-        f->taken[i] = lag_reduce_first(&f->sweep->reductions[i]);
+        if (lag_reduce_takes_two(&f->sweep->reductions[i])) /* what the second asked for is another one */
+            f->taken[i] = lag_reduce_first(&f->sweep->reductions[i]);
         lag_reduce_start(&f->taken[i], &f->reduced[i]);
     }
 }

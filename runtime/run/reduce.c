@@ -269,6 +269,10 @@ static double peak(const LagReduction *what, const LagReduced *reduced)
 
 void lag_reduce_start(const LagReduction *what, LagReduced *reduced)
 {
+    reduced->found = NAN;
+    reduced->is_known = 0;
+    if (what->kind == LAG_REDUCE_AT) /* has no more */
+        return;
     const LagRainflow flow = reduced->flow;
     const LagSpectrum spectrum = reduced->spectrum;
     const LagReduced nothing = {.low = INFINITY, .high = -INFINITY, .time_low = NAN, .time_high = NAN, .found = NAN,

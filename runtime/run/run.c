@@ -50,6 +50,7 @@ static void layout_vectors(LagRun *run, LagArena *arena)
     run->power = lag_take(arena, (size_t)model->n_power);
     run->multipliers = lag_take(arena, (size_t)model->n_multipliers);
     run->start = lag_take(arena, starts);
+    run->guesses = lag_take(arena, starts);
     run->lost = lag_take(arena, starts - 2 * n);
     run->inside = lag_take(arena, 2 * n + (size_t)model->n_power);
     run->inside_carry = lag_take(arena, 2 * n);

@@ -229,8 +229,7 @@ static void foresee(LagRun *run)
 {
     LagStatistics *s = &run->statistics;
     const double t = run->motion.t, end = lag_min(run->segment_end, run->settings.t_stop), rest = isfinite(end) ? end - t : 1;
-    const int is_still = run->model->is_steady && run->model->n_inputs == 0; /* nothing is moved in time */
-    const int has_none = run->model->n_power == 0 || run->model->n_delays > 0 || is_still;
+    const int has_none = run->model->n_power == 0 || run->model->n_delays > 0 || !run->model->carries_in_time;
     const double seen = has_none ? INFINITY : lag_max(s->energy_scale, s->energy_stored);
     if (seen == INFINITY || (run->started && seen > run->carried_energy))
         return;

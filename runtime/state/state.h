@@ -46,6 +46,7 @@ struct LagRun {
     double *acceleration, *power; /* for outputs */
     double *multipliers;          /* of the latest accelerations */
     double *start;                /* (q, lost ones, v, their rates) */
+    double *guesses;              /* as start: those of the parameters */
     double *lost;                 /* (lost ones, their rates): values given, NaN where not */
     double *inside, *inside_carry; /* a state within a step */
     double *careful_state;         /* (q, v) */
@@ -90,6 +91,7 @@ struct LagRun {
     int segment_over;     /* an event was reached: the next step begins a new segment */
     int silent_table;     /* the table that says nothing in this segment; -1: none */
     int parameters_version; /* how often they were set */
+    int guesses_version;    /* of the parameters that guesses are of */
     int inputs_version;   /* of the table of inputs that is in force in this segment */
     double segment_end;   /* time of the next event */
     double other_end;     /* the same, but for those of what is read late */

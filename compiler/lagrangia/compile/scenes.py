@@ -78,6 +78,7 @@ def build_scene(
     sizes = _sizes(len(coordinates), len(parameters), len(inputs), len(kinematics.algebra.modes), functions, motion, tapes) | {
         "n_outputs": len(outputs), "n_initial": initial.residuals.numel(), "n_initial_positions": initial.n_positions,
         "n_lost": len(initial.lost), "outputs_need_acceleration": int(functions.outputs_need_acceleration),
+        "carries_in_time": int(_carries_in_time(functions)),
         "is_separable": int(not no_momenta and not attitudes and is_separable(motion)),
         "is_swing": int(not flow and not attitudes and _is_of_one_freedom(motion)),
     } | _repetition(kinematics, motion)
@@ -229,6 +230,12 @@ def _is_steady(functions: Functions) -> bool:
     """Whether neither accelerations nor conditions depend on time; of scenes without conditions nobody asks."""
     asked = [functions.table[name] for name in ("rhs", "switches") if "switches" in functions.table]
     return bool(asked) and not any(f.jac_sparsity(k, f.index_in("t")).nnz() for f in asked for k in range(f.n_out()))
+
+
+def _carries_in_time(functions: Functions) -> bool:
+    """Whether the kinetic energy depends on time."""
+    energies = functions.table["energies"]
+    return 0 in energies.jac_sparsity(0, energies.index_in("t")).row()
 
 
 def _of_switches(functions: Functions) -> dict[str, int]:
