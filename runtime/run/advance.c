@@ -47,7 +47,7 @@ static double not_after_stop(const LagRun *run, double t)
 static LagStatus row_of(LagRun *run, double t, double *row)
 {
     const LagStatus status = reach(run, t);
-    return status == LAG_OK ? lag_row_at(run, t, row, 1) : status;
+    return status == LAG_OK ? lag_row_at(run, t, row, LAG_ROW_WHOLE) : status;
 }
 
 /* What `find` makes of the run until t; by another choice where it leaves constraints or the energy account open. */
@@ -72,13 +72,13 @@ LagStatus lag_advance_motion_row(LagRun *run, double t, double *row)
         return lag_advance_to(run, t, row);
     const double time = not_after_stop(run, t);
     const LagStatus status = reach(run, time);
-    return status == LAG_OK ? lag_row_at(run, time, row, 0) : status;
+    return status == LAG_OK ? lag_row_at(run, time, row, LAG_ROW_OUTPUTS) : status;
 }
 
 /* The row at which the run ends as it was meant to, if it was not told already. */
 static int is_last_row(LagRun *run, double *row)
 {
-    return !(run->guards.row >= run->guards.end) && lag_row_at(run, run->guards.end, row, 1) == LAG_OK;
+    return !(run->guards.row >= run->guards.end) && lag_row_at(run, run->guards.end, row, LAG_ROW_WHOLE) == LAG_OK;
 }
 
 /* After a pause it stays what it was: what rows lie in the latest step depends on when that came, and no choice may. */
@@ -119,7 +119,7 @@ LagStatus lag_run_advance(LagRun *run, const double *times, int rows, double *re
 static LagStatus row_of_step(LagRun *run, double behind, double *row)
 {
     const LagStatus status = run->motion.t < behind ? lag_advance_step(run) : LAG_OK;
-    return status == LAG_OK ? lag_row_at(run, lag_guards_limit(run), row, 1) : status;
+    return status == LAG_OK ? lag_row_at(run, lag_guards_limit(run), row, LAG_ROW_WHOLE) : status;
 }
 
 static LagStatus stride(LagRun *run, double *row) { return find_surely(run, nextafter(run->motion.t, INFINITY), row, row_of_step); }
@@ -162,5 +162,5 @@ LagStatus lag_run_row(LagRun *run, double *row)
 {
     if (!run->started)
         return lag_fail(run, LAG_NOT_STARTED, -1, 0, 0);
-    return lag_row_at(run, lag_guards_limit(run), row, 1);
+    return lag_row_at(run, lag_guards_limit(run), row, LAG_ROW_WHOLE);
 }

@@ -118,7 +118,8 @@ void lag_batch_free(LagBatch *batch)
 static void insert(LagBatch *batch, const double *values)
 {
     const size_t n = (size_t)batch->model->n, parameters = (size_t)batch->model->n_parameters;
-    memcpy(batch->p, batch->sweep.given, parameters * sizeof *batch->p);
+    if (batch->varies_parameters)
+        memcpy(batch->p, batch->sweep.given, parameters * sizeof *batch->p);
     memcpy(batch->state, batch->sweep.start, 2 * n * sizeof *batch->state);
     for (int i = 0; i < batch->sweep.n_varied; ++i) {
         const size_t place = (size_t)batch->varied[i];
@@ -128,21 +129,25 @@ static void insert(LagBatch *batch, const double *values)
     }
 }
 
-/* The first parameter that is not finite or out of its limits, or -1. */
-static int wrong_parameter(const LagBatch *batch, const double *p)
+/* The first parameter that is not finite or out of its limits; beyond n_parameters, the first comparison of several that does not hold;
+ * or -1. */
+static int wrong_parameter(const LagBatch *batch, const LagRun *run)
 {
+    const double *p = lag_run_parameters(run);
     for (int i = 0; i < batch->model->n_parameters; ++i)
         if (!isfinite(p[i]) || p[i] < batch->sweep.least[i] || p[i] > batch->sweep.most[i])
             return i;
-    return -1;
+    const int unrecognized = lag_run_unrecognized(run);
+    return unrecognized >= 0 ? batch->model->n_parameters + unrecognized : -1;
 }
 
-/* Refuses a run: parameter `index` is not what it may be, or, beyond n_parameters, a comparison of several does not hold. */
-static LagStatus refuse(LagOutcome *outcome, int index, double value)
+static LagStatus refuse(const LagBatch *batch, LagFollower *f, int64_t i)
 {
+    LagOutcome *outcome = &batch->outcomes[i];
+    const int wrong = f->wrong_parameter;
     outcome->kind = LAG_RUN_PARAMETER;
-    outcome->failure.index = index;
-    outcome->failure.value = value;
+    outcome->failure.index = wrong;
+    outcome->failure.value = wrong < batch->model->n_parameters ? lag_run_parameters(f->run)[wrong] : 0;
     return LAG_NOT_STARTED;
 }
 
@@ -151,17 +156,19 @@ static LagStatus start(LagBatch *batch, LagFollower *f, int64_t i)
     LagRun *run = f->run;
     insert(batch, batch->values + i * batch->sweep.n_varied);
     lag_run_set_stop(run, batch->sweep.t_stop);
-    if (batch->varies_parameters || !f->has_parameters)
-        lag_run_set_parameters(run, batch->p, batch->mask);
+    run->started = 0; /* the one before is over */
+    if (batch->varies_parameters || !f->has_parameters) {
+        lag_run_set_parameters(run, batch->varies_parameters ? batch->p : batch->sweep.given, batch->mask);
+        f->wrong_parameter = wrong_parameter(batch, run);
+    }
     f->has_parameters = 1;
-    const int wrong = wrong_parameter(batch, lag_run_parameters(run));
-    if (wrong >= 0)
-        return refuse(&batch->outcomes[i], wrong, lag_run_parameters(run)[wrong]);
-    const int unrecognized = lag_run_unrecognized(run);
-    if (unrecognized >= 0)
-        return refuse(&batch->outcomes[i], batch->model->n_parameters + unrecognized, 0);
+    if (f->wrong_parameter >= 0)
+        return refuse(batch, f, i);
+    const double *q = batch->state, *v = q + batch->model->n;
     const LagStatus status = lag_follow_hold(f);
-    return status == LAG_OK ? lag_run_start(run, batch->state, batch->state + batch->model->n) : status;
+    if (status != LAG_OK)
+        return status;
+    return f->starts_again ? lag_run_start_again(run, q, v) : lag_run_start(run, q, v);
 }
 
 static size_t rows_size(const LagBatch *batch, int rows) { return (size_t)rows * (size_t)lag_run_row_width(batch->model); }
@@ -201,7 +208,7 @@ static int is_beyond_doubt(const LagBatch *batch, const LagRun *run, const LagSt
 /* Each row judges the energy account: there is one at the end, whatever was asked for. */
 static LagStatus close_account(LagFollower *f)
 {
-    return f->row[0] == lag_guards_limit(f->run) ? LAG_OK : lag_run_row(f->run, f->row);
+    return f->row[0] == lag_guards_limit(f->run) ? LAG_OK : lag_follow_row(f);
 }
 
 static void tell_failure(const LagRun *run, LagStatus status, LagOutcome *outcome)
@@ -228,7 +235,8 @@ static int64_t methods_of(const LagStatistics *s)
 {
     int64_t found = 0;
     for (int k = 0; k < LAG_SOLVERS; ++k)
-        found |= (int64_t)(s->steps_by[k] > 0) << k;
+        if (s->steps_by[k] > 0)
+            found |= (int64_t)1 << k;
     return found;
 }
 

@@ -1,5 +1,6 @@
 /* From parameters and guesses to a run that can advance. */
 #include <math.h>
+#include <stddef.h>
 #include <string.h>
 
 #include "state/account.h"
@@ -54,7 +55,8 @@ static void guess(LagRun *run, const double *q_given, const double *v_given)
     for (int i = 0; i < 2 * all; ++i) {
         const int k = i % all, is_rate = i / all;
         const double value = k >= n ? run->lost[is_rate * lost + k - n] : given[is_rate] ? given[is_rate][k] : NAN;
-        run->fixed[i] = isnan(value) ? run->model->fixed[i] : LAG_START_FIXED;
+        if (run->model->n_initial > 0)
+            run->fixed[i] = isnan(value) ? run->model->fixed[i] : LAG_START_FIXED;
         if (!isnan(value))
             run->start[i] = value;
     }
@@ -63,17 +65,27 @@ static void guess(LagRun *run, const double *q_given, const double *v_given)
     look_at_inputs(run);
 }
 
-static void clear(LagRun *run)
+/* Of what a run was before, that which steps leave in it that are made elsewhere, too. */
+static void clear_motion(LagRun *run)
 {
-    const LagStatistics none = {0};
     const size_t size = (size_t)run->motion.size * sizeof(double);
-    run->statistics = none;
+    memset(&run->statistics, 0, offsetof(LagStatistics, facts));
     run->statistics.tolerance_raised = run->settings.tolerance < LAG_SMALLEST_TOLERANCE;
     run->motion.t = run->settings.t_start;
     run->motion.evaluations = run->motion.dense_outputs = 0;
     memset(run->motion.y, 0, size);
     memset(run->motion.carry, 0, size);
     lag_scale_reset(&run->scale);
+    run->carried_energy = 0;
+    run->motion.energy = run->motion.looseness = 0;
+    run->wanted = run->settings.t_start;
+}
+
+static void clear(LagRun *run)
+{
+    const LagFacts unknown = {0};
+    clear_motion(run);
+    run->statistics.facts = unknown;
     run->methods.islands.are_started = 0;
     lag_switches_reset(run);
     /* a run does not depend on what this memory was used for before */
@@ -82,9 +94,9 @@ static void clear(LagRun *run)
     lag_unsure_reset(run);
     lag_branch_forget(run);
     memset(run->risen, 0, (size_t)run->model->n * sizeof *run->risen);
-    run->carried_energy = run->risen_energy = run->blurred_energy = 0;
-    run->motion.energy = run->motion.doubt = run->motion.looseness = run->motion.work_error = 0;
-    run->wanted = run->paced = run->settings.t_start;
+    run->risen_energy = run->blurred_energy = 0;
+    run->motion.doubt = run->motion.work_error = 0;
+    run->paced = run->settings.t_start;
     run->row_spacing = 0;
     run->paused_before = run->looks.until = -INFINITY;
     run->logged = 0;
@@ -117,6 +129,13 @@ static void choose(LagRun *run)
     lag_stepper_choose(run, run->decided.to);
 }
 
+static void place_start(LagRun *run)
+{
+    const size_t n = (size_t)run->model->n;
+    memcpy(run->motion.y, run->start, n * sizeof *run->start);
+    memcpy(run->motion.y + n, run->start + lag_start_size(run->model), n * sizeof *run->start);
+}
+
 LagStatus lag_run_start(LagRun *run, const double *q_given, const double *v_given)
 {
     run->started = 0;
@@ -132,11 +151,9 @@ LagStatus lag_run_start(LagRun *run, const double *q_given, const double *v_give
     const int worst = run->model->n_initial > 0 ? lag_parts.assemble(&run->assembly, run->p, run->fixed, run->start, run->work) : -1;
     if (worst >= 0)
         return lag_fail(run, LAG_INITIAL_FAILED, worst, 0, run->assembly.newton.g[worst]);
-    const size_t n = (size_t)run->model->n;
     if (run->model->n_initial > 0 && run->model->n_multipliers > 0)
         lag_scale_size(&run->scale, run->assembly.reach);
-    memcpy(run->motion.y, run->start, n * sizeof *run->start);
-    memcpy(run->motion.y + n, run->start + lag_start_size(run->model), n * sizeof *run->start);
+    place_start(run);
     lag_attitudes_begin(run, q_given);
     lag_scale_note(&run->scale, run->motion.y);
     if (lag_sampling_begin(run) != LAG_OK)
@@ -145,15 +162,33 @@ LagStatus lag_run_start(LagRun *run, const double *q_given, const double *v_give
     lag_project_present(run);
     if (take_first(run) != LAG_OK)
         return run->failure.status;
-    double energies[3];
-    lag_energies(run, run->motion.t, run->motion.y, energies);
-    run->start_energy = energies[2];
-    run->given_energy = run->missed_energy = 0;
+    lag_account_start(run);
     lag_stiffness_reset(run);
     LagStatus status = lag_segment_begin(run);
     if (status == LAG_OK)
         status = lag_guards_meet(run, run->motion.t, run->motion.y);
     run->statistics.passed = lag_contacts_find_passed(run);
+    run->started = status == LAG_OK;
+    return status;
+}
+
+int lag_run_starts_again(const LagModel *model)
+{
+    const int happens = model->n_modes + model->n_events + model->n_switches + model->n_cones + model->n_delays + model->n_guards;
+    const int is_tied = model->n_multipliers + model->n_initial + model->n_lost + model->n_attitudes + model->n_islands;
+    return happens + is_tied == 0;
+}
+
+LagStatus lag_run_start_again(LagRun *run, const double *q_given, const double *v_given)
+{
+    run->started = 0;
+    clear_motion(run);
+    guess(run, q_given, v_given);
+    place_start(run);
+    lag_scale_note(&run->scale, run->motion.y);
+    lag_segment_enter(run);
+    lag_account_start(run);
+    const LagStatus status = lag_segment_evaluate(run);
     run->started = status == LAG_OK;
     return status;
 }

@@ -7,6 +7,7 @@
 #include "base/clock.h"
 #include "numbers/extremes.h"
 #include "run/advance.h"
+#include "run/row.h"
 #include "run/stepping.h"
 #include "state/account.h"
 #include "state/state.h"
@@ -18,6 +19,11 @@ static void layout(LagFollower *f, LagArena *arena)
 {
     f->row = lag_take(arena, (size_t)lag_run_row_width(f->model));
     lag_window_layout(&f->window, f->model, arena);
+}
+
+static int is_output(const LagModel *model, int column)
+{
+    return column > 2 * model->n && column <= 2 * model->n + model->n_outputs;
 }
 
 int lag_follow_new(LagFollower *f, const LagModel *model, LagRun *run, const LagSweep *sweep, const int *at, int n_at)
@@ -39,8 +45,12 @@ int lag_follow_new(LagFollower *f, const LagModel *model, LagRun *run, const Lag
     lag_window_init(&f->window, run);
     for (int i = 0; i < sweep->n_reductions; ++i)
         f->taken[i] = lag_reduce_first(&sweep->reductions[i]);
-    for (int i = 0; i < sweep->n_reductions; ++i)
-        f->window.has_energies |= sweep->reductions[i].column >= lag_run_row_width(model) - LAG_ACCOUNT_SIZE;
+    f->needs_outputs = sweep->n_rows > 0;
+    for (int i = 0; i < sweep->n_reductions; ++i) {
+        const LagReduction *what = &sweep->reductions[i];
+        f->needs_outputs |= is_output(model, what->column) || is_output(model, what->rate);
+        f->window.has_energies |= what->column >= lag_run_row_width(model) - LAG_ACCOUNT_SIZE;
+    }
     return 1;
 }
 
@@ -91,12 +101,21 @@ static int has_account(const LagFollower *f, double when)
     return f->window.has_energies || f->next_row % ROWS_PER_ACCOUNT == 0 || when >= f->sweep->t_stop;
 }
 
+/* The row of the present, with energies. */
+static LagStatus present_row(LagFollower *f, double *row)
+{
+    const int is_whole = !f->is_led || f->needs_outputs;
+    return is_whole ? lag_run_row(f->run, row) : lag_row_at(f->run, lag_guards_limit(f->run), row, LAG_ROW_ENERGIES);
+}
+
+LagStatus lag_follow_row(LagFollower *f) { return present_row(f, f->row); }
+
 /* The row at `when`. LAG_PAUSED where the run's time is over. */
 static LagStatus find_row(LagFollower *f, double when, double *row)
 {
     LagStatus status = LAG_PAUSED;
     if (f->is_led && when == lag_run_time(f->run))
-        return has_account(f, when) ? lag_run_row(f->run, row) : lag_advance_motion_row(f->run, when, row);
+        return has_account(f, when) ? present_row(f, row) : lag_advance_motion_row(f->run, when, row);
     for (int done = 0; status == LAG_PAUSED;) {
         if (lag_follow_is_over(f))
             return LAG_PAUSED;

@@ -33,7 +33,10 @@ typedef struct {
     LagReduced *reduced;
     int *is_open;  /* those that the windows of the present step are looked at for */
     int n_pending; /* reductions over windows that are not known yet */
+    int starts_again;   /* the run: as lag_run_start_again asks */
     int has_parameters; /* those of all runs, where these do not differ */
+    int wrong_parameter; /* of the run's: see LagOutcome; -1: none */
+    int needs_outputs;  /* somebody asks for more of rows than coordinates, rates and energies */
     double *row, *rows; /* a row; those that are kept */
     const double *held; /* inputs from each row to the next; NULL: as they are */
     int next_row;
@@ -65,6 +68,9 @@ LagStatus lag_follow_run(LagFollower *follower);
 LagStatus lag_follow_begin(LagFollower *follower);
 LagStatus lag_follow_step(LagFollower *follower);
 LagStatus lag_follow_end(LagFollower *follower);
+
+/* The present row into `row`, whole where somebody may ask for more than its energies. */
+LagStatus lag_follow_row(LagFollower *follower);
 
 /* And of a step: reductions at times and kept rows up to t, all within the latest step or at its end; a glance at the step's ends, of
  * which the later one is in the window's `end`, which says how many reductions ask for a look inside it; and that look. */

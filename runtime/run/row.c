@@ -24,10 +24,16 @@ static double closed(LagRun *run, double t, double *y, double *energies, double 
     return 0;
 }
 
-/* A state beyond the range of numbers is no row: exact solvers reach there without a step that could fail. */
-LagStatus lag_row_at(LagRun *run, double t, double *row, int has_energies)
+static void leave_out(double *values, int count)
 {
-    const int n = run->model->n;
+    for (int k = 0; k < count; ++k)
+        values[k] = NAN;
+}
+
+/* A state beyond the range of numbers is no row: exact solvers reach there without a step that could fail. */
+LagStatus lag_row_at(LagRun *run, double t, double *row, int parts)
+{
+    const int n = run->model->n, has_energies = parts & LAG_ROW_ENERGIES;
     double *y = run->inside, *outputs = row + 1 + 2 * n, *account = outputs + run->model->n_outputs;
     lag_state_inside(run, t, y);
     lag_holds_inside(run, t, y);
@@ -42,12 +48,15 @@ LagStatus lag_row_at(LagRun *run, double t, double *row, int has_energies)
     }
     row[0] = t;
     memcpy(row + 1, y, 2 * (size_t)n * sizeof *row);
-    lag_outputs(run, t, y, outputs);
-    lag_unsure_row(run, t, y, outputs);
+    if (parts & LAG_ROW_OUTPUTS) {
+        lag_outputs(run, t, y, outputs);
+        lag_unsure_row(run, t, y, outputs);
+    } else
+        leave_out(outputs, run->model->n_outputs);
     if (has_energies)
         lag_account_note(run, t, y, account);
-    for (int k = 0; k < (has_energies ? 0 : LAG_ACCOUNT_SIZE); ++k)
-        account[k] = NAN;
+    else
+        leave_out(account, LAG_ACCOUNT_SIZE);
     run->guards.row = t;
     return LAG_OK;
 }

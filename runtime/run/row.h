@@ -4,8 +4,11 @@
 
 #include "state/settings.h"
 
-/* LAG_CONSTRAINTS_OPEN where the state cannot be brought back to its constraints; LAG_STEP_TOO_SMALL where it is not finite. Energies
- * that nobody asks for are NaN: then nothing is brought back. */
-LagStatus lag_row_at(LagRun *run, double t, double *row, int has_energies);
+/* What is found beside coordinates and rates; the rest is NaN. */
+enum { LAG_ROW_OUTPUTS = 1, LAG_ROW_ENERGIES = 2, LAG_ROW_WHOLE = 3 };
+
+/* LAG_CONSTRAINTS_OPEN where the state cannot be brought back to its constraints; LAG_STEP_TOO_SMALL where it is not finite. Without
+ * energies nothing is brought back. */
+LagStatus lag_row_at(LagRun *run, double t, double *row, int parts);
 
 #endif

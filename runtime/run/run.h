@@ -36,6 +36,11 @@ LAG_API void lag_run_set_lost(LagRun *run, const double *given);
  * times the modified Rodrigues vector of how it is turned (state/attitudes.c, against no turn), all three or none of them. */
 LAG_API LagStatus lag_run_start(LagRun *run, const double *q_given, const double *v_given);
 
+/* The same of a run that was started before, with the same inputs and settings: its states since were made elsewhere, as in lanes
+ * (run_lanes.h), and nothing was asked of it but rows at their ends. Of models in which nothing happens and no start is asked for. */
+int lag_run_starts_again(const LagModel *model);
+LagStatus lag_run_start_again(LagRun *run, const double *q_given, const double *v_given);
+
 /* No step goes past t_stop. It may be moved on while running, as a co-simulation does. */
 LAG_API void lag_run_set_stop(LagRun *run, double t_stop);
 

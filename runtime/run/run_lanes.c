@@ -35,6 +35,7 @@ struct LagRunLanes {
     LagWideTaylor taylor;
     LagWideExplicit explicit;
     LagWideRoots roots;
+    int starts_again; /* runs start as lag_run_start_again does, where it serves */
     int may_turn;  /* others go on where stability rules */
     int are_shared; /* inputs */
     int is_guarded; /* each step is looked at */
@@ -163,6 +164,7 @@ LagRunLanes *lag_lanes_new(LagBatch *batch)
     s->is_guarded = lag_guards_watch_motion(model);
     const int is_served = choose(s, model, &settings);
     s->may_turn = lag_methods_turn(&settings) && lag_methods_alternate(model, s->method->solver);
+    s->starts_again = lag_run_starts_again(model);
     settings.solver = s->method->solver;
     if (s->method == &lag_wide_taylor && settings.first_step == 0)
         settings.first_step = INFINITY; /* found where they are loaded */
@@ -295,6 +297,7 @@ static int begin_run(LagRunLanes *s, int lane, int64_t i)
     s->job[lane] = i;
     ++s->busy;
     status = status == LAG_OK ? lag_follow_begin(f) : status;
+    f->starts_again = s->starts_again && status == LAG_OK;
     for (int k = 0; status == LAG_OK; ++k) {
         if (lag_run_time(run) >= s->batch->sweep.t_stop)
             return end_run(s, lane, status);
@@ -305,6 +308,7 @@ static int begin_run(LagRunLanes *s, int lane, int64_t i)
         if (k == MOST_FIRST)
             break;
         const int is_watched = f->n_pending > 0;
+        f->starts_again = 0;
         status = is_watched ? lag_follow_step(f) : lag_advance_step(run);
         if (status == LAG_OK && !is_watched)
             status = lag_follow_visit(f, lag_run_time(run));
@@ -326,6 +330,7 @@ static int is_unfit(LagRunLanes *s, int lane)
     if (steps < s->look[lane])
         return 0;
     const double t = run->motion.t, done = t - s->batch->sweep.t_start;
+    s->follower[lane].starts_again = 0;
     const int looks = s->may_turn ? lag_stiffness_look(run, s->steps->length[lane]) : 0;
     s->look[lane] = steps + (looks > 0 ? CLOSE_LOOK : LOOK);
     return looks >= LOOKS
@@ -364,6 +369,7 @@ static LagStatus watch(LagRunLanes *s, int lane, LagShown shown, int glances)
     const int open = lag_follow_glance(f);
     if (open && shown < LAG_SHOWN_DENSE)
         s->method->show(s->steps, lane, f->run, LAG_SHOWN_DENSE);
+    f->starts_again &= !open;
     return lag_follow_watch(f, open);
 }
 
@@ -378,6 +384,7 @@ static int attend(LagRunLanes *s, int lane)
     const LagShown shown = is_dense ? LAG_SHOWN_DENSE : glances || is_over ? LAG_SHOWN_STEP : LAG_SHOWN_STATE;
     LagStatus status = LAG_OK;
     s->method->show(s->steps, lane, f->run, shown);
+    f->starts_again &= shown < LAG_SHOWN_DENSE;
     if (s->is_guarded)
         lag_guards_watch(f->run);
     if (f->run->guards.broken)

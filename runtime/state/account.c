@@ -163,6 +163,15 @@ static double residual_of(const LagRun *run, const double *y, double total)
     return total - run->start_energy - given;
 }
 
+void lag_account_start(LagRun *run)
+{
+    const double before = run->statistics.energy_stored;
+    run->given_energy = run->missed_energy = 0;
+    run->start_energy = look(run).total;
+    if (run->model->n_power == 0 || run->model->n_switches + run->model->n_held > 0) /* else it is what lag_account_weigh asks for */
+        run->statistics.energy_stored = before;
+}
+
 int lag_account_misses(LagRun *run)
 {
     double energies[3] = {0};
@@ -229,7 +238,8 @@ static void foresee(LagRun *run)
 {
     LagStatistics *s = &run->statistics;
     const double t = run->motion.t, end = lag_min(run->segment_end, run->settings.t_stop), rest = isfinite(end) ? end - t : 1;
-    const int has_none = run->model->n_power == 0 || run->model->n_delays > 0 || !run->model->carries_in_time;
+    const int is_still = run->model->is_steady && run->model->n_inputs == 0; /* nothing is moved in time */
+    const int has_none = run->model->n_power == 0 || run->model->n_delays > 0 || !run->model->carries_in_time || is_still;
     const double seen = has_none ? INFINITY : lag_max(s->energy_scale, s->energy_stored);
     if (seen == INFINITY || (run->started && seen > run->carried_energy))
         return;

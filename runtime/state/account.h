@@ -6,6 +6,9 @@
 
 enum { LAG_ACCOUNT_SIZE = 5 };
 
+/* A run starts at the present state. */
+void lag_account_start(LagRun *run);
+
 /* Completes the {T, V, H, dissipated, work} of a state at t whose {T, V, H} are known; notes residual and scale in the statistics, and
  * whether the tolerance explains by how much it misses. */
 void lag_account_note(LagRun *run, double t, const double *y, double *entries);

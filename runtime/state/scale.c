@@ -63,14 +63,7 @@ void lag_scale_layout(LagScale *scale, LagArena *arena)
 void lag_scale_reset(LagScale *scale)
 {
     const int n = scale->n;
-    const size_t size = 2 * (size_t)n * sizeof(double);
-    memset(scale->largest, 0, size);
-    memset(scale->floor, 0, size);
-    memset(scale->noise, 0, size / 2);
-    memset(scale->onset, 0, size / 2);
-    memset(scale->idle, 0, size / 2);
-    memset(scale->size, 0, size);
-    memset(scale->group, 0, 2 * (size_t)scale->kinds * sizeof(double));
+    memset(scale->largest, 0, (size_t)(scale->motion - scale->largest) * sizeof(double)); /* all that lies in between */
     scale->tolerance = scale->asked;
     scale->rate_rounding = scale->step = scale->reach = 0;
     scale->is_resting = 1;

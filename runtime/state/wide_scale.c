@@ -1,8 +1,7 @@
 #include "state/wide_scale.h"
 
 #include <float.h>
-
-enum { VECTORS = 7 };
+#include <string.h>
 
 void lag_wide_scale_layout(LagWideScale *s, const LagScale *like, LagArena *arena)
 {
@@ -21,39 +20,38 @@ void lag_wide_scale_layout(LagWideScale *s, const LagScale *like, LagArena *aren
     s->idle = lag_take(arena, n * all);
 }
 
-/* The vectors of one motion, and of eight; how long they are. */
-typedef struct {
-    double *one, *wide;
-    int count;
-} Pair;
+static inline void place(double *wide, double *one, int count)
+{
+    for (int i = 0; i < count; ++i)
+        wide[i * LAG_ABREAST] = one[i];
+}
 
-static void pairs(const LagWideScale *s, const LagScale *one, Pair *all)
+static inline void take(double *wide, double *one, int count)
+{
+    for (int i = 0; i < count; ++i)
+        one[i] = wide[i * LAG_ABREAST];
+}
+
+/* The vectors of one motion, and of eight. */
+static inline void move(const LagWideScale *s, int lane, const LagScale *one, void (*way)(double *wide, double *one, int count))
 {
     const int n = s->n;
-    const Pair found[VECTORS] = {{one->largest, s->largest, 2 * n}, {one->floor, s->floor, 2 * n}, {one->size, s->size, n},
-                                 {one->group, s->group, 2 * s->kinds}, {one->noise, s->noise, n}, {one->onset, s->onset, n},
-                                 {one->idle, s->idle, n}};
-    memcpy(all, found, sizeof found);
+    way(s->largest + lane, one->largest, 2 * n);
+    way(s->floor + lane, one->floor, 2 * n);
+    way(s->size + lane, one->size, n);
+    way(s->group + lane, one->group, 2 * s->kinds);
+    way(s->noise + lane, one->noise, n);
+    way(s->onset + lane, one->onset, n);
+    way(s->idle + lane, one->idle, n);
 }
 
 void lag_wide_scale_load(LagWideScale *s, int lane, const LagScale *from)
 {
-    Pair all[VECTORS];
-    pairs(s, from, all);
     memcpy(s->cap, from->cap, 2 * (size_t)s->n * sizeof *s->cap);
-    for (int k = 0; k < VECTORS; ++k)
-        for (int i = 0; i < all[k].count; ++i)
-            all[k].wide[i * LAG_ABREAST + lane] = all[k].one[i];
+    move(s, lane, from, place);
 }
 
-void lag_wide_scale_store(const LagWideScale *s, int lane, LagScale *to)
-{
-    Pair all[VECTORS];
-    pairs(s, to, all);
-    for (int k = 0; k < VECTORS; ++k)
-        for (int i = 0; i < all[k].count; ++i)
-            all[k].one[i] = all[k].wide[i * LAG_ABREAST + lane];
-}
+void lag_wide_scale_store(const LagWideScale *s, int lane, LagScale *to) { move(s, lane, to, take); }
 
 static int group_of(const LagWideScale *s, int i) { return i < s->n ? s->kind[i] : s->kinds + s->kind[i - s->n]; }
 

@@ -231,6 +231,23 @@ end Pushed;
 """
 
 
+@pytest.mark.parametrize("varied", [{"initial": {"hinge.phi": np.linspace(0.1, 1, 29)}},
+                                    {"parameters": {"c": np.linspace(0, 2, 29)}}])
+def test_starts_from_the_state_alone_are_whole_ones(varied: dict[str, dict[str, np.ndarray]]) -> None:
+    """Where nothing happens, a run in a lane begins with what the one before has left there: bit by bit as in a new batch, whose
+    starts are whole."""
+    model = lag.loads(PUSHED.replace("Pushed\n", "Pushed\n  parameter Real c = 1;\n", 1).replace("5 + G", "5 + c + G"))
+    table = np.array([0.0, 0.7, 2.0]), {"F": [0.0, 2.0, -1.0], "G": [0.0, 1.0, 3.0]}
+    request = Request(stop=2.0, tolerance=1e-6, inputs=table, **varied)
+    suited, job = model.prepared_for(read_measures("final(hinge.phi), final(der(cart.s))"), request, Design())
+    values = job.variations.values(0, job.runs)
+    found, outcomes, lanes = advanced(suited, job, values)
+    assert lanes.runs == job.runs and (outcomes["kind"] == 0).all()
+    for k in range(0, job.runs, 8):
+        results, endings, _ = advanced(suited, job, values[k : k + 8])
+        assert results.tobytes() == found[k : k + 8].tobytes() and endings.tobytes() == outcomes[k : k + 8].tobytes()
+
+
 def test_inputs_are_linear_in_pieces() -> None:
     """Corners, jumps and what changes energies; measures look inside steps. Against runs made alone at a smaller tolerance."""
     times = [0.0, 0.3, 0.3, 0.9, 2.0]

@@ -78,7 +78,6 @@ def build_scene(
     sizes = _sizes(len(coordinates), len(parameters), len(inputs), len(kinematics.algebra.modes), functions, motion, tapes) | {
         "n_outputs": len(outputs), "n_initial": initial.residuals.numel(), "n_initial_positions": initial.n_positions,
         "n_lost": len(initial.lost), "outputs_need_acceleration": int(functions.outputs_need_acceleration),
-        "carries_in_time": int(_carries_in_time(functions)),
         "is_separable": int(not no_momenta and not attitudes and is_separable(motion)),
         "is_swing": int(not flow and not attitudes and _is_of_one_freedom(motion)),
     } | _repetition(kinematics, motion)
@@ -198,6 +197,7 @@ def _sizes(n: int, n_parameters: int, n_inputs: int, n_modes: int, functions: Fu
         "may_be_narrow": int(may_be_narrow(usual_rhs(tapes))),
         "conditions_may_hide": int(motion.impacts.may_hide(motion.t) or counts_whole_numbers(motion)),
         "shares_bend": int(motion.felt is not None), "is_steady": int(_is_steady(functions)),
+        "carries_in_time": int(_carries_in_time(functions)),
     }
     if "held" in functions.patterns:
         found |= {"n_held": len(functions.patterns["held"]) // 3, "n_samplers": len(functions.patterns["samplers"])}
@@ -233,9 +233,9 @@ def _is_steady(functions: Functions) -> bool:
 
 
 def _carries_in_time(functions: Functions) -> bool:
-    """Whether the kinetic energy depends on time."""
-    energies = functions.table["energies"]
-    return 0 in energies.jac_sparsity(0, energies.index_in("t")).row()
+    """Whether the kinetic energy depends on time, or on inputs; islands have none of their own."""
+    energies = functions.table.get("energies")
+    return energies is not None and any(0 in energies.jac_sparsity(0, energies.index_in(name)).row() for name in ("t", "u"))
 
 
 def _of_switches(functions: Functions) -> dict[str, int]:
