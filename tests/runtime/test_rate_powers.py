@@ -59,6 +59,22 @@ def test_roots_of_what_is_nothing_at_rest(law: str, scene: Write) -> None:
     comes_to_rest(sliding(scene, f"(0.5 + {law})*sign(w)", "Real w = b.v/1[m/s];"), slides(lambda v: 0.5 + LAWS[law](v)))
 
 
+@pytest.mark.parametrize(("law", "places"), [
+    ("(w^2)^0.25", [0.545264392, 0.148616967, 0.286450435]),
+    ("sqrt(2*w^2 + 3*w^2)", [0.461311342, 0.243981761, 0.305607745]),
+    ("exp(0.3*log(abs(w)))", [0.548969974, 0.14639514, 0.300001432]),
+    ("(abs(w) + w^2)^0.5", [0.512374616, 0.192675752, 0.312840792]),
+])
+def test_even_powers_bend_where_a_rate_turns(law: str, places: list[float], scene: Write) -> None:
+    """Series went on with sqrt(5 v^2) as if it were 2.2 v (auto 127 to 3 200 tolerances off, in silence), and implicit steps had
+    slopes beyond v = 0 (50 to 700 tolerances off); x by SciPy."""
+    model = sliding(scene, f"(0.5 + {law})*sign(w)", "Real w = b.v/1[m/s]; Spring k(k = 30, stretch = b.s - 0.3);")
+    for solver in ("auto", "implicit"):
+        for tolerance in (1e-4, 1e-6, 1e-9):
+            run = model.simulate(at=[0.5, 1.0, 5.0], solver=solver, tolerance=tolerance)
+            assert run["b.s"] == pytest.approx(places, abs=5 * tolerance), (solver, tolerance)
+
+
 def test_a_rate_and_its_multiple_turn_together(scene: Write) -> None:
     """abs(v/vs) and sign(v) had two switches: 0.225 for 0.250 at 1e-4 by implicit steps, in silence; x by SciPy."""
     model = sliding(scene, "(1 + exp(-sqrt(abs(b.v/vs))))*sign(b.v)",

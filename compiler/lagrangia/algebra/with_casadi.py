@@ -5,6 +5,7 @@ from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import field
 from functools import cached_property, partial
 from itertools import accumulate, pairwise
+from math import prod
 from typing import Any
 
 import casadi as ca
@@ -14,6 +15,7 @@ from lagrangia.algebra.duals import TINY, NotATimeError, Scalar, is_zero, nested
 from lagrangia.algebra.lookup_functions import TableUse, in_force, written
 from lagrangia.algebra.modes import RELATIONS, Mode, ModeIndex
 from lagrangia.algebra.numbering import rebuilt
+from lagrangia.algebra.powers import length_powers, powers_in_exponent
 from lagrangia.algebra.scalars import Expression, apply, apply_to_one, as_expression, symbols_in
 from lagrangia.algebra.scalars import symbol as make_symbol
 from lagrangia.base.records import dataclass
@@ -96,7 +98,25 @@ class CasadiAlgebra:
             return _call_float(function, *arguments)
         if function == "abs" and (inner := _of_sign(arguments[0])) is not arguments[0]:
             return self.compare("<>", inner, 0.0)
+        if function in ("sqrt", "pow") and isinstance(arguments[0], ca.SX):
+            return self._power(function, *arguments)
+        if function == "exp" and (found := powers_in_exponent(arguments[0]))[0]:
+            powers = [self.call("pow", x, b) for x, b in found[0]]
+            return prod(powers, start=1.0 if found[1].is_zero() else apply_to_one(ca.OP_EXP, found[1]))
         return _SX_FUNCTIONS[function](*arguments)
+
+    def _power(self, function: str, base: ca.SX, exponent: Scalar = 0.5) -> Expression:
+        """sqrt or pow."""
+        is_whole = isinstance(exponent, _NUMBERS) and float(exponent).is_integer()
+        lengths, rest = ([], base) if is_whole else length_powers(base, self._is_steady)
+        if not lengths:
+            return as_expression(_SX_FUNCTIONS[function](*(base, exponent)[: 1 if function == "sqrt" else 2]))
+        made = as_expression(1.0)
+        for length, k in lengths:
+            power = k * exponent
+            x = length.dep(0) if isinstance(power, _NUMBERS) and power % 2 == 0 else self.call("abs", length.dep(0))
+            made = as_expression(made * self.call("pow", x, power))
+        return made if rest.is_one() else as_expression(made * self._power(function, rest, exponent))
 
     def _is_steady(self, x: ca.SX) -> bool:
         """Whether it follows from parameters alone, as the length of an axis does."""
