@@ -41,7 +41,7 @@ def load_model(options: Namespace, given: list[tuple[str, str]], outputs: tuple[
     structural = {}
     if names:
         known = _structural_names(options, outputs)
-        structural = {name: _structural_value(value) for name, value in given if name in known}
+        structural = _structural_values(options, {name: text for name, text in given if name in known})
     model = Model(options.file, options.model, structural, outputs, replace(AS_DECLARED, least_squares=_sharing(options)))
     usual = (f"{options.file.stem}.csv", f"{options.file.stem}_sweep.csv")
     written = [getattr(options, name, None) for name in ("output", "plot", "animate")]
@@ -141,15 +141,31 @@ def part_structural(options: Namespace, given: list[tuple[str, str]]) -> tuple[d
     from lagrangia.compile.pipeline import flatten_file
 
     known = flatten_file(options.file, options.model)[1].structural
-    return ({name: _structural_value(text) for name, text in given if name in known},
+    return (_structural_values(options, {name: text for name, text in given if name in known}),
             {name: text for name, text in given if name not in known})
+
+
+def _structural_values(options: Namespace, given: Mapping[str, str]) -> dict[str, Any]:
+    """Raises LagError L0304 for units that do not fit, as if they were written in the model."""
+    values = {name: _structural_value(text) for name, text in given.items()}
+    told = {name: text for name, text in given.items() if "[" in text and not isinstance(values[name], str)}
+    if told:
+        from lagrangia.compile.pipeline import flatten_file
+        from lagrangia.language.dimensions import check_dimensions
+        from lagrangia.language.overrides import as_written
+
+        written = {name: as_written(name, text) for name, text in told.items()}
+        flat = check_dimensions(flatten_file(options.file, options.model, {**values, **written})[1])
+        tell_texts(options, [x.render() for x in flat.warnings if x.code == "L0305" and x.span is not None
+                             and x.span.source.name.startswith("the value given")])
+    return values
 
 
 def _structural_value(text: str) -> Any:
     if text in ("true", "false"):
         return text == "true"
     try:
-        return read_value(text, "")
+        return read_value(text, None)
     except ValueError:
         return text
 
@@ -274,7 +290,7 @@ def values_with_units(given: list[tuple[str, str]], units: dict[str, str]) -> di
     for name, text in given:
         elements = [known for known in units if re.fullmatch(rf"{re.escape(name)}\[[\d,]+\]", known)]
         try:
-            value = read_value(text, units.get(elements[0] if elements else name, ""))
+            value = read_value(text, units.get(elements[0] if elements else name))
         except ValueError as error:
             fail("L0706", f"{name} = {text}: {error}")
         count = len(value) if isinstance(value, list) else 0

@@ -35,7 +35,7 @@ from lagrangia.frames.kinematics import Kinematics
 from lagrangia.language.attitudes import parts_of
 from lagrangia.language.changes import is_before
 from lagrangia.language.consequences import place_of_felt_reactions
-from lagrangia.language.dimensions import unit_of
+from lagrangia.language.dimensions import unit_of, units_of_given
 from lagrangia.language.directions import directions, parameter_places
 from lagrangia.language.events import kept_by
 from lagrangia.language.flat import FlatModel, Variable, When, rate_of
@@ -385,7 +385,7 @@ def _starts(variable: Variable, source: Flat, values: Sequence[float | None]) ->
 
 def _parameters(model: FlatModel, kind: str, compiled_in: Mapping[str, Any]) -> tuple[Parameter, ...]:
     """The scalars of all parameters or inputs, in the order of the flat model."""
-    found = []
+    found, units = [], units_of_given(model)
     for variable in (v for v in model.variables.values() if v.kind == kind):
         source = variable.binding if kind == "parameter" else variable.start or variable.binding
         values: Sequence[float | None] = [0.0] * math.prod(variable.shape)
@@ -398,7 +398,7 @@ def _parameters(model: FlatModel, kind: str, compiled_in: Mapping[str, Any]) -> 
         for (name, _), value, number in zip(variable.elements(), values, compiled, strict=True):
             if kind == "input" and value is None:
                 fail("L0605", f"the start of the input '{name}' must be a number", variable.span)
-            found.append(Parameter(name, variable.unit, value, variable.minimum, variable.maximum, variable.description,
+            found.append(Parameter(name, units[variable.name], value, variable.minimum, variable.maximum, variable.description,
                                    str(variable.span), number, variable.locked, source is not None))
     return tuple(found)
 

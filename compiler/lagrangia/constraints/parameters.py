@@ -131,7 +131,7 @@ def find_odd_inertias(kinematics: Kinematics) -> Report:
         if not variable.is_inertia or not np.isfinite(own).all():
             continue
         matrix = np.diag(own) if own.ndim == 1 else own
-        if not np.array_equal(matrix, matrix.T):
+        if np.abs(matrix - matrix.T).max() > _ROUNDING * np.abs(matrix).max():
             report.error("L0605", f"the inertia '{variable.name}' is not symmetric", variable.span,
                          "write {{Ixx, Ixy, Ixz}, {Ixy, Iyy, Iyz}, {Ixz, Iyz, Izz}}")
             continue

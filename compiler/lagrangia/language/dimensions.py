@@ -7,18 +7,15 @@ way where another one is wanted (`sin(3*time)`, `torque = 0.5*sin(2*time)`); an 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from fractions import Fraction
-from functools import cache, reduce
 
 from lagrangia.base.diagnostics import LagError, Report, Span
-from lagrangia.base.records import dataclass
 from lagrangia.language.figure_checks import check_figure
 from lagrangia.language.flat import Delay, Equation, FlatModel, Sampler, Variable, When
 from lagrangia.language.folding import fold
 from lagrangia.language.frame_attributes import dimension_of, known_of
-from lagrangia.language.function_variables import FlatFunction
 from lagrangia.language.functions import FRAME_FUNCTIONS
-from lagrangia.language.lookups import lookup_of, plane_of
 from lagrangia.language.number_checks import CONDITIONS, require_comparable, require_number, require_numbers, require_shape
+from lagrangia.language.quantities import ANY, PURE, Quantity, fits, in_unit, over, times, unit_told
 from lagrangia.language.tree import (
     Array,
     Binary,
@@ -35,27 +32,11 @@ from lagrangia.language.tree import (
     Time,
     Unary,
 )
-from lagrangia.language.units import ONE, Dimension, dimension, divide, multiply, parse_unit, power, spell
+from lagrangia.language.units import ONE, Dimension, dimension, mixes_turns, power, spell
+from lagrangia.language.units_of_calls import units_of_call
 
 _METRE, _SECOND = dimension(m=1), dimension(s=1)
 _JOULE, _WATT = dimension(kg=1, m=2, s=-2), dimension(kg=1, m=2, s=-3)
-
-
-@dataclass(frozen=True, slots=True)
-class Quantity:
-    """What is known of a value: its dimension (None: any), and whether it gives way to another one."""
-
-    dimension: Dimension | None
-    is_soft: bool = False
-
-    def spell(self) -> str:
-        """Its unit for people."""
-        return "any unit" if self.dimension is None else spell(self.dimension)
-
-
-_RADIANS_A_SECOND = ("rpm", "rad/s", "deg/s")
-ANY = Quantity(None)
-PURE = Quantity(ONE)
 
 
 def check_dimensions(model: FlatModel) -> FlatModel:
@@ -99,6 +80,13 @@ def check_dimensions(model: FlatModel) -> FlatModel:
 def dimension_of_value(model: FlatModel, node: Flat) -> Dimension | None:
     """Of an expression that was checked; None where any will do."""
     return _Checker(model).quantity(node).dimension
+
+
+def units_of_given(model: FlatModel) -> Mapping[str, str]:
+    """Of parameters and inputs, by their names: as declared, or that of what they are bound to or start from; "" where any will
+    do, as beside a bare number, which gives way."""
+    checker, given = _Checker(model), (v for v in model.variables.values() if v.kind in ("parameter", "input"))
+    return {v.name: v.unit or unit_told(checker.quantity_of(v.name)) for v in given}
 
 
 def unit_of(model: FlatModel, node: Flat) -> str:
@@ -167,10 +155,12 @@ class _Checker:
     def check_turns(self, value: Flat, what: str, unit: str) -> None:
         """Hz counts turns and rad/s radians, rpm and deg/s made of them: units that SI takes for the same, 6.28 apart."""
         told = value.unit if isinstance(value, Number) else None
-        if unit == "rad/s" and told == "Hz":
+        if told is None or not mixes_turns(told, unit):
+            return
+        if unit == "rad/s":
             self.report.warning("L0305", f"{what} is in rad/s: {value.span.text} is taken for that many radians a second",
                                 value.span, "of turns a second, write 2*pi[rad/s] times as many")
-        elif unit == "Hz" and told in _RADIANS_A_SECOND:
+        else:
             self.report.warning("L0305", f"{what} is in Hz: {value.span.text} is taken in radians a second, 6.28 times its turns",
                                 value.span, "divide by 2*pi, or declare an AngularFrequency")
 
@@ -200,7 +190,7 @@ class _Checker:
             self.same(self.quantity(delay.value), self.quantity(delay.before), delay.span, "be equal")
 
     def declared(self, variable: Variable) -> Quantity:
-        return _in_unit(variable.unit) if variable.unit else ANY
+        return in_unit(variable.unit) if variable.unit else ANY
 
     def check_frame(self, node: Flat) -> None:
         """The shifts and turns of a frame expression."""
@@ -213,8 +203,8 @@ class _Checker:
 
     def check_work(self, force: Flat, position: Flat, span: Span) -> None:
         require_numbers((force, position), self.report)
-        product = self._times(self.quantity(force), self.quantity(position))
-        if not _fits(product, _JOULE):
+        product = times(self.quantity(force), self.quantity(position))
+        if not fits(product, _JOULE):
             self.report.error("L0304", f"force times position is in {product.spell()}, not in J", span,
                               "a force in N works on a length, a torque in N.m on an angle")
 
@@ -225,7 +215,7 @@ class _Checker:
             return
         require_number(node, self.report)
         found = self.quantity(node)
-        if not _fits(found, wanted):
+        if not fits(found, wanted):
             name = unit or spell(wanted)
             hints = [f"give it a unit: 1[{name}]*..."] if found.dimension == ONE else []
             self.report.error("L0304", f"{what} is in {name}, this is in {found.spell()}", node.span, *hints)
@@ -246,13 +236,13 @@ class _Checker:
     def quantity(self, node: Flat, local: Mapping[str, Quantity] | None = None) -> Quantity:
         match node:
             case Number(_, unit, _, _):
-                return ANY if unit is None else _in_unit(unit)
+                return ANY if unit is None else in_unit(unit)
             case Boolean() | String() | EnumerationLiteral():
                 return ANY
             case Ref(name, _, _):
-                return self._variable(name)
+                return self.quantity_of(name)
             case FrameRef(_, "", _, span):
-                return self._refuse_frame(node, span)
+                return self.refuse_frame(node, span)
             case FrameRef(_, attribute, _, _):
                 return Quantity(dimension_of(attribute))
             case Local(name, _):
@@ -271,11 +261,12 @@ class _Checker:
                 self._require_condition(condition, local)
                 return self.same(self.quantity(then, local), self.quantity(otherwise, local), span, "stand for one value")
             case Array(items, span):
-                return self._common([self.quantity(item, local) for item in items], span, "stand in one array")
+                return self.common([self.quantity(item, local) for item in items], span, "stand in one array")
             case Call():
-                return self._call(node, local)
+                return units_of_call(self, node, local)
 
-    def _variable(self, name: str) -> Quantity:
+    def quantity_of(self, name: str) -> Quantity:
+        """Of a variable."""
         if name not in self.known:
             variable = self.model.variables[name]
             found = self.declared(variable)
@@ -299,10 +290,11 @@ class _Checker:
             found = found if said.dimension is None else said
         if variable.name in self.model.states:
             rate = self.quantity(self.model.states[variable.name].rate)
-            return found if rate.dimension is None or rate.is_soft or rate == PURE else self._times(rate, Quantity(_SECOND))
+            return found if rate.dimension is None or rate.is_soft or rate == PURE else times(rate, Quantity(_SECOND))
         return found
 
-    def _common(self, found: list[Quantity], span: Span, how: str) -> Quantity:
+    def common(self, found: list[Quantity], span: Span, how: str) -> Quantity:
+        """That of several."""
         total = ANY
         for quantity in found:
             total = self.same(total, quantity, span, how)
@@ -321,9 +313,9 @@ class _Checker:
             case "+" | "-":
                 return self.same(a, b, node.span, "be added" if node.operator == "+" else "be subtracted")
             case "*":
-                return self._times(a, b)
+                return times(a, b)
             case "/":
-                return self._over(a, b, node.right)
+                return over(a, b, node.right)
             case "^":
                 return self._power(a, b, node)
             case "and" | "or":
@@ -332,21 +324,8 @@ class _Checker:
                 self.same(a, b, node.span, "be compared")
                 return PURE
 
-    def _times(self, a: Quantity, b: Quantity) -> Quantity:
-        if a.dimension is None or b.dimension is None:
-            known = a.dimension if a.dimension is not None else b.dimension
-            return ANY if known is None else Quantity(known, True)
-        return Quantity(multiply(a.dimension, b.dimension), a.is_soft or b.is_soft)
-
-    def _over(self, a: Quantity, b: Quantity, divisor: Flat) -> Quantity:
-        if isinstance(divisor, Number) and divisor.unit is None and divisor.is_integer:
-            return a
-        if b.dimension is None:
-            return ANY if a.dimension is None else Quantity(a.dimension, True)
-        return self._times(a, Quantity(divide(ONE, b.dimension), b.is_soft))
-
     def _power(self, base: Quantity, exponent: Quantity, node: Binary[Flat]) -> Quantity:
-        self._pure(exponent, node.right, "an exponent")
+        self.pure(exponent, node.right, "an exponent")
         if base.dimension is None or base.dimension == ONE:
             return base
         value = fold(node.right)
@@ -371,126 +350,13 @@ class _Checker:
             case _:
                 self.report.error("L0302", "a condition is true or false", node.span, "compare it with something, as x > 0")
 
-    def _refuse_frame(self, node: Flat, span: Span) -> Quantity:
+    def refuse_frame(self, node: Flat, span: Span) -> Quantity:
+        """Reports L0221."""
         self.report.error("L0221", "a frame is no number", span, f"its position is {node}.r, its angle {node}.phi"
                           if isinstance(node, FrameRef) else "bind it to a port: Frame f = ...; and then f.r, f.phi")
         return ANY
 
-    def _pure(self, quantity: Quantity, node: Flat, what: str, *hints: str) -> None:
-        if not _fits(quantity, ONE):
+    def pure(self, quantity: Quantity, node: Flat, what: str, *hints: str) -> None:
+        """Reports L0304 for what has a unit."""
+        if not fits(quantity, ONE):
             self.report.error("L0304", f"{what} must be a number without unit, this is in {quantity.spell()}", node.span, *hints)
-
-    # ------------------------------------------------------------ functions
-
-    def _call(self, node: Call[Flat], local: Mapping[str, Quantity] | None) -> Quantity:
-        if node.function in self.model.functions:
-            return self._user_function(node, local)
-        if node.function in FRAME_FUNCTIONS:
-            return self._refuse_frame(node, node.span)
-        if node.function == "distance":
-            ends = [end for end in node.arguments if not (isinstance(end, FrameRef) and end.attribute == "")]
-            points = [self.quantity(end, local) for end in ends]
-            self._common([Quantity(_METRE), *points], node.span, "be points")
-            return Quantity(_METRE)
-        found = self._arguments(node, local)
-        match node.function:
-            case "der":
-                return self._over(found[0], Quantity(_SECOND), node)
-            case "sqrt":
-                base = found[0].dimension
-                return ANY if base is None else Quantity(power(base, Fraction(1, 2)), found[0].is_soft)
-            case "abs" | "norm" | "floor" | "ceil" | "rotate" | "virtual" | "element" | "pre":
-                return found[0]
-            case "contact_force" | "constraint_force":
-                return self._over(Quantity(_JOULE), found[0], node)
-            case "sign":
-                return PURE
-            case "dot" | "cross":
-                return self._times(found[0], found[1])
-            case "atan2":
-                self.same(found[0], found[1], node.span, "be compared")
-                return PURE
-            case "mod" | "min" | "max" | "sum":
-                return self._common(found, node.span, "go together")
-            case "table":
-                return self._table(node, found)
-            case "table2":
-                return self._table2(node, found)
-            case "product":
-                return self._product(node, found)
-        for quantity, argument in zip(found, node.arguments, strict=True):
-            hints = [f"write: {node.function}(1[rad/s]*{argument.span.text})"] if isinstance(argument, Time) else []
-            self._pure(quantity, argument, f"the argument of {node.function}", *hints)
-        return PURE
-
-    def _arguments(self, node: Call[Flat], local: Mapping[str, Quantity] | None) -> list[Quantity]:
-        """Of numbers; of tables also the names of files."""
-        texts = String if node.function in ("table", "table2") else ()
-        require_numbers((x for x in node.arguments if not isinstance(x, texts)), self.report)
-        return [self.quantity(argument, local) for argument in node.arguments]
-
-    def _product(self, node: Call[Flat], found: list[Quantity]) -> Quantity:
-        of_all = [one for one, count in zip(found, map(_count, node.arguments), strict=True) for _ in range(count)]
-        return reduce(self._times, of_all, PURE)
-
-    def _table2(self, node: Call[Flat], found: list[Quantity]) -> Quantity:
-        if len(found) == 5:
-            for k in (0, 1):
-                self.same(found[k], found[k + 2], node.span, "be compared")
-            return found[4]
-        *wanted, value = (plane := self.model.planes[plane_of(node)]).dimensions
-        for k, one in enumerate(wanted):
-            if one is not None and not _fits(found[k], one):
-                self.report.error("L0304", f"column {k + 1} of '{plane.name}' is in {spell(one)}, this is in "
-                                  f"{found[k].spell()}", node.arguments[k].span)
-        return ANY if value is None else Quantity(value)
-
-    def _table(self, node: Call[Flat], found: list[Quantity]) -> Quantity:
-        """Of points, or of a file, whose columns may say their units."""
-        if len(found) == 3:
-            self.same(found[0], found[1], node.span, "be compared")
-            return found[2]
-        read = self.model.tables[lookup_of(node)]
-        if read.argument is not None and not _fits(found[0], read.argument):
-            self.report.error("L0304", f"the first column of '{read.data.name}' is in {spell(read.argument)}, this is in "
-                              f"{found[0].spell()}", node.arguments[0].span)
-        return ANY if read.value is None else Quantity(read.value)
-
-    def _user_function(self, node: Call[Flat], local: Mapping[str, Quantity] | None) -> Quantity:
-        function = self.model.functions[node.function]
-        known: dict[str, Quantity] = {}
-        for name, argument in zip(function.inputs, node.arguments, strict=True):
-            found = self.quantity(argument, local)
-            unit = function.units[name]
-            if unit and not _fits(found, parse_unit(unit).dimension):
-                called = node.function.partition("(")[0]
-                self.report.error("L0304", f"{called} wants '{name}' in {unit}, this is in {found.spell()}", argument.span)
-            known[name] = _in_unit(unit) if unit else found
-        key = function.name, *known.values()
-        if key not in self.results:
-            self.results[key] = self._result(function, known)
-        return self.results[key]
-
-    def _result(self, function: FlatFunction, known: dict[str, Quantity]) -> Quantity:
-        """What a user function makes of inputs, once for all calls with the same dimensions."""
-        for name, expression in function.steps:
-            found, unit = self.quantity(expression, known), function.units[name]
-            if unit and not _fits(found, parse_unit(unit).dimension):
-                said = name.partition("#")[0]
-                self.report.error("L0304", f"'{said}' of {function.name.partition('(')[0]} is in {unit}, this is in "
-                                  f"{found.spell()}", expression.span)
-            known[name] = _in_unit(unit) if unit else found
-        return known[function.output]
-
-
-@cache
-def _in_unit(unit: str) -> Quantity:
-    return Quantity(parse_unit(unit).dimension)
-
-
-def _count(node: Flat) -> int:
-    return sum(map(_count, node.items)) if isinstance(node, Array) else 1
-
-
-def _fits(found: Quantity, wanted: Dimension) -> bool:
-    return found.dimension is None or found.is_soft or found.dimension == wanted

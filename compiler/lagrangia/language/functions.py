@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 
 from lagrangia.base.diagnostics import Span, fail
 from lagrangia.language.tree import Array, Binary, Call, EnumerationLiteral, Flat, IfExpression, Number
@@ -29,11 +30,13 @@ ALIASES = {"arcsin": "asin", "arccos": "acos", "arctan": "atan", "ln": "log", "c
 
 def _toward_zero(x: Flat, span: Span) -> Flat:
     up, down = (Call(name, (x,), (), span) for name in ("ceil", "floor"))
-    return IfExpression(Binary("<", x, Number(0.0, None, span), span), up, down, span)
+    return IfExpression(Binary("<", x, Number(0.0, "1", span), span), up, down, span)
 
 
 def _div(a: Flat, b: Flat, span: Span) -> Flat:
-    return _toward_zero(Binary("/", a, b, span), span)
+    """Of quantities with the same unit: how often is a number, as the 0 it is compared with. A bare b takes the unit of a."""
+    divisor = replace(b, is_integer=False) if isinstance(b, Number) and b.unit is None else b
+    return _toward_zero(Binary("/", a, divisor, span), span)
 
 
 def _semi_linear(x: Flat, above: Flat, below: Flat, span: Span) -> Flat:

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 from lagrangia.base.checked_values import a_number
 from lagrangia.base.diagnostics import Span, fail, suggest
+from lagrangia.language.dimensions import units_of_given
 from lagrangia.language.flat import FlatModel, Variable
 from lagrangia.language.tree import Array, Flat, Number, Ref
 from lagrangia.language.values import read_value
@@ -28,7 +29,7 @@ def _chosen(model: FlatModel, given: Given) -> dict[str, float]:
     """Element by element, in SI units."""
     parameters = [v for v in model.variables.values() if v.kind == "parameter"]
     owners = {label: v for v in parameters for label, _ in v.elements()}
-    chosen: dict[str, float] = {}
+    units, chosen = units_of_given(model), dict[str, float]()
     for name, text in given.items():
         mine = [label for label in owners if label == name or label.startswith(name + "[")]
         if not mine:
@@ -36,7 +37,7 @@ def _chosen(model: FlatModel, given: Given) -> dict[str, float]:
         variable = owners[mine[0]]
         if variable.locked:
             fail("L0701", f"the parameter '{name}' is {variable.locked}: it cannot be set", None, f"declared at {variable.span}")
-        value = _read(name, text, variable.unit)
+        value = _read(name, text, units[variable.name])
         several = value if isinstance(value, list) else [value]
         if not all(math.isfinite(a_number(f"parameter '{name}'", x)) for x in several):
             fail("L0706", f"parameter '{name}' = {text}: a finite number is needed")

@@ -5,6 +5,7 @@ from typing import Any
 
 from lagrangia.base.checked_values import a_number
 from lagrangia.base.diagnostics import Source, Span
+from lagrangia.base.spelling import read_number
 from lagrangia.language.instances import Bound, Instance, Modification, Scope
 from lagrangia.language.tree import Array, Boolean, Expression, Number, String
 
@@ -28,7 +29,23 @@ def override_tree(overrides: Mapping[str, Any], root: Instance) -> Modification:
     return build(tree)
 
 
+def as_written(name: str, text: str) -> Expression:
+    """A number, or several in braces, with their units: `3[mm]`, for checks of these. Raises ValueError."""
+    given = Source(f"the value given for {name}", text)
+    span = Span(given, 0, len(text))
+
+    def scalar(part: str) -> Number:
+        number, _, unit = part.strip().removesuffix("]").partition("[")
+        return Number(read_number(number), unit or None, span)
+
+    if not text.startswith("{"):
+        return scalar(text)
+    return Array(tuple(map(scalar, text[1:-1].split(","))), span)
+
+
 def _literal(value: Any, span: Span) -> Expression:
+    if isinstance(value, Number | Array):
+        return value
     if isinstance(value, bool):
         return Boolean(value, span)
     if isinstance(value, str):

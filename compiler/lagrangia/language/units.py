@@ -29,6 +29,7 @@ _OTHER_WORDS = {"sec": "s", "secs": "s", "second": "s", "seconds": "s", "meter":
                 "newtons": "N", "degree": "deg", "degrees": "deg", "radian": "rad", "radians": "rad", "turn": "rev",
                 "turns": "rev", "nms": "N.m.s"}
 _FACTORS = ("N", "kN", "kg", "W", "A", "V", "lbf")  # that people write others behind without a dot
+_RADIANS_A_SECOND = ("rpm", "rad/s", "deg/s")
 
 
 def dimension(**powers: int) -> Dimension:
@@ -166,6 +167,11 @@ _NAMED = {_NEWTON: "N", _JOULE: "J (or N.m)", _WATT: "W", dimension(s=-1): "1/s"
 def name_of_unit(d: Dimension) -> str:
     """The unit of the SI that a dimension has, as a literal may have it."""
     return spell(d).partition(" (")[0]
+
+
+def mixes_turns(told: str, wanted: str) -> bool:
+    """Whether one counts turns a second and the other radians: SI takes them for the same, 6.28 apart."""
+    return (told == "Hz" and wanted in _RADIANS_A_SECOND) or (wanted == "Hz" and told in _RADIANS_A_SECOND)
 
 
 def spell(d: Dimension) -> str:

@@ -3,11 +3,12 @@
 import math
 
 from lagrangia.base.spelling import read_number
-from lagrangia.language.units import ONE, parse_unit, spell
+from lagrangia.language.units import ONE, mixes_turns, parse_unit, spell
 
 
-def read_value(text: str, unit: str) -> float | list[float]:
-    """The value in SI units. Raises ValueError when it is none, or its unit does not fit `unit`."""
+def read_value(text: str, unit: str | None) -> float | list[float]:
+    """The value in SI units. Raises ValueError when it is none, or its unit does not fit `unit`: "" where nothing says one, and
+    there are only numbers, as 30[deg] and 50[%] are; None where another one looks at units."""
     text = text.strip()
     if text.startswith("{"):
         if not text.endswith("}"):
@@ -16,7 +17,7 @@ def read_value(text: str, unit: str) -> float | list[float]:
     return _scalar(text, unit)
 
 
-def _scalar(text: str, unit: str) -> float:
+def _scalar(text: str, unit: str | None) -> float:
     number, bracket, given = text.strip().partition("[")
     try:
         value = read_number(number)
@@ -29,7 +30,10 @@ def _scalar(text: str, unit: str) -> float:
     if not given.endswith("]"):
         raise ValueError("a ']' is missing")
     found = parse_unit(given[:-1])
-    wanted = parse_unit(unit).dimension if unit else ONE
-    if unit and found.dimension != wanted:
+    if unit == "" and found.dimension != ONE:
+        raise ValueError(f"it is in {spell(found.dimension)}, but no unit is declared: write the number alone")
+    if unit and found.dimension != (wanted := parse_unit(unit).dimension):
         raise ValueError(f"it is in {spell(found.dimension)}, but {spell(wanted)} is wanted")
+    if unit and mixes_turns(given[:-1], unit):
+        raise ValueError(f"turns and radians a second are 6.28 apart, and {unit} is wanted")
     return value * found.factor + found.offset

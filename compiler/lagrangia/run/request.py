@@ -317,12 +317,12 @@ def check_parameters(scene: Scene, parameters: Sequence[float]) -> None:
 
 def _odd_inertia(own: Sequence[float]) -> str:
     """What is wrong with three moments, or with a matrix by its rows; "" where no moment is negative (Sylvester)."""
-    if len(own) == 3:
-        return "is negative about an axis" if min(own) < 0 else ""
-    a, b, c, d, e, f, g, h, i = own
-    if (b, c, f) != (d, g, h):
-        return "is not symmetric"
     size = max(map(abs, own))
+    if len(own) == 3:
+        return "is negative about an axis" if min(own) < -_ROUNDING * size else ""
+    a, b, c, d, e, f, g, h, i = own
+    if max(abs(b - d), abs(c - g), abs(f - h)) > _ROUNDING * size:
+        return "is not symmetric"
     minors = (a / (size or 1), e / (size or 1), i / (size or 1), *((x * y - z * z) / (size * size or 1)
               for x, y, z in ((a, e, b), (a, i, c), (e, i, f))),
               (a * (e * i - f * f) - b * (b * i - f * c) + c * (b * f - e * c)) / (size**3 or 1))

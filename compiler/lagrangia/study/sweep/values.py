@@ -207,7 +207,7 @@ def is_single(text: str) -> bool:
     return len(items) == 1 and (items[0].startswith("{") or (":" not in items[0] and _CALL.fullmatch(items[0]) is None))
 
 
-def _read(name: str, text: str, unit: str) -> Any:
+def _read(name: str, text: str, unit: str | None) -> Any:
     try:
         return read_value(text, unit)
     except ValueError as error:
@@ -217,7 +217,7 @@ def _read(name: str, text: str, unit: str) -> Any:
              f"random values are {', '.join(calls)}")
 
 
-def _numbers(name: str, texts: Sequence[str], whole: str, unit: str) -> list[float]:
+def _numbers(name: str, texts: Sequence[str], whole: str, unit: str | None) -> list[float]:
     values = [_read(name, text, unit) for text in texts]
     _same_units(name, texts, whole, unit)
     if any(isinstance(value, list) for value in values):
@@ -225,7 +225,7 @@ def _numbers(name: str, texts: Sequence[str], whole: str, unit: str) -> list[flo
     return values
 
 
-def _same_units(name: str, texts: Sequence[str], whole: str, unit: str) -> None:
+def _same_units(name: str, texts: Sequence[str], whole: str, unit: str | None) -> None:
     """In `1,2,5[kN/m]` the unit would belong to the 5 alone, which nobody means."""
     with_unit = [text for text in texts if text.endswith("]")]
     if 0 < len(with_unit) < len(texts):
@@ -233,7 +233,7 @@ def _same_units(name: str, texts: Sequence[str], whole: str, unit: str) -> None:
              f"write the unit at each of them, or at none: bare numbers are in {unit or 'SI units'}")
 
 
-def _range(name: str, text: str, unit: str) -> "np.ndarray":
+def _range(name: str, text: str, unit: str | None) -> "np.ndarray":
     import numpy as np
 
     parts = text.split(":")
@@ -259,7 +259,7 @@ def range_remarks(*given: Mapping[str, Any] | None) -> list[str]:
     found = []
     for name, text in (item for values in given for item in (values or {}).items()):
         if isinstance(text, str) and text.count(":") == 2 and "," not in text and "(" not in text:
-            last, end = _range(name, text, "")[-1], read_value(text.split(":")[1], "")
+            last, end = _range(name, text, None)[-1], read_value(text.split(":")[1], None)
             if last != end:
                 found.append(f"warning[L0748]: {name} = {text} ends at {last:.6g}, as its step does not meet {end:.6g}\n"
                              "   = a range is from:to:step; linspace(from, to, number) meets both ends")
