@@ -1,4 +1,4 @@
-"""Values that are given to a scene from outside have units as in a text: what has another one is refused, what fits is converted."""
+"""Values that are given to a scene have units as in a text: what has another one is refused, what fits is converted."""
 
 import math
 from collections.abc import Callable
@@ -41,8 +41,8 @@ def test_a_unit_that_does_not_fit_is_refused(tmp_path: Path, capsys: pytest.Capt
 
 
 @pytest.mark.parametrize(("option", "value", "column", "right"), [
-    ("-p", "d=3[mm]", "where", 0.003), ("-p", "part=30[%]", "y", 3*3*2 + 1 + 1 + 0.3 + 4), ("-p", "c=30[deg]", "y", math.pi + 6.5),
-    ("-p", "w=60[rpm]", "y", 18 + 2*math.pi + 1 + 0.5 + 4), ("-p", "c=4", "y", 24 + 6.5),
+    ("-p", "d=3[mm]", "where", 0.003), ("-p", "part=30[%]", "y", 3*3*2 + 1 + 1 + 0.3 + 4),
+    ("-p", "c=30[deg]", "y", math.pi + 6.5), ("-p", "w=60[rpm]", "y", 18 + 2*math.pi + 1 + 0.5 + 4), ("-p", "c=4", "y", 24 + 6.5),
 ])
 def test_what_fits_is_converted(tmp_path: Path, option: str, value: str, column: str, right: float) -> None:
     (tmp_path / "m.lag").write_text(SCENE)
@@ -61,8 +61,9 @@ def test_bounds_without_a_unit_take_none(scene: Callable[[str], lag.Model]) -> N
 # -------------------------------------------------------------------- remainders
 
 
-@pytest.mark.parametrize("expression", ["rem(b.s, 1[s])", "div(b.s, 1[s])", "mod(b.s, 1[s])", "max(b.s, 1[s])", "atan2(b.s, 1[s])",
-                                        "norm({b.s, 1[s]})", "rem(b.s, 1[m]) + 1[s]", "div(b.s, 1[m]) + 1[m]"])
+@pytest.mark.parametrize("expression", ["rem(b.s, 1[s])", "div(b.s, 1[s])", "mod(b.s, 1[s])", "max(b.s, 1[s])",
+                                        "atan2(b.s, 1[s])", "norm({b.s, 1[s]})",
+                                        "rem(b.s, 1[m]) + 1[s]", "div(b.s, 1[m]) + 1[m]"])
 def test_remainders_are_of_like_quantities(scene: Callable[[str], lag.Model], expression: str) -> None:
     with pytest.raises(lag.LagError) as error:
         scene(f"model M Block b(m = 1, base = world); output Real y = {expression}; end M;")
