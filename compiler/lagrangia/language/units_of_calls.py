@@ -48,10 +48,7 @@ def units_of_call(checker: Quantities, node: Call[Flat], local: Mapping[str, Qua
     if node.function in FRAME_FUNCTIONS:
         return checker.refuse_frame(node, node.span)
     if node.function == "distance":
-        ends = [end for end in node.arguments if not (isinstance(end, FrameRef) and end.attribute == "")]
-        points = [checker.quantity(end, local) for end in ends]
-        checker.common([Quantity(_METRE), *points], node.span, "be points")
-        return Quantity(_METRE)
+        return _distance(checker, node, local)
     found = _arguments(checker, node, local)
     match node.function:
         case "der":
@@ -78,10 +75,21 @@ def units_of_call(checker: Quantities, node: Call[Flat], local: Mapping[str, Qua
             return _table2(checker, node, found)
         case "product":
             return _product(checker, node, found)
+    return _pure_function(checker, node, found)
+
+
+def _pure_function(checker: Quantities, node: Call[Flat], found: list[Quantity]) -> Quantity:
     for quantity, argument in zip(found, node.arguments, strict=True):
         hints = [f"write: {node.function}(1[rad/s]*{argument.span.text})"] if isinstance(argument, Time) else []
         checker.pure(quantity, argument, f"the argument of {node.function}", *hints)
     return PURE
+
+
+def _distance(checker: Quantities, node: Call[Flat], local: Mapping[str, Quantity] | None) -> Quantity:
+    ends = [end for end in node.arguments if not (isinstance(end, FrameRef) and end.attribute == "")]
+    points = [checker.quantity(end, local) for end in ends]
+    checker.common([Quantity(_METRE), *points], node.span, "be points")
+    return Quantity(_METRE)
 
 
 def _arguments(checker: Quantities, node: Call[Flat], local: Mapping[str, Quantity] | None) -> list[Quantity]:
