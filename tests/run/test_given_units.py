@@ -19,7 +19,7 @@ SCENE = """model M
   Block b(m = 1, base = world, s(start = d));
   Revolute r(a = b.center);
   Bar bar(m = 1, L = n*1[m], a = r.b);
-  output Real z = k + 1[1], y = c*n*k + w*1[s] + u + part + e/1[m], where = b.s;
+  output Real z = k + 1[1], y = c*n*k + w*1[s] + u + part + e/1[m], where = b.s, rest = b.s;
   annotation(experiment(StopTime = 0.001));
 end M;"""
 
@@ -51,11 +51,14 @@ def test_what_fits_is_converted(tmp_path: Path, option: str, value: str, column:
     assert float(row.split(",")[names.split(",").index(column)]) == pytest.approx(right, abs=1e-12)
 
 
-def test_bounds_without_a_unit_take_none(scene: Callable[[str], lag.Model]) -> None:
+def test_bounds_are_in_the_unit_of_what_is_measured(scene: Callable[[str], lag.Model]) -> None:
     model = scene(SCENE)
+    with pytest.raises(lag.LagError, match="it is in s, but m is wanted"):
+        model.measure("first_time(b.s > 1[s])")
+    for bound in ("b.s > 1[mm]", "rest > 1[mm]"):  # an output Real that is bound to a length
+        assert model.measure(f"first_time({bound})") == {f"first_time({bound})": 0.0}
     with pytest.raises(lag.LagError, match="no unit is declared"):
-        model.measure("first_time(y > 3[m])")
-    assert model.measure("first_time(b.s > 1[mm])") == {"first_time(b.s > 1[mm])": 0.0}
+        model.measure("settling_time(b.s, 0.1[m])")
 
 
 # -------------------------------------------------------------------- remainders
