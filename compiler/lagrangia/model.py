@@ -8,7 +8,8 @@ from functools import cached_property, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
-from lagrangia.base.checked_values import a_length, by_name, names
+from lagrangia.base.checked_values import a_length, a_text, by_name
+from lagrangia.base.checked_values import names as asked_names
 from lagrangia.base.diagnostics import EngineWarning, Interrupted, RunError, fail
 from lagrangia.run.cache import find_scene, keep_scene
 from lagrangia.run.engines import Engine, divided, load_engine
@@ -51,7 +52,7 @@ def load(path: str | os.PathLike[str], *, model: str | None = None, **structural
     Keyword arguments give structural parameters (Integer, Boolean, constants): lag.load("chain.lag", n=20); a dotted name goes in
     a dictionary, lag.load("x.lag", **{"left.n": 3}). Raises LagError when the file is wrong.
     """
-    return Model(Path(path), model, structural)
+    return Model(path, model, structural)
 
 
 def loads(text: str, *, model: str | None = None, **structural: Any) -> "Model":
@@ -75,7 +76,8 @@ class Model(Analysed, Swept):
         """`formulas` hold for some values of the parameters: see `suited`."""
         self.formulas = formulas
         self._others: dict[Formulas, Model] = {}
-        self.origin, self.model, self.structural, self.outputs = origin_of(path), model, dict(structural or {}), tuple(outputs)
+        self.origin, self.model = origin_of(path), model if model is None else a_text("name of the model", model)
+        self.structural, self.outputs = dict(by_name("structural parameters", structural)), asked_names("outputs", outputs)
         self._compilation: Compilation | None = None
         self._engine: Engine | None = None
         self._has_engine = False
@@ -288,7 +290,7 @@ class Model(Analysed, Swept):
 
     def telling_reactions(self, names: Sequence[str] = (REACTION,)) -> "Model":
         """The same, or where reactions are among these quantities and a scene in space lies in a plane, the scene in space."""
-        return self.in_space if any(REACTION in name for name in names) else self
+        return self.in_space if any(REACTION in name for name in asked_names("quantities", names)) else self
 
     @property
     def in_space(self) -> "Model":
@@ -400,7 +402,9 @@ class Model(Analysed, Swept):
         LagError for an unknown form, format, name or language."""
         from lagrangia.paper.sheet import Request, write_equations
 
-        request = Request(form, format, names or {}, dict(parameters or {}), numbers, force, language=language)
+        form, format, language = a_text("form", form), a_text("format", format), a_text("language", language)
+        given = dict(by_name("parameters", parameters))
+        request = Request(form, format, by_name("symbols", names), given, numbers, force, language=language)
         return write_equations(self.origin.unchanged(), request, self.model, self.structural)
 
     def draw(self, path: str | os.PathLike[str] | None = None, *, at: float | None = None, names: Mapping[str, str] | None = None,
@@ -411,7 +415,7 @@ class Model(Analysed, Swept):
         from lagrangia.solids.showing import draw_any
 
         request = Request(at=None if at is None else [at], parameters=parameters, initial=initial, inputs=inputs)
-        return draw_any(self, path, request, names or {}, view=view)
+        return draw_any(self, path, request, by_name("symbols", names), view=view)
 
     def _repr_html_(self) -> str:
         return self.draw()
@@ -458,7 +462,7 @@ class Model(Analysed, Swept):
         return people_derivatives(c.kinematics, c.motion, known, has_repeated)
 
     def _known_parameters(self, given: str | Iterable[str]) -> tuple[str, ...]:
-        known = names("given parameters", given)
+        known = asked_names("given parameters", given)
         check_values(self.scene, dict.fromkeys(known, 0.0))
         return known
 

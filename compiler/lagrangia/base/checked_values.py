@@ -3,6 +3,7 @@
 import math
 import operator
 from collections.abc import Mapping
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from lagrangia.base.diagnostics import fail
@@ -116,6 +117,21 @@ def names(what: str, given: Any) -> tuple[str, ...]:
     if found is None or not all(isinstance(name, str) for name in found):
         fail("L0702", f"the {what} must be names, not {given!r}"[:200])
     return tuple(found)
+
+
+def a_text(what: str, given: Any) -> str:
+    """Raises LagError L0702."""
+    if not isinstance(given, str):
+        fail("L0702", f"the {what} must be a text, not {given!r}"[:200])
+    return given
+
+
+def a_path(given: Any) -> Path:
+    """Of a file. Raises LagError L0702."""
+    try:
+        return Path(given)
+    except TypeError:
+        fail("L0702", f"a path must be a text or a pathlib.Path, not {given!r}"[:200])
 
 
 def a_frequency(value: Any) -> float:

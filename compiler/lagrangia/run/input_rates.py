@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from itertools import pairwise
 from typing import Any
 
+from lagrangia.base.checked_values import a_text, numbers
 from lagrangia.base.diagnostics import fail
 from lagrangia.base.table_data import Beyond
 from lagrangia.run.lookup import made_table
@@ -13,6 +14,7 @@ from lagrangia.run.scene import Scene
 def slopes(times: Sequence[float], values: Sequence[float], smoothness: str = "cubic") -> Sequence[float]:
     """Rates of an input at its times, for der(y) beside y in a table of inputs: of the spline with two continuous derivatives, or
     of cubic pieces that do not overshoot ("monotone"). Raises LagError L0703."""
+    times, values, smoothness = numbers("times", times), numbers("values", values), a_text("smoothness", smoothness)
     if smoothness not in ("cubic", "monotone"):
         fail("L0703", f"an input is 'cubic' or 'monotone' between its rows, not '{smoothness}'")
     if len(times) != len(values) or len(times) < 2 or any(b <= a for a, b in pairwise(times)):

@@ -6,6 +6,7 @@ import os
 from pathlib import Path
 from typing import Any
 
+from lagrangia.base.checked_values import a_path
 from lagrangia.base.diagnostics import fail
 from lagrangia.base.result_files import require_file
 
@@ -38,7 +39,7 @@ class Origin:
 
 def origin_of(place: str | os.PathLike[str] | Origin) -> Origin:
     """Of a path, or what is one already."""
-    return place if isinstance(place, Origin) else Origin(Path(place))
+    return place if isinstance(place, Origin) else Origin(a_path(place))
 
 
 def digest_of(path: Path) -> str:

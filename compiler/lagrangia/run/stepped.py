@@ -7,7 +7,7 @@ from array import array
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from lagrangia.base.checked_values import a_number, an_array
+from lagrangia.base.checked_values import a_number, an_array, by_name
 from lagrangia.base.diagnostics import RunError, fail, suggest
 from lagrangia.run.engines import Engine
 from lagrangia.run.remarks import warn_of_loss
@@ -127,7 +127,7 @@ class SteppedRun:
 
     def set(self, given: Mapping[str, float] | None = None, **named: float) -> None:
         """Inputs that hold from now on, in SI units. Raises LagError L0605, L0701."""
-        for name, value in ({**given, **named} if given else named).items():
+        for name, value in ({**by_name("inputs", given), **named} if given is not None else named).items():
             place = self._input.get(name)
             if place is None:
                 fail("L0701", f"the scene has no input '{name}'", None, *filter(None, [suggest(name, self._input)]))
@@ -223,6 +223,8 @@ class SteppedRun:
         """Back to where `save` was called, of this run or another of the same model. Raises LagError L0702 for other bytes."""
         import numpy as np
 
+        if not isinstance(kept, bytes):
+            fail("L0702", f"a state must be the bytes that save() has answered, not {kept!r}"[:200])
         row, u = _PACE + self._row.nbytes, self._u.nbytes
         pace = np.frombuffer(kept[:_PACE]).tolist() if len(kept) > row + u else []
         end = len(kept) - int(pace[3]) if pace and 0 <= pace[3] <= len(kept) else 0

@@ -4,7 +4,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from lagrangia.base.checked_values import MOST_POINTS, MOST_STARTS, a_count_within, a_frequency, a_span, any_names, numbers
+from lagrangia.base.checked_values import MOST_POINTS, a_count_within, a_frequency, a_span, any_names, numbers
 
 if TYPE_CHECKING:
     from lagrangia.study.analysis import Study
@@ -35,8 +35,7 @@ class Analysed(ABC):
         Each has `.position`, `.stability`, `.eigenvalues`, `.reactions`; time stands still at `time` (s), the start time by
         default. Raises LagError for wrong input, RunError where nothing can rest.
         """
-        return self.telling_reactions().study(parameters, initial, inputs, time).equilibria(
-            None if starts is None else a_count_within("number of starts", starts, 1, MOST_STARTS))
+        return self.telling_reactions().study(parameters, initial, inputs, time).equilibria(starts)
 
     def linearize(self, *, about: str = "equilibrium", excitations: str | Sequence[str] | None = None,
                   outputs: str | Sequence[str] | None = None, parameters: Given = None, initial: Given = None,

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from lagrangia.base.checked_values import MOST_STARTS, a_count_within
 from lagrangia.base.diagnostics import RunError, fail
 from lagrangia.constraints.singular_positions import told
 from lagrangia.dynamics.equilibrium import Rest, find_all, find_rest
@@ -84,7 +85,10 @@ class AtRest(MotionNumbers):
             raise RunError("nothing can rest here: a constraint prescribes a speed")
 
     def equilibria(self, starts: int | None) -> Equilibria:
-        """Positions of rest from the start and from `starts` - 1 other places."""
+        """Positions of rest from the start and from `starts` - 1 other places, as many as suit the scene for None. Raises LagError
+        L0702."""
+        usual = _FROM if self.scene.n <= _LARGE else 3
+        most = usual if starts is None else a_count_within("number of starts", starts, 1, MOST_STARTS)
         graph = self.c.kinematics.graph
         outputs = [c.name for c in graph.dependent_coordinates]
         e = self.equations((), outputs)
@@ -102,7 +106,6 @@ class AtRest(MotionNumbers):
             notes += told_shares(repeated_rows(self.c.kinematics, self.c.motion, self.c.constraints, self.c.initial,
                                                self.c.functions.table), sharing.length if sharing else None)
         full = self.equations((), (*outputs, *asked)) if asked else e
-        most = starts if starts is not None else (_FROM if self.scene.n <= _LARGE else 3)
         found, is_reached = self.all_rests(e, pace, most)
         if len(found) == 1:
             self.linears_at(e, *found[0], pace)  # there is nothing else to tell where it fails

@@ -7,6 +7,8 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
+from lagrangia.base.checked_values import a_path, by_name
+from lagrangia.base.checked_values import names as asked_names
 from lagrangia.base.diagnostics import fail, suggest
 from lagrangia.base.records import dataclass
 from lagrangia.base.result_files import require_kind
@@ -163,11 +165,12 @@ class Trajectory:
     def to_csv(self, path: str | os.PathLike[str]) -> None:
         """Comma-separated columns with a line of names; all 17 digits that matter. Where a quantity has no finite value, its
         cell is empty."""
-        self._put(TextRows(Path(path), shown(self.scene)[0]))
+        self._put(TextRows(a_path(path), shown(self.scene)[0]))
 
     def write(self, path: str | os.PathLike[str]) -> None:
         """The rows in a file of the kind its name says: .csv, .jsonl, .parquet (pyarrow), .npz, .mat (as Modelica tools read it).
         Raises LagError L0004, L0715."""
+        path = a_path(path)
         require_kind(path, *RESULTS)
         self._put(open_writer(path, shown(self.scene)[0], self.progress))
 
@@ -190,7 +193,7 @@ class Trajectory:
 
         sight = self._sight
         cut = (section, 0.0) if isinstance(section, str) else section
-        wanted = choose(self.scene, sight, names, (spectrum,) if isinstance(spectrum, str) else spectrum, cut)
+        wanted = choose(self.scene, sight, asked_names("quantities", names), asked_names("spectrum", spectrum), cut)
         pairs = overlay.items() if isinstance(overlay, Mapping) else _numbered(overlay).items()
         beside = [x.series(label) if isinstance(x, Trajectory) else table_series(Path(x), sight, wanted)
                   for label, x in pairs]
@@ -232,7 +235,8 @@ class Trajectory:
         if self.show is None:
             fail("L0918", "not supported yet: the animation of a run without its model", None, "animate what simulate returned")
         others = beside if isinstance(beside, Mapping) else _numbered(beside)
-        return self.show.animate(self, path, traces=traces, quantities=quantities, names=names, beside=others)
+        return self.show.animate(self, path, traces=asked_names("traces", traces), quantities=asked_names("quantities", quantities),
+                                 names=None if names is None else by_name("symbols", names), beside=others)
 
     def _repr_html_(self) -> str | None:
         """In a notebook: its animation."""
