@@ -5,7 +5,8 @@ error[L0203]: Spring has no parameter 'd', with file, line and caret, what was e
 L00xx files and command line   L01xx syntax   L02xx names, modifications, arrays   L03xx units and dimensions
 L04xx component graph          L05xx energies, equations of motion                 L06xx values, initial conditions
 L07xx command line             L08xx style: lag lint                               L09xx not supported yet
-Exit codes: 0 done, 1 the run failed (what was computed is kept), 2 the input is wrong, 130 interrupted.
+Exit codes: 0 done, 1 the run failed (what was computed is kept), 2 the input is wrong, 130 interrupted. A sweep fails where none
+of its runs went well, or the energy account of one is open; single runs that fail are rows that say so, and leave it at 0.
 Warnings have codes of their own: lag help warnings.
 """
 _WARNINGS = """\

@@ -322,6 +322,7 @@ faster than the motion itself needs --interval, which says how closely to look a
 known; period(y) and settling_time need its mean or end first, and take it twice.
 
 A run that fails is a row with the reason in its last column, and what was known before. Limits: --max-steps, --seconds-per-run.
+Exit code 0: one run or more went well; 1: none did, or the energy account of one is open, whose row is no motion of the scene.
 While a sweep is under way its results are in FILE.part. If it is interrupted or killed, the same command goes on from there;
 another sweep never does (--restart gives the old one up). --keep writes whole trajectories beside it, rows an --interval apart:
 Parquet files with a column run in NAME_sweep_runs. The table is CSV, or Parquet for -o FILE.parquet (pyarrow). Of trees without

@@ -85,8 +85,8 @@ class AtRest(MotionNumbers):
             raise RunError("nothing can rest here: a constraint prescribes a speed")
 
     def equilibria(self, starts: int | None) -> Equilibria:
-        """Positions of rest from the start and from `starts` - 1 other places, as many as suit the scene for None. Raises LagError
-        L0702."""
+        """Positions of rest from the start and from `starts` - 1 other places, as many as suit the scene for None.
+        Raises LagError L0702."""
         usual = _FROM if self.scene.n <= _LARGE else 3
         most = usual if starts is None else a_count_within("number of starts", starts, 1, MOST_STARTS)
         graph = self.c.kinematics.graph

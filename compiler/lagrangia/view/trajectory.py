@@ -235,7 +235,8 @@ class Trajectory:
         if self.show is None:
             fail("L0918", "not supported yet: the animation of a run without its model", None, "animate what simulate returned")
         others = beside if isinstance(beside, Mapping) else _numbered(beside)
-        return self.show.animate(self, path, traces=asked_names("traces", traces), quantities=asked_names("quantities", quantities),
+        return self.show.animate(self, path, traces=asked_names("traces", traces),
+                                 quantities=asked_names("quantities", quantities),
                                  names=None if names is None else by_name("symbols", names), beside=others)
 
     def _repr_html_(self) -> str | None:
