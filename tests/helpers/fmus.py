@@ -3,7 +3,7 @@
 import ctypes
 import os
 from collections.abc import Callable
-from contextlib import suppress
+from contextlib import nullcontext, suppress
 from functools import cache
 from hashlib import sha256
 from math import prod
@@ -16,6 +16,7 @@ import fmpy.fmi3
 import numpy as np
 
 import lagrangia as lag
+from helpers.one_process import one_process_at_a_time
 from lagrangia.base.folders import data_folder, stamps
 from lagrangia.base.store import key_of
 from lagrangia.fmu.build import host_platform
@@ -94,7 +95,9 @@ def _export(place: Path, target: Path, wanted: Export) -> None:
     model = _model_at(place)
     described = build_fmu_model(model)
     extras = Extras(draw_icon(model, described.state_start), draw_graph(model.compilation), "", model_files(model))
-    target.write_bytes(archive(described, wanted, extras))
+    beside = nullcontext() if wanted.engine == "tape" else one_process_at_a_time(of_this_run("native.lock"))
+    with beside:  # the first that is compiled compiles the run time, too
+        target.write_bytes(archive(described, wanted, extras))
 
 
 def simulated(path: Path, version: str, kind: str, names: list[str], **options: object) -> np.ndarray:

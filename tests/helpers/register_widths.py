@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from helpers.one_process import one_process_at_a_time
 from lagrangia.base.folders import data_folder
 from lagrangia.native import prebuilt
 from lagrangia.run.library import start_runtime
@@ -23,4 +24,6 @@ def in_registers(kind: str, built: Path) -> Iterator[None]:
         patch.setenv("LAGRANGIA_CACHE", str(built / kind))
         if own is None:
             patch.setattr(start_runtime, "__defaults__", (None, "-O1"))
+            with one_process_at_a_time(built / f"{kind}.lock"):
+                start_runtime().path()
         yield

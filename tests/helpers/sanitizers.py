@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+from helpers.one_process import one_process_at_a_time
 from lagrangia.base.folders import data_folder
 from lagrangia.native.build import find_compiler
 from lagrangia.native.prebuilt import sources
@@ -40,13 +41,11 @@ def _objects(command: Sequence[str], shared: Sequence[Path], headers: Sequence[P
     base = Path(os.environ["LAGRANGIA_CACHE"]).parent  # a folder of this run's own: conftest.own_cache
     content = b"".join(file.name.encode() + file.read_bytes() for file in (*shared, *headers))
     kept = base / f"sanitized-{hashlib.sha256(content).hexdigest()[:16]}"
-    if not kept.exists():
-        made = Path(tempfile.mkdtemp(dir=base))
-        _compile(command, made, ["-c", *map(str, shared)])
-        try:
+    with one_process_at_a_time(kept.with_suffix(".lock")):
+        if not kept.exists():
+            made = Path(tempfile.mkdtemp(dir=base))
+            _compile(command, made, ["-c", *map(str, shared)])
             made.rename(kept)
-        except OSError:  # another process was faster
-            assert kept.exists()
     return sorted(kept.glob("*.o"))
 
 

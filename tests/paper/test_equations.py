@@ -242,7 +242,7 @@ def test_the_two_derivations_agree(path: Path) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("first", range(0, 18, 6))
+@pytest.mark.parametrize("first", [0, 6])
 def test_they_agree_on_random_trees(first: int, tmp_path: Path) -> None:
     """Bars and discs on hinges, sliders and moving bases, with springs, dampers and loads anywhere."""
     for seed in range(first, first + 6):

@@ -113,7 +113,7 @@ int main(void)
         times[i] = i / 20.0;
     for (int i = 0; i < 14; ++i) {
         const LagSettings settings = {.t_stop = 3, .tolerance = i < 7 ? 1e-4 : 1e-8, .solver = solvers[i % 7]};
-        if (settings.solver == LAG_SOLVER_TAYLOR && lag_model.n_jets == 0)
+        if ((settings.solver == LAG_SOLVER_TAYLOR && lag_model.n_jets == 0) || (i >= 7 && i % 2 != FINE))
             continue;
         LagRun *run = lag_run_new(&lag_model, &settings);
         int done = 0;
@@ -129,10 +129,13 @@ int main(void)
 
 
 @needs_sanitizers
-@pytest.mark.parametrize("text", [BOX, SPINNING, BRAKED, STANDING], ids=["box", "spinning", "braked", "standing"])
-def test_they_find_nothing_where_things_strike_and_slide(tmp_path: Path, scene: Callable[[str], Model], text: str) -> None:
-    """Whole scenes, by all solvers at two tolerances: impacts, friction that sticks, rubs and is torn off, stiff or not."""
-    run_sanitized(tmp_path, {"driver.c": SCENE_DRIVER, "scene.c": dump(scene(text).compilation, "c")})
+@pytest.mark.parametrize(("text", "fine"), [(BOX, 0), (SPINNING, 1), (BRAKED, 0), (STANDING, 1)],
+                         ids=["box", "spinning", "braked", "standing"])
+def test_they_find_nothing_where_things_strike_and_slide(tmp_path: Path, scene: Callable[[str], Model], text: str,
+                                                         fine: int) -> None:
+    """Whole scenes, by all solvers: impacts, friction that sticks, rubs and is torn off, stiff or not. At the finer tolerance,
+    which takes most of the time, a scene is run by every other solver, and the next one by the others."""
+    run_sanitized(tmp_path, {"driver.c": SCENE_DRIVER, "scene.c": dump(scene(text).compilation, "c")}, flags=[f"-DFINE={fine}"])
 
 
 @needs_sanitizers
@@ -141,4 +144,5 @@ def test_they_find_nothing_where_things_strike_and_slide(tmp_path: Path, scene: 
 def test_they_find_nothing_where_eight_states_are_evaluated_at_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str,
                                                                     longest: int) -> None:
     monkeypatch.setattr(widecode, "_LONGEST", longest)
-    run_sanitized(tmp_path, {"driver.c": SCENE_DRIVER, "scene.c": dump(load(EXAMPLES / f"{name}.lag").compilation, "c")})
+    files = {"driver.c": SCENE_DRIVER, "scene.c": dump(load(EXAMPLES / f"{name}.lag").compilation, "c")}
+    run_sanitized(tmp_path, files, flags=[f"-DFINE={int(longest == 0)}"])
