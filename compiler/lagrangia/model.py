@@ -8,8 +8,7 @@ from functools import cached_property, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
-from lagrangia.base.checked_values import a_length, a_text, by_name
-from lagrangia.base.checked_values import names as asked_names
+from lagrangia.base import checked_values as checked
 from lagrangia.base.diagnostics import EngineWarning, Interrupted, RunError, fail
 from lagrangia.run.cache import find_scene, keep_scene
 from lagrangia.run.engines import Engine, divided, load_engine
@@ -76,8 +75,8 @@ class Model(Analysed, Swept):
         """`formulas` hold for some values of the parameters: see `suited`."""
         self.formulas = formulas
         self._others: dict[Formulas, Model] = {}
-        self.origin, self.model = origin_of(path), model if model is None else a_text("name of the model", model)
-        self.structural, self.outputs = dict(by_name("structural parameters", structural)), asked_names("outputs", outputs)
+        self.origin, self.model = origin_of(path), model if model is None else checked.a_text("name of the model", model)
+        self.structural, self.outputs = dict(checked.by_name("structural", structural)), checked.names("outputs", outputs)
         self._compilation: Compilation | None = None
         self._engine: Engine | None = None
         self._has_engine = False
@@ -174,7 +173,7 @@ class Model(Analysed, Swept):
         want of a C compiler, InputWarnings of inputs without values, tables that end before the run, and parameters in vain.
         """
         request = Request(start, stop, tolerance, interval, at, solver, max_step, max_steps, parameters, initial, inputs)
-        by_input = by_name("controllers", controllers)
+        by_input = checked.by_name("controllers", controllers)
         warn_of_given(self, request, later=by_input)
         if from_ is not None:
             from lagrangia.study.steady_start import begun
@@ -249,7 +248,7 @@ class Model(Analysed, Swept):
 
     def fitting(self, parameters: Given) -> "Model":
         """This model, or the same scene in the formulas that these parameters need: it may have other coordinates."""
-        return self.suited(check_values(self.scene, parameters)) if by_name("parameters", parameters) else self
+        return self.suited(check_values(self.scene, parameters)) if checked.by_name("parameters", parameters) else self
 
     def suited(self, values: Values) -> "Model":
         """The same for checked values."""
@@ -286,11 +285,11 @@ class Model(Analysed, Swept):
 
     def sharing_reactions(self, length: float = 1.0) -> "Model":
         """The same, reactions that the mechanics leave open by least squares, torques over this length (m)."""
-        return self._in(replace(self.formulas, least_squares=a_length(length)))
+        return self._in(replace(self.formulas, least_squares=checked.a_length(length)))
 
     def telling_reactions(self, names: Sequence[str] = (REACTION,)) -> "Model":
         """The same, or where reactions are among these quantities and a scene in space lies in a plane, the scene in space."""
-        return self.in_space if any(REACTION in name for name in asked_names("quantities", names)) else self
+        return self.in_space if any(REACTION in name for name in checked.names("quantities", names)) else self
 
     @property
     def in_space(self) -> "Model":
@@ -402,9 +401,8 @@ class Model(Analysed, Swept):
         LagError for an unknown form, format, name or language."""
         from lagrangia.paper.sheet import Request, write_equations
 
-        form, format, language = a_text("form", form), a_text("format", format), a_text("language", language)
-        given = dict(by_name("parameters", parameters))
-        request = Request(form, format, by_name("symbols", names), given, numbers, force, language=language)
+        symbols, given = checked.by_name("symbols", names), checked.by_name("parameters", parameters)
+        request = Request(form, format, symbols, dict(given), numbers, force, language=language)
         return write_equations(self.origin.unchanged(), request, self.model, self.structural)
 
     def draw(self, path: str | os.PathLike[str] | None = None, *, at: float | None = None, names: Mapping[str, str] | None = None,
@@ -415,7 +413,7 @@ class Model(Analysed, Swept):
         from lagrangia.solids.showing import draw_any
 
         request = Request(at=None if at is None else [at], parameters=parameters, initial=initial, inputs=inputs)
-        return draw_any(self, path, request, by_name("symbols", names), view=view)
+        return draw_any(self, path, request, checked.by_name("symbols", names), view=view)
 
     def _repr_html_(self) -> str:
         return self.draw()
@@ -462,8 +460,7 @@ class Model(Analysed, Swept):
         return people_derivatives(c.kinematics, c.motion, known, has_repeated)
 
     def _known_parameters(self, given: str | Iterable[str]) -> tuple[str, ...]:
-        known = asked_names("given parameters", given)
-        check_values(self.scene, dict.fromkeys(known, 0.0))
+        check_values(self.scene, dict.fromkeys(known := checked.names("given parameters", given), 0.0))
         return known
 
     @cached_property

@@ -24,7 +24,7 @@ from lagrangia.algebra.scalars import column, symbols_in
 from lagrangia.algebra.with_casadi import jumps_with, operations_in
 from lagrangia.base.diagnostics import fail
 from lagrangia.base.records import dataclass
-from lagrangia.constraints.parameters import parameter_symbols
+from lagrangia.constraints.parameters import parameter_symbols, require_possible
 from lagrangia.constraints.rows import Row
 from lagrangia.dynamics import collisions as meets
 from lagrangia.dynamics.collisions import BODIES, STILL, Meeting, Mobility
@@ -124,6 +124,7 @@ def find_impacts(kinematics: Kinematics, kinetic: ca.SX, rows: Sequence[Row]) ->
     for asked in contact_forces_in(kinematics.graph.model):
         event = contact_of(kept, asked.arguments[0])
         if event is not None and (found[event].kept is None or ONE_WAY in found[event].kinds):
+            require_possible(kinematics)  # along a direction of no length nothing is a contact
             fail("L0226", "this event is no contact, whose force is asked for", whens[event].span,
                  "a contact turns what approaches back, or stops it: reinit(der(x), -e*pre(der(x))) with e >= 0")
     places = [(k, kind) for k, event in enumerate(found) for kind in event.kinds]

@@ -9,6 +9,7 @@ from typing import Any
 
 from lagrangia.algebra.normal_form import TooLarge
 from lagrangia.base.attitude_values import SEQUENCES
+from lagrangia.base.checked_values import a_text
 from lagrangia.base.diagnostics import LagError, fail, suggest
 from lagrangia.base.records import dataclass
 from lagrangia.compile.pipeline import compile_energies, compile_file, deep_recursion
@@ -82,7 +83,10 @@ class Request:
 
 
 def write_equations(path: Path, request: Request, model: str | None = None, structural: Mapping[str, Any] | None = None) -> Page:
-    """The page. Raises LagError: L0704 for an unknown form or format, L0711 names, L0712 too large, L0713 no equilibrium."""
+    """The page. Raises LagError: L0702 for what is no text, L0704 an unknown form or format, L0711 names, L0712 too large, L0713
+    no equilibrium."""
+    for what in ("form", "format", "language"):
+        a_text(what, getattr(request, what))
     request = replace(request, form=WORDS.get(request.form, request.form))
     _choose("form", request.form, ALL_FORMS)
     _choose("sources", request.sources, SOURCES)

@@ -304,7 +304,6 @@ def check_parameters(scene: Scene, parameters: Sequence[float]) -> None:
     for known, value in zip(scene.parameters, parameters, strict=True):
         _require_possible("parameter", known, value, report)
     report.raise_errors()
-    require_recognized(scene, parameters, report)
     for name, places in scene.notes.get("directions", {}).items():
         if not any(parameters[k] for k in places):
             report.error("L0605", f"the direction '{name}' has no length: all its parts are 0", None,
@@ -313,6 +312,7 @@ def check_parameters(scene: Scene, parameters: Sequence[float]) -> None:
         if wrong := _odd_inertia([parameters[k] for k in places]):
             report.error("L0605", f"the inertia '{name}' {wrong}")
     report.raise_errors()
+    require_recognized(scene, parameters, report)  # of contacts, whose directions have lengths
 
 
 def _odd_inertia(own: Sequence[float]) -> str:
