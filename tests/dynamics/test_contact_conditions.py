@@ -255,6 +255,25 @@ def test_bodies_that_collide_are_refused_by_their_restitution_alone(
     assert found == {(e, m): right(e) for e, m in found}
 
 
+def test_bodies_that_collide_as_declared_alone_are_so_for_parameters_that_say_the_same(scene: Write) -> None:
+    """Shares of numbers are an impulse between the two for masses as 1 and 2 alone: as 2 and 2 declared, nothing is held."""
+    share = "(1 + e)*(b.v - x.v)"
+    model = scene(f"""model Shares parameter Real e = 0.5; World world(gravity = {{-10, 0}});
+        Block b(m = 1, base = world, s(start = 1)); Block x(m = 2, base = world); energy potential 25[N/m]*x.s^2; equation
+        when b.s - x.s - 0.5 < 0 then reinit(b.v, b.v - {share}*2/3); reinit(x.v, x.v + {share}/3); end when; end Shares;""")
+    assert all(accepted(model, **{"b.m": m, "x.m": 2*m}) for m in (1, 2, 30)) and accepted(model, e=0)
+    assert not accepted(model, **{"b.m": 2}) and not accepted(model, **{"x.m": 3}) and not accepted(model, e=-0.2)
+    with pytest.raises(lag.LagError, match="L0605"):
+        model.equilibrium(parameters={"e": -0.2})
+
+
+def test_walls_as_declared_alone_are_so_for_parameters_that_say_the_same(scene: Write) -> None:
+    """What is turned back goes with the wall where u is w: it was held on walls of other speeds (0.9 m for -16.57)."""
+    model = scene(thrown("when b.s < w*time then reinit(b.v, w - e*(b.v - u)); end when;", "parameter Real w = 0.1, u = 0.1;"))
+    assert accepted(model, w=0.3, u=0.3) and accepted(model, e=0.2)
+    assert not accepted(model, w=0.3) and not accepted(model, u=0.3) and not accepted(model, e=-0.2)
+
+
 def test_times_at_which_parameters_choose_are_asked(scene: Write) -> None:
     model = scene(thrown("when b.s < 0 then reinit(b.v, if time > after then -e*b.v else b.v + 1); end when;",
                          "parameter Time after = -1;"))

@@ -214,16 +214,15 @@ class _Event(Resets):
 
     def _find_recognized(self, contacts: Sequence[Flat | None]) -> list[Comparison]:
         """What parameters have to be where resets are those of `contacts`, at which comparisons, and all others are none, as was
-        found for these. None where that holds for parameters as they are declared alone."""
+        found for these."""
         collision, found = self.collision, list[Comparison]()
-        if not self.gaps or (collision is not None and collision[1] == Meeting.AS_DECLARED):
+        if not self.gaps:
             return found
         recognition = Recognition(self.look, self._felt_parameters(), self.mobility.bound)
         for k, node in enumerate(self.gaps if recognition.symbols else []):
-            if collision is not None and collision[1] == Meeting.BETWEEN:
-                found += recognition.stays_collision(k, self.returning, self.mobility) if collision[0] is node else []
-                continue
-            if any(x is node for x in self.beside):
+            if collision is not None and collision[1] > Meeting.BACK:
+                is_declared = collision[1] == Meeting.AS_DECLARED
+                found += (recognition.stays_collision(k, self.returning, self.mobility, is_declared) if collision[0] is node else [])
                 continue
             is_timed = self._is_timed(self._level_at(node))
             for j in self.returning.tolist():

@@ -114,11 +114,12 @@ class Recognition:
 
     # ------------------------------------------------------------ several
 
-    def stays_collision(self, k: int, own: NDArray[np.intp], mobility: Mobility) -> list[Comparison]:
-        """Of the resets `own` that turn back together what meets at gap k."""
-        is_chosen = any(self.look.by_parameters)
+    def stays_collision(self, k: int, own: NDArray[np.intp], mobility: Mobility, is_declared: bool) -> list[Comparison]:
+        """Of the resets `own` that turn back together what meets at gap k, by an impulse between these for parameters as they are
+        declared, where it `is_declared`, or for all."""
+        is_asked = is_declared or any(self.look.by_parameters)
         return self._all_hold([(exists, x) for exists, closes, *between in self._meets(k, own, mobility)
-                               for x in (closes, *(between if is_chosen else ()))])
+                               for x in (closes, *(between if is_asked else ()))])
 
     def stays_apart(self, k: int, own: NDArray[np.intp], mobility: Mobility) -> list[Comparison]:
         """Of those that would do so, but for what approaches there."""
