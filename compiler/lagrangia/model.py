@@ -73,10 +73,10 @@ class Model(Analysed, Swept):
     def __init__(self, path: str | os.PathLike[str] | Origin, model: str | None = None, structural: Any = None,
                  outputs: Sequence[str] = (), formulas: Formulas = AS_DECLARED) -> None:
         """`formulas` hold for some values of the parameters: see `suited`."""
-        self.formulas = formulas
-        self._others: dict[Formulas, Model] = {}
+        self.formulas, self._others = formulas, dict[Formulas, Model]()
         self.origin, self.model = origin_of(path), model if model is None else checked.a_text("name of the model", model)
-        self.structural, self.outputs = dict(checked.by_name("structural", structural)), checked.names("outputs", outputs)
+        self.structural = dict(checked.by_name("structural parameters", structural))
+        self.outputs = checked.names("outputs", outputs)
         self._compilation: Compilation | None = None
         self._engine: Engine | None = None
         self._has_engine = False
