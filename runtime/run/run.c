@@ -143,6 +143,7 @@ LagRun *lag_run_new(const LagModel *model, const LagSettings *settings)
         return NULL;
     }
     run->motion.t = settings->t_start;
+    run->guesses_version = -1; /* none: a run may start without a word about parameters */
     lag_run_set_lost(run, NULL);
     return run;
 }
