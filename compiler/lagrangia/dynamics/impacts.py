@@ -222,7 +222,8 @@ class _Event(Resets):
         for k, node in enumerate(self.gaps if recognition.symbols else []):
             if collision is not None and collision[1] > Meeting.BACK:
                 is_declared = collision[1] == Meeting.AS_DECLARED
-                found += (recognition.stays_collision(k, self.returning, self.mobility, is_declared) if collision[0] is node else [])
+                if collision[0] is node:
+                    found += recognition.stays_collision(k, self.returning, self.mobility, is_declared)
                 continue
             is_timed = self._is_timed(self._level_at(node))
             for j in self.returning.tolist():
