@@ -93,12 +93,28 @@ def test_a_power_of_a_rate_has_no_series(scene: Write) -> None:
         model.simulate(at=[5.0], solver="taylor", tolerance=1e-9)
 
 
-def test_factors_that_are_0_leave_the_sign_of_a_rate_alone(scene: Callable[[str], lag.Model]) -> None:
-    """With k = 0 a switch that stood for both k v and v never turned: -20 for 0.25 m."""
-    model = scene("""model M
-      parameter Real k = 1;
-      Block b(m = 1, base = world, v(start = 1));
-      AppliedForce w(at = b.center, force = {-(1 + exp(-abs(k*b.v/1[m/s])))*sign(b.v)*1[N], 0});
-    end M;""")
+FACTORS: dict[str, Callable[[float, float], float]] = {  # of v > 0 and c
+    "0.4*sign(w) + 0.3*sign(c*w)*sign(c)": lambda v, c: 0.4 + 0.3 * abs(np.sign(c)),
+    "0.4*sign(w) + 0.1*(if c*w > 0 then 1 else -1)": lambda v, c: 0.3 if c == 0 else 0.5,
+    "0.5*sign(w) + (1 + sqrt(abs(c*w)))*c*w/abs(c*w)*sign(c)": lambda v, c: 1.5 + np.sqrt(abs(c) * v),
+    "(1 + exp(-abs(c*w)))*sign(w)": lambda v, c: 1 + np.exp(-abs(c) * v),
+}
+
+
+@pytest.mark.parametrize("law", FACTORS)
+def test_factors_that_are_parameters(law: str, scene: Write) -> None:
+    """sign(c v) counted as 1 where c is 0 (0.714 for 1.25 m), |c v| had a switch of its own, and c v/|c v| had no
+    value at rest."""
+    model = sliding(scene, law, "Real w = b.v/1[m/s]; parameter Real c = 2;")
+    for c in (2.0, -3.0, 0.0):
+        if (c or "/" not in law) and (c >= 0 or "if" not in law):
+            comes_to_rest(model, slides(lambda v, c=c: FACTORS[law](v, c)), c=c)
+
+
+def test_a_factor_that_events_set_to_0(scene: Write) -> None:
+    """v falls by 0.5 m/s^2 until t = 0.5, stays, and falls again from t = 1 on."""
+    model = sliding(scene, "0.5*sign(n*b.v)", """discrete Real n(start = 2);
+      equation when time > 0.5 then n = 0; elsewhen time > 1 then n = 0.5; end when;""")
     for solver in ("auto", "erk5", "implicit"):
-        assert model.simulate(at=[5.0], solver=solver, parameters={"k": 0})["b.s"][-1] == pytest.approx(0.25, abs=1e-6), solver
+        run = model.simulate(at=[0.0, 0.5, 1.0, 5.0], solver=solver, tolerance=1e-6)
+        assert run["b.s"][1:] == pytest.approx([0.4375, 0.8125, 1.375], abs=1e-5), solver

@@ -93,7 +93,7 @@ class CasadiAlgebra:
                 raise ZeroDivisionError  # which 0 times infinity would hide
             return a - b * self.call("floor", a / b)
         if function == "abs" and isinstance(arguments[0], ca.SX):
-            return apply_to_one(ca.OP_FABS, _without_sign(arguments[0]))
+            return self._length(_without_sign(arguments[0]))
         if all(isinstance(a, float | int) for a in arguments):
             return _call_float(function, *arguments)
         if function == "abs" and (inner := _of_sign(arguments[0])) is not arguments[0]:
@@ -104,6 +104,15 @@ class CasadiAlgebra:
             powers = [self.call("pow", x, b) for x, b in found[0]]
             return prod(powers, start=1.0 if found[1].is_zero() else apply_to_one(ca.OP_EXP, found[1]))
         return _SX_FUNCTIONS[function](*arguments)
+
+    def _length(self, x: ca.SX) -> Expression:
+        """|x|: of c x and x/c with c of parameters alone those of both, so that x/|x| is found in c x/|c x|; not where c is a
+        number or a root, which is not 0 at one time and positive at another."""
+        parts = [x.dep(k) for k in range(2)] if x.op() in (ca.OP_MUL, ca.OP_DIV) else []
+        known = [part for part in parts if self._is_steady(part)]
+        if len(known) != 1 or known[0].is_constant() or known[0].op() == ca.OP_SQRT:
+            return apply_to_one(ca.OP_FABS, x)
+        return as_expression(apply(x.op(), *map(self._length, parts)))
 
     def _power(self, function: str, base: ca.SX, exponent: Scalar = 0.5) -> Expression:
         """sqrt or pow."""
@@ -137,7 +146,7 @@ class CasadiAlgebra:
             return self.logic("or", self.logic("and", condition, here),
                               self.logic("and", self.logic("not", condition), there))
         if is_zero(b) or is_zero(a):
-            a, b = _of_sign(a), _of_sign(b)
+            a, b = (_of_sign(_in_one(x)) for x in (a, b))
         if operator in ("==", "<>") and is_zero(b) and isinstance(a, ca.SX):
             a = _without_sign(a)
         difference = a - b
@@ -375,6 +384,16 @@ def _are_mirrored(a: Scalar, b: Scalar, op: int) -> bool:
     """Whether they are x op y and y op x."""
     return (isinstance(a, ca.SX) and isinstance(b, ca.SX) and a.op() == b.op() == op
             and ca.is_equal(a.dep(0), b.dep(1), 9) and ca.is_equal(a.dep(1), b.dep(0), 9))
+
+
+def _in_one(x: Scalar) -> Scalar:
+    """|c| |x| as |c x|, of which it is asked whether it is 0."""
+    if not isinstance(x, ca.SX) or x.op() not in (ca.OP_MUL, ca.OP_DIV):
+        return x
+    parts = [_in_one(as_expression(x.dep(k))) for k in range(2)]
+    if any(not isinstance(part, ca.SX) or part.op() != ca.OP_FABS for part in parts):
+        return as_expression(apply(x.op(), *parts))
+    return apply_to_one(ca.OP_FABS, apply(x.op(), *(part.dep(0) for part in parts)))
 
 
 def _of_sign(x: Scalar) -> Scalar:

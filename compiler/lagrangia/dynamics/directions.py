@@ -37,17 +37,16 @@ class Directions:
     numbering: Numbering
     lengths: dict[int, frozenset[Factor]] = field(default_factory=dict)  # by number: lengths, or their squares, among its factors
 
-    def found(self, op: int, numbers: list[int]) -> Direction | None:
-        """At the instruction where a component and its length meet."""
+    def found(self, op: int, numbers: list[int]) -> Iterator[Direction]:
+        """At the instruction where a component and its length meet: in c x/|c x| those of c and of x."""
         if op not in _PRODUCTS:
-            return None
+            return
         below = [number for number, is_below in self._lengths_in(op, numbers, False) if is_below]
         above = [number for number, is_below in self._factors(op, numbers) if not is_below] if below else []
         for length in below:
             direction = self._direction(length, above)
             if direction is not None and not any(self._meet(direction, number) for number in numbers):
-                return direction
-        return None
+                yield direction
 
     def _direction(self, below: int, above: list[int]) -> Direction | None:
         square = below if self.numbering.keys[below][0] == ca.OP_ADD else None

@@ -1,6 +1,7 @@
 """Switches in place of what conditions say. Where they may be shares of a jump, forces are made linear in each of them."""
 
 from collections.abc import Iterator, Mapping, Sequence
+from types import MappingProxyType
 
 import casadi as ca
 
@@ -85,11 +86,11 @@ def _without_factors(numbering: Numbering, number: int) -> int:
 
 class Holding:
     """`places`: the symbols of switches; `shares`: the hashes of those that may be between 0 and 1; `rests`: symbols that are 1
-    where both of a pair are held equal, and 0 elsewhere."""
+    where both of a pair are held equal, and 0 elsewhere; `nothing`: whether both are 0, of those whose factor may be."""
 
     def __init__(self, places: Mapping[Pair, Expression], shares: frozenset[int], rests: Mapping[Pair, Expression],
-                 numbering: Numbering) -> None:
-        self.places, self.shares, self.rests, self.numbering = places, shares, rests, numbering
+                 numbering: Numbering, nothing: Mapping[Pair, Expression] = MappingProxyType({})) -> None:
+        self.places, self.shares, self.rests, self.numbering, self.nothing = places, shares, rests, numbering, nothing
         self.symbols = {s.__hash__(): s for s in places.values() if s.is_symbolic()}
         self.jumps = dict[int, tuple[Expression, frozenset[int]]]()  # of expressions by their hashes: the shares they jump with
         self.products = dict[int, tuple[int, list[int], list[Expression]]]()  # by their numbers
@@ -134,6 +135,8 @@ class Holding:
         if op == ca.OP_FABS:
             return as_expression((2 * is_positive - 1 if numbers[0] == pair[0] else 1 - 2 * is_positive) * operands[0])
         is_less = is_positive if numbers[1] == pair[0] else self._opposite(is_positive)
+        if pair in self.nothing:
+            is_less = as_expression(ca.if_else(self.nothing[pair], 0.0 if op == ca.OP_LT else 1.0, is_less))
         if op in JUMPS:
             return self._noted(is_less, self._shares_in(is_less))
         smaller, larger = operands if op == ca.OP_FMIN else operands[::-1]
@@ -158,8 +161,8 @@ class Holding:
 
     def _directed(self, op: int, numbers: list[int], operands: list[Expression]) -> Expression | None:
         """A product or quotient in which a rate stands above and its length below; of others, it keeps the operands."""
-        found = self.directions.found(op, numbers)
-        directed = self._direction(list(self._factors(op, numbers, operands)), found) if found else None
+        found = (self._direction(list(self._factors(op, numbers, operands)), x) for x in self.directions.found(op, numbers))
+        directed = next((x for x in found if x is not None), None)
         if directed is None and is_product(op):
             self.products[self.numbering.of(op, numbers)] = op, numbers, operands
         return directed

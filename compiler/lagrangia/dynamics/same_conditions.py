@@ -1,8 +1,9 @@
 """Conditions that are met in another shape: of what was found in forces, in themselves and in the reactions that they make.
 
 sign(-x) is -sign(x), abs(x/c) is that of x for any parameter c, and x - y is -(y - x): of rates these have one switch, as two
-would not change at the same time. That of c x is another, as c may be 0. Of reactions sums are the same in any order: by their
-values at random states, x of one is x of the other but for a factor.
+would not change at the same time. That of c x is the one of x, too, whatever c is of what does not change between events; where c
+is 0, c x is neither positive nor negative. Of reactions sums are the same in any order: by their values at random states, x of
+one is x of the other but for a factor.
 """
 
 from collections.abc import Mapping
@@ -10,47 +11,102 @@ from collections.abc import Mapping
 import casadi as ca
 import numpy as np
 
-from lagrangia.algebra.numbering import Numbering
+from lagrangia.algebra.numbering import Numbering, rebuilt
 from lagrangia.algebra.orthogonal import Vector
 from lagrangia.algebra.scalars import Expression, as_expression, symbols_in
 from lagrangia.algebra.with_casadi import CORNERS, operations_in
-from lagrangia.dynamics.held_switches import Pair
+from lagrangia.base.records import dataclass
+from lagrangia.dynamics.held_switches import Pair, ordered
 
 _LOOKS, _SAME = 4, 1e-9
-Same = dict[Pair, tuple[Pair, Expression]]  # by conditions: another one, and what is positive where both have the same sign
 
 
-def multiples(found: Mapping[Pair, Expression], v: ca.SX, p: ca.SX, numbering: Numbering) -> Same:
-    """Of conditions on rates, those that are another one but for a factor of numbers and parameters."""
-    rates, constant = symbols_in(v), symbols_in(p)
-    first, same = dict[tuple[int, ...], tuple[Pair, Expression]](), Same()
-    for pair, g in found.items():
-        if not rates.isdisjoint(symbols_in(g)) and operations_in(g).isdisjoint(CORNERS):
-            key, factor = _apart(g, constant, numbering)
-            of, other = first.setdefault(key, (pair, factor))
-            if of != pair:
-                same[pair] = of, as_expression(factor * other)
+@dataclass(frozen=True)
+class Multiple:
+    """A condition that is another one, whose difference is `bare`, but for a factor."""
+
+    of: Pair
+    bare: Expression
+    factor: Expression
+    may_vanish: bool = False  # whether the factor may be 0
+
+    def switch(self, s: Expression) -> Expression:
+        """By that of the other; half of it where there is nothing to compare."""
+        found = ca.if_else(self.factor > 0, s, 1.0 - s)
+        return as_expression(ca.if_else(self.is_nothing, 0.5, found) if self.may_vanish else found)
+
+    def rests(self, rest: Expression) -> Expression:
+        """Whether it is held at 0, by whether the other is."""
+        return as_expression(ca.logic_or(self.is_nothing, rest)) if self.may_vanish else rest
+
+    @property
+    def is_nothing(self) -> Expression:
+        """Whether the factor is 0."""
+        return as_expression(self.factor == 0)
+
+
+Same = dict[Pair, Multiple]
+
+
+def multiples(found: Mapping[Pair, Expression], v: ca.SX, constant: ca.SX, numbering: Numbering) -> Same:
+    """Of conditions, those that are another one, or one that is not among them, but for a factor of what is `constant` between
+    events; where it cannot be 0, of rates alone."""
+    rates, symbols, same = symbols_in(v) - symbols_in(constant), symbols_in(constant), Same()
+    apart = {pair: _without_factors(g, symbols) for pair, g in found.items()}
+    vanishing = [pair for pair, (_, _, may_vanish) in apart.items() if may_vanish]
+    wanted = [pair for pair, g in found.items() if vanishing or not rates.isdisjoint(symbols_in(g))]
+    first = dict[tuple[int, ...], tuple[Pair, Expression]]()
+    smooth = [pair for pair in wanted if not _bends(found[pair], symbols, numbering)]
+    for pair in sorted(smooth, key=vanishing.__contains__):
+        bare, factor, may_vanish = apart[pair]
+        key, sign = _key(bare, numbering)
+        if key not in first and may_vanish:
+            number, zero = numbering.number(bare), numbering.of_number(0.0)
+            first[key] = ordered(number, zero), as_expression(sign if number < zero else -sign)
+        of, other = first.setdefault(key, (pair, as_expression(factor * sign)))
+        if of != pair and (may_vanish or not rates.isdisjoint(symbols_in(bare))):
+            same[pair] = Multiple(of, as_expression(bare * sign * other), as_expression(factor * sign * other), may_vanish)
     return same
 
 
-def _apart(g: Expression, constant: frozenset[int], numbering: Numbering) -> tuple[tuple[int, ...], Expression]:
-    """Numbers that tell g but for a factor, and a factor with the sign of that one."""
-    factor = as_expression(1.0)
+def _without_factors(g: Expression, constant: frozenset[int]) -> tuple[Expression, Expression, bool]:
+    """g but for a factor, a factor with the sign of that one, and whether it may be 0."""
+    factor, may_vanish = as_expression(1.0), False
     while g.n_dep():
+        known = [symbols_in(g.dep(k)) <= constant for k in range(g.n_dep())]
         if g.op() == ca.OP_NEG:
             factor, g = -factor, g.dep(0)
         elif g.op() == ca.OP_TWICE:
             g = g.dep(0)
-        elif (g.op() == ca.OP_DIV and symbols_in(g.dep(1)) <= constant) or (g.op() == ca.OP_MUL and g.dep(1).is_constant()):
+        elif g.op() == ca.OP_DIV and known[1]:
             factor, g = factor * g.dep(1), g.dep(0)
-        elif g.op() == ca.OP_MUL and g.dep(0).is_constant():
-            factor, g = factor * g.dep(0), g.dep(1)
+        elif g.op() == ca.OP_MUL and known[0] != known[1]:
+            other = g.dep(known.index(True))
+            factor, g, may_vanish = factor * other, g.dep(known.index(False)), may_vanish or not other.is_constant()
         else:
             break
+    return as_expression(g), as_expression(factor), may_vanish
+
+
+def _bends(g: Expression, constant: frozenset[int], numbering: Numbering) -> bool:
+    """Whether it bends or jumps where something else than constants decides."""
+    corners = list[int]()
+
+    def note(op: int, _: list[int], operands: list[Expression]) -> None:
+        if op in CORNERS:
+            corners.extend(symbols_in(ca.veccat(*operands[: 1 if op == ca.OP_IF_ELSE_ZERO else 2])) - constant)
+
+    if not operations_in(g).isdisjoint(CORNERS):
+        rebuilt([g], numbering, note)
+    return bool(corners)
+
+
+def _key(g: Expression, numbering: Numbering) -> tuple[tuple[int, ...], float]:
+    """Numbers that tell g but for its sign, and that."""
     if g.n_dep() == 0 or g.op() != ca.OP_SUB:
-        return (numbering.number(g),), factor
+        return (numbering.number(g),), 1.0
     a, b = numbering.number(g.dep(0)), numbering.number(g.dep(1))
-    return ((a, b), factor) if a < b else ((b, a), -factor)
+    return ((a, b), 1.0) if a < b else ((b, a), -1.0)
 
 
 def match(known: Mapping[Pair, Expression], others: Mapping[Pair, Expression]) -> Same:
@@ -61,10 +117,10 @@ def match(known: Mapping[Pair, Expression], others: Mapping[Pair, Expression]) -
     own, rest = values[:, : len(known)], values[:, len(known) :]
     found = Same()
     for k, pair in enumerate(others):
-        for first, column in zip(known, own.T, strict=True):
+        for (first, own_g), column in zip(known.items(), own.T, strict=True):
             factor = rest[0, k] / column[0] if column[0] else 0.0
             if factor and np.allclose(rest[:, k], factor * column, rtol=_SAME, atol=0.0):
-                found.setdefault(pair, (first, as_expression(np.sign(factor))))
+                found.setdefault(pair, Multiple(first, own_g, as_expression(np.sign(factor))))
     return found
 
 

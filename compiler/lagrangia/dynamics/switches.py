@@ -63,6 +63,7 @@ class Switches:
     aliases: "dict[Pair, Expression]" = field(default_factory=dict)  # the same conditions in other shapes: s or 1 - s
     rest_aliases: "dict[Pair, Expression]" = field(default_factory=dict)
     lengths: int = 0  # the first so many: the signs of what lengths are, which ordinary motion does not change
+    nothing: "dict[Pair, Expression]" = field(default_factory=dict)  # of aliases, whether both sides are 0
     rubs: tuple[int, ...] = ()  # of friction that presses with the force of contacts: the switch of its slip, the event, and
     # whether the switch is in no other force
 
@@ -70,7 +71,7 @@ class Switches:
         """The same with the symbols in place of what they stand for."""
         if not self.places:
             return list(expressions)
-        holding = Holding(self.places | self.aliases, self.shares, self.rests | self.rest_aliases, self.numbering)
+        holding = Holding(self.places | self.aliases, self.shares, self.rests | self.rest_aliases, self.numbering, self.nothing)
         return rebuilt(expressions, self.numbering, holding.made)
 
     def rates_of(self, x: ca.SX, motion: Motion) -> ca.SX:
@@ -146,7 +147,7 @@ def find_switches(motion: Motion, late: ca.SX | None = None, bends: Sequence[ca.
     movers = ca.vertcat(motion.t, motion.q, motion.v, motion.u, reactions)
     found, rests, cones = conditions_in([known.h, *laws, *others], movers, motion.v, numbering,
                                         (known.stepped, _between_events(known)))
-    same = multiples(found, motion.v, _between_events(known), numbering)
+    same = multiples(found, motion.v, ca.vertcat(_between_events(known), known.stepped), numbering)
     found, rests, cones = _merged(found, rests, cones, same)
     found = dict(_sided(g, numbering) for g in bends) | found
     found = found | {pair: g for pair, g in _kinks_of(motion, numbering).items() if pair not in found}
@@ -163,19 +164,29 @@ def find_switches(motion: Motion, late: ca.SX | None = None, bends: Sequence[ca.
     symbols = ca.vertcat(ca.SX(0, 1), *places.values(), ca.SX.sym("event", 2 * events.numel()), motion.impacts.forces)
     lengths = sum(pair in signs for pair in found)
     rates = _rates_of(values, motion, slopes)
-    aliases = {pair: as_expression(ca.if_else(sign > 0, places[of], 1.0 - places[of])) for pair, (of, sign) in same.items()}
-    held = {pair: rests[of] for pair, (of, _) in same.items() if of in rests}
-    moot = _moot_rests(ca.veccat(known.h, *laws), Holding(places | aliases, shares, rests | held, numbering), cones)
-    held = {pair: moot.get(x, x) for pair, x in held.items()} | {pair: moot[x] for pair, x in rests.items() if x in moot}
-    rests = {pair: x for pair, x in rests.items() if x not in moot}
-    switches = Switches(symbols, values, rates, slopes, places, shares, rests, cones, numbering, aliases, held, lengths)
+    switches = Switches(symbols, values, rates, slopes, places, shares, rests, cones, numbering, lengths=lengths)
+    switches = _with_aliases(switches, same, ca.veccat(known.h, *laws))
     return replace(switches, rubs=_find_rubs(motion, switches)) if motion.impacts.pressing else switches
+
+
+def _with_aliases(switches: Switches, same: Same, forces: ca.SX) -> Switches:
+    """With what stands for conditions in other shapes; what is said of rates that rest is left out where it is moot."""
+    places, rests, numbering = switches.places, switches.rests, switches.numbering
+    aliases = {pair: x.switch(places[x.of]) for pair, x in same.items()}
+    nothing = {pair: x.is_nothing for pair, x in same.items() if x.may_vanish}
+    held = {pair: rests[x.of] for pair, x in same.items() if x.of in rests}
+    holding = Holding(places | aliases, switches.shares, rests | held, numbering, nothing)
+    moot = _moot_rests(forces, holding, switches.cones)
+    held = {pair: same[pair].rests(moot.get(x, x)) for pair, x in held.items()}
+    return replace(switches, rests={pair: x for pair, x in rests.items() if x not in moot}, aliases=aliases, nothing=nothing,
+                   rest_aliases=held | {pair: moot[x] for pair, x in rests.items() if x in moot})
 
 
 def _merged(found: dict[Pair, Expression], rests: dict[Pair, Expression], cones: tuple[tuple[Pair, Pair], ...], same: Same
             ) -> tuple[dict[Pair, Expression], dict[Pair, Expression], tuple[tuple[Pair, Pair], ...]]:
     """Without those that are `same` as others, which stand for them."""
-    one = {pair: same[pair][0] if pair in same else pair for pair in found}
+    one = {pair: same[pair].of if pair in same else pair for pair in found}
+    found = {x.of: x.bare for x in same.values()} | found
     return ({pair: found[pair] for pair in one.values()}, {one[pair]: x for pair, x in rests.items()},
             tuple((one[a], one[b]) for a, b in cones))
 
@@ -273,8 +284,9 @@ class _Finding:
             self.both[a, b] = None
         if op == ca.OP_SQRT and components_of(self.numbering, number := self.numbering.of(op, numbers)):
             self.squares[number] = operands[0]
-        if (direction := self.directions.found(op, numbers)) is not None and direction.length in self.squares:
-            self._note_direction(self.squares[direction.length])
+        for direction in self.directions.found(op, numbers):
+            if direction.length in self.squares:
+                self._note_direction(self.squares[direction.length])
         rest = rest_asked(self.numbering, op, numbers)
         if rest is not None:
             self.asked.append(rest[0])
@@ -383,7 +395,7 @@ def conditions_in(forces: Sequence[ca.SX], movers: ca.SX, v: ca.SX, numbering: N
     rebuilt(forces, numbering, finding.note)
     found = finding.found
     same = multiples(found | finding.equalities, v, known[1], numbering) if finding.equalities else {}
-    found |= {pair: g for pair, g in finding.equalities.items() if pair in same and same[pair][0] in found}
+    found |= {pair: g for pair, g in finding.equalities.items() if pair in same and same[pair].of in found}
     rests = _rests(v, found, finding.asked)
     found = _without_unused(forces, found, rests, numbering) if rests else found
     return found, rests, tuple(cone for cone in finding.both if all(pair in rests for pair in cone))
