@@ -10,6 +10,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "events/changes.h"
 #include "events/conditions.h"
 #include "events/cones.h"
 #include "events/contacts.h"
@@ -24,7 +25,7 @@
 
 /* A switch that changes in every step changes to and fro when these are so short, by the longest of the run, unless it goes by so many
  * tolerances. */
-static const double SOON = 1e-3, PASSED = 10, WRONG_SIDE = 16, END_OF_SHARE = 64 * DBL_EPSILON;
+static const double SOON = 1e-3, PASSED = 10, WRONG_SIDE = 16;
 static const double AT_END = 1e-3; /* of a step: near enough to one of its ends */
 static const double LOST = 1e-4; /* of a tolerance: rounding of the end of a step, to which is known what is inside it */
 static const double EARLY = 1e-3, AMPLE = 4; /* share of a step that says little of its beginning; of what it had to be, the next one */
@@ -319,39 +320,6 @@ int lag_switches_release(LagRun *run)
 
 /* -------- what is done where they change */
 
-/* Whether an event comes here, where switches.rate tells which way its condition goes. */
-static int has_come(const LagRun *run, int i, double depth)
-{
-    const LagSwitches *s = &run->switches;
-    const double slack = lag_slack(run->model, &run->impacts, i);
-    const int goes_on = depth <= -slack && lag_depth(s, i, s->rate) < 0 && !lag_levels_wait(run, i);
-    return depth < -lag_max(s->unknown[i], slack) || goes_on;
-}
-
-int lag_switches_note(LagRun *run)
-{
-    LagSwitches *s = &run->switches;
-    int first = -1;
-    (run->model->n_whens > 0 ? lag_conditions_with_rates : lag_conditions)(run, run->motion.t, run->motion.y, s->g, s->rate);
-    for (int i = 0; i < run->model->n_switches; ++i) {
-        const double depth = lag_depth(s, i, s->g);
-        const int is_at_end = !s->is_idle[i] && depth <= (s->slides[i] ? END_OF_SHARE : 0);
-        const int changes = lag_is_event(run->model, i) ? has_come(run, i, depth) : is_at_end;
-        const int has_more = lag_may_have_all(run, i) && *lag_share(run, i) > 0.5;
-        s->turned[i] = !changes ? LAG_STAYS : !s->slides[i] ? LAG_CHANGES : has_more ? LAG_TO_1 : LAG_TO_0;
-        first = first < 0 && changes ? i : first;
-    }
-    return first;
-}
-
-static int comes_event(const LagRun *run)
-{
-    for (int i = lag_when(run->model, 0); i < run->model->n_switches; ++i)
-        if (run->switches.turned[i])
-            return 1;
-    return 0;
-}
-
 /* Whether condition i, which has just changed, goes no farther in that time than errors take it: what turns past stair after stair does. */
 static int stays_near(LagRun *run, int i, double since)
 {
@@ -365,7 +333,7 @@ static int stays_near(LagRun *run, int i, double since)
 static void turn(LagRun *run)
 {
     LagSwitches *s = &run->switches;
-    const int first = lag_switches_note(run), is_event = comes_event(run);
+    const int first = lag_changes_note(run), is_event = lag_changes_come(run);
     const double since = run->motion.t - run->motion.t_old;
     const int stands = since <= lag_time_resolution(run->motion.t), is_soon = since < SOON * run->statistics.largest_step;
     const int is_again = first == s->last && is_soon;

@@ -68,9 +68,6 @@ int lag_switches_resume(LagRun *run, const double *kept);
  * go without. Returns 0 where they do already, or something slides. */
 int lag_switches_release(LagRun *run);
 
-/* Notes which conditions have changed at the present state, or change there: segments begin with that. Returns the first; -1: none. */
-int lag_switches_note(LagRun *run);
-
 /* A step is to be taken, after the last of those without held switches. */
 void lag_switches_resolve(LagRun *run);
 
