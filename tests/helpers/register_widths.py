@@ -9,7 +9,7 @@ import pytest
 from helpers.one_process import one_process_at_a_time
 from lagrangia.base.folders import data_folder
 from lagrangia.native import prebuilt
-from lagrangia.run.library import start_runtime
+from lagrangia.native.build import build
 
 
 @contextmanager
@@ -20,10 +20,15 @@ def in_registers(kind: str, built: Path) -> Iterator[None]:
     own = found.with_stem(kind) if found and found.with_stem(kind).exists() else None
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(prebuilt, "kind_here", lambda: kind)
-        patch.setattr(prebuilt, "find", lambda *_, **__: own)
         patch.setenv("LAGRANGIA_CACHE", str(built / kind))
         if own is None:
-            patch.setattr(start_runtime, "__defaults__", (None, "-O1"))
             with one_process_at_a_time(built / f"{kind}.lock"):
-                start_runtime().path()
+                own = built_quickly()
+        patch.setattr(prebuilt, "find", lambda *_, **__: own)
         yield
+
+
+def built_quickly() -> Path:
+    """The run time by the compiler that is named, or found, kept in the cache that is named."""
+    folder = data_folder("runtime")
+    return build("runtime", prebuilt.sources(folder), include=[folder], level="-O1")

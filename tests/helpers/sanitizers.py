@@ -13,7 +13,7 @@ import pytest
 from helpers.one_process import one_process_at_a_time
 from lagrangia.base.folders import data_folder
 from lagrangia.native.build import find_compiler
-from lagrangia.native.prebuilt import sources
+from lagrangia.native.prebuilt import joined, sources
 
 needs_sanitizers = pytest.mark.skipif(sys.platform == "win32", reason="needs the sanitizers of gcc or clang")
 _OPTIONS = ("-std=c99", "-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all")
@@ -44,7 +44,7 @@ def _objects(command: Sequence[str], shared: Sequence[Path], headers: Sequence[P
     with one_process_at_a_time(kept.with_suffix(".lock")):
         if not kept.exists():
             made = Path(tempfile.mkdtemp(dir=base))
-            _compile(command, made, ["-c", *map(str, shared)])
+            _compile(command, made, ["-c", *map(str, joined(shared, made))])
             made.rename(kept)
     return sorted(kept.glob("*.o"))
 

@@ -14,7 +14,7 @@ from pathlib import Path
 import pytest
 
 import lagrangia as lag
-from helpers.register_widths import in_registers
+from helpers.register_widths import built_quickly, in_registers
 from lagrangia.base import folders
 from lagrangia.base.folders import cache_folder, data_folder
 from lagrangia.native import build as native
@@ -155,7 +155,8 @@ def test_wide_registers_and_vectors_change_no_digit(file: Path, solver: str, str
     if not compiler.is_zig:  # headers of clang ask which one it is
         monkeypatch.setenv("LAGRANGIA_CC", f"{shlex.join(compiler.command)} -U__GNUC__ -D__GNUC__=11")
         monkeypatch.setenv("LAGRANGIA_CACHE", str(built / "without"))
-        monkeypatch.setattr(start_runtime, "__defaults__", (None, "-O1"))
+        own = built_quickly()
+        monkeypatch.setattr("lagrangia.run.library._ready", lambda: own)
         assert rows() == wide
 
 

@@ -251,12 +251,12 @@ class Holding:
         return as_expression(apply(ca.OP_FMIN, apply(ca.OP_FMAX, condition, 0.0), 1.0))
 
     def _shares_in(self, x: Expression) -> frozenset[int]:
-        return self.shares & symbols_in(x)
+        return self.shares & symbols_in(x) if self.shares else _NOTHING
 
     def _jumps_of(self, x: Expression) -> frozenset[int]:
         return self.jumps[x.__hash__()][1] if x.__hash__() in self.jumps else _NOTHING
 
     def _noted(self, x: Expression, jumps: frozenset[int]) -> Expression:
-        if left := jumps & symbols_in(x):
+        if jumps and (left := jumps & symbols_in(x)):
             self.jumps[x.__hash__()] = x, left
         return x

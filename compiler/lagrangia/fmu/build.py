@@ -23,6 +23,7 @@ from lagrangia.base.folders import cache_folder
 from lagrangia.base.records import dataclass
 from lagrangia.base.store import find_kept, keep
 from lagrangia.native.build import CompilerError, find_compiler
+from lagrangia.native.prebuilt import joined
 
 # Reproducible on every processor: no contraction to fused multiply-add, no folder names inside.
 _FLAGS = ("-std=c99", "-O2", "-ffp-contract=off", "-fno-math-errno", "-fvisibility=hidden", "-DLAG_STATIC=1",
@@ -171,7 +172,7 @@ def _compile_objects(compiler: "_Compiler", sources: Mapping[str, str], objects:
     try:
         for name, text in sources.items():
             (folder / name).write_text(text, encoding="utf-8")
-        files = sorted(name for name in sources if name.endswith(".c"))
+        files = [file.name for file in joined([folder / name for name in sorted(sources) if name.endswith(".c")], folder)]
         if PLATFORMS[compiler.platform].suffix == ".dll":  # zig would make one object of them, which it cannot
             for name in files:
                 compiler.run(["-c", name, "-o", f"{name}.o"], str(folder))

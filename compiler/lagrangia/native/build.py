@@ -232,7 +232,7 @@ class Build:
     @staticmethod
     def _written(work: _Work, name: str, sources: str | Sequence[Path]) -> Sequence[Path]:
         if not isinstance(sources, str):
-            return sources
+            return prebuilt.joined(sources, work.folder)
         file = work.folder / f"{name}.c"
         file.write_text(sources, encoding="utf-8")
         return [file]

@@ -182,8 +182,7 @@ def build(runtime: Path, folder: Path, command: Sequence[str]) -> None:
         work = Path(temporary)
 
         def compiled(kind: str, unit: Sequence[Path], *flags: str) -> str:
-            source = work / f"{kind}-{unit[0].stem}.c"
-            source.write_text("".join(f'#include "{file.as_posix()}"\n' for file in unit), encoding="utf-8")
+            source = _written(unit, work / f"{kind}-{unit[0].stem}.c")
             made = str(source.with_suffix(".o"))
             _run([*command, *FLAGS, *flags_of(kind), _level(kind), *_ALIGNED, *_portable(command, runtime), *flags,
                   f"-I{runtime}", "-c", str(source), "-o", made], work)
@@ -208,6 +207,17 @@ def build(runtime: Path, folder: Path, command: Sequence[str]) -> None:
         for version, made in glue.items() if around else ():
             linked(f"fmu{version}", [*objects["any"], *once, *around, *made], *_exported(work))
     (folder / "digest").write_text(digest(runtime) + "\n")
+
+
+def joined(files: Sequence[Path], folder: Path) -> list[Path]:
+    """Files written to a folder that are compiled in the place of others: each includes those of one of their `units`."""
+    return [_written(unit, folder / f"unit-{unit[0].stem}.c") for unit in units(files)]
+
+
+def _written(unit: Sequence[Path], source: Path) -> Path:
+    names = [file.name if file.parent == source.parent else file.as_posix() for file in unit]
+    source.write_text("".join(f'#include "{name}"\n' for name in names), encoding="utf-8")
+    return source
 
 
 def is_shared(file: Path) -> bool:

@@ -14,7 +14,7 @@ from pathlib import Path
 
 from lagrangia.base.diagnostics import fail
 from lagrangia.base.folders import cache_folder, data_folder, is_trusted, note_use
-from lagrangia.native.prebuilt import digest, sources
+from lagrangia.native.prebuilt import digest, joined, sources
 
 _FILES = ("cosimulation", "evaluations", "exchange", "image", "life", "log", "partial", "play", "saved", "settle", "states",
           "values")
@@ -82,8 +82,9 @@ def _compiled(command: list[str], runtime: Path) -> bytes:
     files += [runtime / "fmi" / f"{name}.c" for name in _FILES]
     with tempfile.TemporaryDirectory(prefix="lagrangia-") as folder:
         made = Path(folder) / "run_time.wasm"
-        done = subprocess.run([*command, *_FLAGS, f"-I{runtime}", f'-DLAG_BUILD="{digest(runtime)}"', *map(str, files), "-o",
-                               str(made)], cwd=folder, capture_output=True, text=True, check=False)
+        done = subprocess.run([*command, *_FLAGS, f"-I{runtime}", f'-DLAG_BUILD="{digest(runtime)}"',
+                               *map(str, joined(files, Path(folder))), "-o", str(made)],
+                              cwd=folder, capture_output=True, text=True, check=False)
         if done.returncode != 0:
             fail("L0706", "zig does not compile the run time to WebAssembly", None, *done.stderr.splitlines()[:3])
         return made.read_bytes()
