@@ -30,7 +30,11 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """What took long when it was last noted is slow as well: `-m "not slow"` is for who waits for it."""
+    """What took long when it was last noted is slow as well: `-m "not slow"` is for who waits for it.
+
+    Of several processes none is to begin what takes longest when the others end."""
+    if "PYTEST_XDIST_WORKER" in os.environ:
+        items.sort(key=lambda item: item.get_closest_marker("slow") is None)
     known = set(SLOW.read_text(encoding="utf-8").splitlines())
     for item in items:
         if item.nodeid in known:
