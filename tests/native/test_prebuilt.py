@@ -62,11 +62,12 @@ def test_files_are_compiled_together_where_no_name_is_that_of_another(tmp_path: 
         "c": "static double place[2];\nstatic int walk(int step) { int FAR = step; return FAR; }",  # names inside are its own
         "d": "typedef struct { int place; } Place;\nstatic int WIDE(int n);",  # a macro of a
         "e": "/* static int step; */ static double place[2];",  # C takes two for one where nothing is given
+        "f": "#include <windows.h>\nstatic int alone;",  # which has macros of its own
     }
     files = [tmp_path / f"{name}.c" for name in texts]
     for file, text in zip(files, texts.values(), strict=True):
         file.write_text(text)
-    assert {"".join(file.stem for file in unit) for unit in prebuilt.units(files)} == {"ac", "bde"}
+    assert {"".join(file.stem for file in unit) for unit in prebuilt.units(files)} == {"ac", "bde", "f"}
     runtime = data_folder("runtime")
     made = prebuilt.units(prebuilt.sources(runtime))
     assert sorted(file for unit in made for file in unit) == prebuilt.sources(runtime)

@@ -229,11 +229,17 @@ def units(files: Sequence[Path]) -> list[list[Path]]:
     """Files that may be compiled as one, the largest units first: no name of one, outside its functions, is that of another.
 
     Compilers start once and read headers once for each unit; what a file defines for itself is still its own. A unit has no more
-    files than _TOGETHER, so that all processors have work.
+    files than _TOGETHER, so that all processors have work. One that includes Windows' own header, whose macros have usual names
+    (near), is a unit by itself.
     """
     made: list[tuple[list[Path], set[str], set[str]]] = []
+    alone: list[list[Path]] = []
     for file in files:
-        words, own, macros = _names(file.read_text(encoding="utf-8"))
+        text = file.read_text(encoding="utf-8")
+        if "<windows.h>" in text:
+            alone.append([file])
+            continue
+        words, own, macros = _names(text)
         for unit, others, theirs in made:
             if len(unit) < _TOGETHER and not own & others and not macros & words and not theirs & words:
                 break
@@ -243,7 +249,7 @@ def units(files: Sequence[Path]) -> list[list[Path]]:
         unit.append(file)
         others |= own
         theirs |= macros
-    return sorted((unit for unit, _, _ in made), key=lambda unit: -sum(file.stat().st_size for file in unit))
+    return sorted([*alone, *(unit for unit, _, _ in made)], key=lambda unit: -sum(file.stat().st_size for file in unit))
 
 
 def _names(text: str) -> tuple[set[str], set[str], set[str]]:
