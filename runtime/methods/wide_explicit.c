@@ -372,5 +372,5 @@ static void step(void *self)
     }
 }
 
-const LagWideMethod lag_wide_verner9 = {LAG_SOLVER_ERK9, layout_verner9, load, enter, show, step, 1};
-const LagWideMethod lag_wide_dop853 = {LAG_SOLVER_ERK, layout_dop853, load, enter, show, step, 0};
+const LagWideMethod lag_wide_verner9 = {LAG_SOLVER_ERK9, layout_verner9, load, NULL, NULL, enter, show, step, 1};
+const LagWideMethod lag_wide_dop853 = {LAG_SOLVER_ERK, layout_dop853, load, NULL, NULL, enter, show, step, 0};

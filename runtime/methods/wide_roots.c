@@ -45,7 +45,7 @@ static int is_some(const double *numbers)
     return lag_wide_is_some(sum);
 }
 
-static void look_at_all(LagWideRoots *s, const LagWideSteps *steps)
+void lag_wide_roots_begin(LagWideRoots *s, const LagWideSteps *steps)
 {
     const double *rates = steps->y + (size_t)steps->n * LAG_ABREAST, *in[] = {steps->t, steps->y, rates, s->u, s->d, s->c};
     double doubt[LAG_ABREAST] = {0}, *out[] = {s->g, s->rate, doubt};
@@ -80,7 +80,7 @@ void lag_wide_roots_look(LagWideRoots *s, const LagWideSteps *steps)
 {
     lag_swap(&s->g, &s->g_old);
     lag_swap(&s->rate, &s->rate_old);
-    look_at_all(s, steps);
+    lag_wide_roots_begin(s, steps);
     for (int lane = 0; lane < LAG_ABREAST; lane += LAG_WIDE) {
         const LagWide h = lag_wide_read(steps->t + lane) - lag_wide_read(steps->t_old + lane);
         LagWide found = LAG_WIDE_OF(0);

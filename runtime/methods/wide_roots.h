@@ -23,6 +23,9 @@ void lag_wide_roots_layout(LagWideRoots *roots, const LagModel *model, LagArena 
 /* The motion in the lane is that of the run, and is where that is. */
 void lag_wide_roots_enter(LagWideRoots *roots, int lane, LagRun *run);
 
+/* The same of all motions that are there, some of which have begun. */
+void lag_wide_roots_begin(LagWideRoots *roots, const LagWideSteps *steps);
+
 /* After a step in each lane. */
 void lag_wide_roots_look(LagWideRoots *roots, const LagWideSteps *steps);
 

@@ -43,6 +43,13 @@ typedef struct {
     /* The motion of a run goes on here, or begins. Returns 0 where it cannot: what is at rest has to be set in motion first. */
     int (*load)(void *self, int lane, LagRun *run);
 
+    /* A motion begins here from the state y (2 n), and has all else in common with the one that was loaded last at its start. NULL: no
+     * such thing. */
+    void (*place)(void *self, int lane, const double *y);
+
+    /* After motions have come that begin here, all at once: those which have to be set in motion first do not move. NULL: nothing to do. */
+    void (*settle)(void *self);
+
     /* The motion in the lane, which is where that of the run is, has come into the segment that the run is in. */
     void (*enter)(void *self, int lane, LagRun *run);
 

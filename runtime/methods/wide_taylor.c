@@ -8,6 +8,7 @@
 #include "methods/taylor_attitudes.h"
 #include "methods/wide_attitudes.h"
 #include "methods/wide_orders.h"
+#include "methods/wide_starts.h"
 #include "model/function.h"
 #include "numbers/extremes.h"
 #include "numbers/wide_jets.h"
@@ -16,7 +17,6 @@
 #include "state/state.h"
 
 enum { MOST_SLOTS = 1200 }; /* that stay near the processor */
-static const double FIRST_PART = 0.5; /* of the time in which what moves changes: about a first step */
 static const double FAINT = 1e-16; /* what the last two terms of short steps may be in any case, relative to the state */
 
 int lag_wide_taylor_serves(const LagModel *model)
@@ -35,6 +35,8 @@ static void layout(void *self, const LagRun *like, LagArena *arena)
     s->weight = lag_take(arena, 2 * (size_t)model->n * LAG_ABREAST);
     s->next_weight = lag_take(arena, 2 * (size_t)model->n * LAG_ABREAST);
     s->slope = lag_take(arena, (size_t)model->n_inputs * LAG_ABREAST);
+    s->first_u = lag_take(arena, (size_t)model->n_inputs * LAG_ABREAST); /* whole lines of the cache */
+    s->first_slope = lag_take(arena, (size_t)model->n_inputs * LAG_ABREAST);
     s->rate = LAG_TAYLOR_REST / (like->settings.t_stop - like->settings.t_start);
 }
 
@@ -75,46 +77,6 @@ static double energy_weight(const LagRun *run)
     return unit > 0 ? 1 / unit : 0;
 }
 
-/* How long what moves takes to become another motion, about, of the kind for which that is soonest: the step that a run plans itself,
- * which asks for more accelerations, is not worth its time here, as series tell how long they serve. */
-static double pace_of(const LagRun *run)
-{
-    const LagMotion *m = &run->motion;
-    const LagScale *scale = &run->scale;
-    const double *y = m->y, *a = m->slope + m->n;
-    double soonest = run->step;
-    for (int kind = 0; kind < scale->kinds; ++kind) {
-        double place = 0, rate = 0, change = 0;
-        for (int i = 0; i < m->n; ++i) {
-            if (scale->kind[i] != kind)
-                continue;
-            place = lag_max(fabs(y[i]), place);
-            rate = lag_max(fabs(y[m->n + i]), rate);
-            change = lag_max(fabs(a[i]), change);
-        }
-        const double time = change > 0 ? (rate + sqrt(change * place)) / change : 0;
-        soonest = time > 0 ? lag_min(time, soonest) : soonest;
-    }
-    return soonest;
-}
-
-/* About where the first step of a segment leads: a state which units of error are taken for. Returns 0 where nothing tells how fast
- * something will be that rests so far. */
-static int foresee(LagRun *run)
-{
-    LagMotion *m = &run->motion;
-    const int n = m->n;
-    const double h = run->step = FIRST_PART * pace_of(run), *a = m->slope + n;
-    for (int i = 0; i < n; ++i) {
-        m->other[i] = m->y[i] + h * (m->y[n + i] + h / 2 * a[i]);
-        m->other[n + i] = m->y[n + i] + h * a[i];
-        if (!isfinite(m->other[n + i]) || (run->scale.is_resting && m->other[n + i] == 0))
-            return 0;
-    }
-    run->scale.is_resting = 0;
-    return h > 0;
-}
-
 static void enter(void *self, int lane, LagRun *run)
 {
     LagWideTaylor *s = self;
@@ -148,7 +110,7 @@ static int load(void *self, int lane, LagRun *run)
     const int goes_on = own->begun == 1 && !own->is_fresh && !run->scale.is_resting && m->t > m->t_old;
     if (run->carried_energy > 0 && !goes_on) /* their powers are looked at alone */
         return 0;
-    if (!is_series || !(goes_on || (own->is_fresh && own->begun == 0 && !run->segment_over && foresee(run))))
+    if (!is_series || !(goes_on || (own->is_fresh && own->begun == 0 && !run->segment_over)))
         return 0;
     plan(s, run);
     lag_wide_steps_load(&s->lanes, lane, run);
@@ -159,6 +121,9 @@ static int load(void *self, int lane, LagRun *run)
     s->lanes.energy[lane] = energy_weight(run);
     s->own[lane] = 0;
     enter(s, lane, run);
+    s->begins[lane] = goes_on ? 0 : LAG_BEGINS;
+    if (run->statistics.steps == 0)
+        lag_wide_starts_learn(s, lane);
     return 1;
 }
 
@@ -421,14 +386,19 @@ static void judge_all(LagWideTaylor *s, int is_own)
         is_own ? judge(s, lane, 1) : judge(s, lane, 0);
 }
 
-static void step(void *self)
+void lag_wide_taylor_begin(LagWideTaylor *s)
 {
-    LagWideTaylor *s = self;
     if (s->lanes.is_fresh) {
         place_turned(s, s->lanes.y);
         lag_wide_series_begin(&s->series);
     }
     s->lanes.is_fresh = 0;
+}
+
+static void step(void *self)
+{
+    LagWideTaylor *s = self;
+    lag_wide_taylor_begin(s);
     begin_turns(s);
     for (int lane = 0; lane < LAG_ABREAST; lane += LAG_WIDE)
         begin_series(s, lane);
@@ -441,4 +411,4 @@ static void step(void *self)
     judge_all(s, is_own);
 }
 
-const LagWideMethod lag_wide_taylor = {LAG_SOLVER_TAYLOR, layout, load, enter, show, step, 0};
+const LagWideMethod lag_wide_taylor = {LAG_SOLVER_TAYLOR, layout, load, lag_wide_starts_place, lag_wide_starts_settle, enter, show, step, 0};

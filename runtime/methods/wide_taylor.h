@@ -23,6 +23,9 @@ typedef struct {
     double *weight, *next_weight; /* 2 n: 1 / units of the latest steps that were good, and of those that are tried */
     double entered[LAG_ABREAST]; /* 1: no step has weighed what is there */
     double *slope;            /* of inputs */
+    double begins[LAG_ABREAST]; /* LAG_BEGINS..., until what a first step needs is known; 0: no more */
+    double first_time, first_stop, first_length; /* of motions that differ in their states alone, at their start; stop: of the segment */
+    double *first_u, *first_slope;
     double own[LAG_ABREAST];  /* the orders of the steps that are tried */
     double first[LAG_ABREAST]; /* those that are looked at first */
     int made_to;              /* the highest one of them */
@@ -31,8 +34,14 @@ typedef struct {
     double wrong[LAG_ABREAST]; /* errors of steps that were no good */
 } LagWideTaylor;
 
+/* A motion that a run has begun; of which nobody knows more than its state. */
+enum { LAG_BEGINS = 1, LAG_BEGINS_UNSEEN };
+
 /* Whether motions of this model can be stepped so: events and constraints ask for more. */
 int lag_wide_taylor_serves(const LagModel *model);
+
+/* The first coefficients of all series, where inputs, modes or motions have come that these are not of yet. */
+void lag_wide_taylor_begin(LagWideTaylor *taylor);
 
 extern const LagWideMethod lag_wide_taylor;
 

@@ -223,6 +223,7 @@ struct LagModel {
     LagWideCode wide_whole; /* the same by rhs, with constraints that repeat each other; NULL: one by one, or by the tape */
     LagWideCode wide_each; /* as wide, where each state has d and c of its own; NULL: by the tape */
     LagWideCode wide_roots; /* `roots` likewise */
+    LagWideCode wide_energies; /* `energies`, of states that share d and c; NULL: by the tape */
     LagWideJets wide_taylor; /* NULL: by the instructions */
 };
 

@@ -115,8 +115,9 @@ void lag_batch_free(LagBatch *batch)
 
 /* ---------------------------------------------------------------- one run */
 
-static void insert(LagBatch *batch, const double *values)
+void lag_batch_insert(const LagBatch *batch, int64_t run)
 {
+    const double *values = batch->values + run * batch->sweep.n_varied;
     const size_t n = (size_t)batch->model->n, parameters = (size_t)batch->model->n_parameters;
     if (batch->varies_parameters)
         memcpy(batch->p, batch->sweep.given, parameters * sizeof *batch->p);
@@ -154,7 +155,7 @@ static LagStatus refuse(const LagBatch *batch, LagFollower *f, int64_t i)
 static LagStatus start(LagBatch *batch, LagFollower *f, int64_t i)
 {
     LagRun *run = f->run;
-    insert(batch, batch->values + i * batch->sweep.n_varied);
+    lag_batch_insert(batch, i);
     lag_run_set_stop(run, batch->sweep.t_stop);
     run->started = 0; /* the one before is over */
     if (batch->varies_parameters || !f->has_parameters) {

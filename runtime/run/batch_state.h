@@ -25,6 +25,9 @@ struct LagBatch {
     const volatile int32_t *stop;
 };
 
+/* What is given for a run, into `p`, where parameters vary, and `state`. */
+void lag_batch_insert(const LagBatch *batch, int64_t run);
+
 /* Starts run i, with nothing known of it. */
 LagStatus lag_batch_begin(LagBatch *batch, LagFollower *follower, int64_t i);
 

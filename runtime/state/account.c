@@ -126,15 +126,19 @@ void lag_account_rise(LagRun *run)
     run->blurred_energy = lag_max(fabs(blurred_energy(run) - energies[KINETIC]), run->blurred_energy);
 }
 
-/* The miss that the tolerance explains, and rounding: each step may add a part of it. */
+/* The miss that the tolerance explains, and rounding, of energies of this size: each step may add a part of it. */
+static double explained_of(const LagRun *run, double steps, double size, double doubt)
+{
+    const double tolerance = run->settings.tolerance, base = run->model->n_power > 0 ? POWERS : BASE;
+    const double by_steps = tolerance * (base + EACH * steps), rounding = ROUNDINGS * DBL_EPSILON * (1 + steps);
+    const double excused = lag_min(DOUBTS * doubt, EXCUSED * tolerance * size);
+    return lag_min((by_steps + rounding) * size + excused, lag_max(MOST, FEW * tolerance) * size);
+}
+
 static double explained(const LagRun *run)
 {
     const LagStatistics *s = &run->statistics;
-    const double tolerance = run->settings.tolerance, steps = (double)s->steps, size = lag_max(s->energy_scale, s->energy_stored);
-    const double base = run->model->n_power > 0 ? POWERS : BASE;
-    const double by_steps = tolerance * (base + EACH * steps), rounding = ROUNDINGS * DBL_EPSILON * (1 + steps);
-    const double excused = lag_min(DOUBTS * run->motion.doubt, EXCUSED * tolerance * size);
-    return lag_min((by_steps + rounding) * size + excused, lag_max(MOST, FEW * tolerance) * size);
+    return explained_of(run, (double)s->steps, lag_max(s->energy_scale, s->energy_stored), run->motion.doubt);
 }
 
 /* Whether such a miss is more than what explains it. */
@@ -198,6 +202,23 @@ void lag_account_note(LagRun *run, double t, const double *y, double *entries)
     judge(run, t, y);
 }
 
+/* The miss between two states by which steps are made stricter, unless energies become so large that it is little. */
+static double most_missed(const LagRun *run, double steps, double size)
+{
+    return size * (DRIFT * run->settings.tolerance + STEP_ROUNDING * steps);
+}
+
+double lag_account_between(const LagRun *like, const double *first, const double *last, const double *quadratures, double steps, int is_end)
+{
+    const int kept = like->model->n_power == 2;
+    const double given = kept ? quadratures[1] - quadratures[0] : 0, missed = fabs(last[TOTAL] - first[TOTAL] - given);
+    double size = kept ? lag_max(fabs(quadratures[0]), fabs(quadratures[1])) : 0;
+    for (int i = KINETIC; i <= TOTAL; ++i)
+        size = lag_max(size, lag_max(fabs(first[i]), fabs(last[i])));
+    const double most = is_end ? explained_of(like, steps, size, 0) : most_missed(like, steps, size);
+    return !(missed <= most) ? NAN : size > 0 ? missed / size : 0;
+}
+
 /* By what the unit of errors of quadratures is larger than the tolerance of all energy. */
 static double looseness(const LagRun *run) { return run->methods.table->weighs_work ? 1 : LOOSE; }
 
@@ -210,7 +231,7 @@ static void keep(LagRun *run, double total)
     const LagStatistics *s = &run->statistics;
     LagScale *scale = &run->scale;
     const double size = lag_max(s->energy_scale, s->energy_stored), residual = residual_of(run, run->motion.y, total);
-    const double most = size * (DRIFT * run->settings.tolerance + STEP_ROUNDING * (double)s->steps);
+    const double most = most_missed(run, (double)s->steps, size);
     const double strictest = lag_max(STRICTEST * scale->asked, lag_scale_caution(0));
     if (!run->methods.table->attempt || run->model->n_switches > 0) /* whose ties are as sharp as the tolerance */
         return;
@@ -232,15 +253,19 @@ void lag_account_glance(LagRun *run)
         run->motion.energy = lag_max(run->motion.energy, seen);
 }
 
+int lag_account_may_carry(const LagModel *model)
+{
+    const int is_still = model->is_steady && model->n_inputs == 0; /* nothing is moved in time */
+    return model->n_power > 0 && model->n_delays == 0 && model->carries_in_time && !is_still;
+}
+
 /* The kinetic energy that prescribed motion will give to what it carries in the segment that begins, where there is none yet, or none left
  * by what moves against it. */
 static void foresee(LagRun *run)
 {
     LagStatistics *s = &run->statistics;
     const double t = run->motion.t, end = lag_min(run->segment_end, run->settings.t_stop), rest = isfinite(end) ? end - t : 1;
-    const int is_still = run->model->is_steady && run->model->n_inputs == 0; /* nothing is moved in time */
-    const int has_none = run->model->n_power == 0 || run->model->n_delays > 0 || !run->model->carries_in_time || is_still;
-    const double seen = has_none ? INFINITY : lag_max(s->energy_scale, s->energy_stored);
+    const double seen = lag_account_may_carry(run->model) ? lag_max(s->energy_scale, s->energy_stored) : INFINITY;
     if (seen == INFINITY || (run->started && seen > run->carried_energy))
         return;
     double carried = 0;

@@ -13,6 +13,14 @@ void lag_account_start(LagRun *run);
  * whether the tolerance explains by how much it misses. */
 void lag_account_note(LagRun *run, double t, const double *y, double *entries);
 
+/* By how much, relative to the energies {T, V, H} that it had first and has now (dissipated, work: quadratures), a motion misses after so
+ * many steps in which nothing else has happened; NaN where that is more than the tolerance explains, or, but at its end, than steps may
+ * go on with. */
+double lag_account_between(const LagRun *like, const double *first, const double *last, const double *quadratures, double steps, int is_end);
+
+/* Whether prescribed motion may bring energy to what has none. */
+int lag_account_may_carry(const LagModel *model);
+
 /* Whether it misses at the present state by more than the tolerance explains; nothing is noted. */
 int lag_account_misses(LagRun *run);
 

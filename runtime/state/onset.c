@@ -14,7 +14,7 @@
 #include "numbers/extremes.h"
 
 /* Loads are sums and products of several rounded numbers. */
-static const double ROUNDINGS = 8, SANE = 2, SOON = 100, FAINT = 1e-100; /* accelerations below this one are none, in any units */
+static const double ROUNDINGS = 8, SANE = 2, SOON = 100, FAINT = LAG_ONSET_FAINT;
 enum { LOOKS = 16 };
 /* Where a jump or a corner that nobody announced sets coordinates of a kind in motion, this has no size to compare errors with but
  * rounding, however short the step: they grow by SUDDEN. After so many rejections, whatever steps lead up to it in between,

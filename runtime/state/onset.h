@@ -5,6 +5,9 @@
 #include "state/motion.h"
 #include "state/scale.h"
 
+/* Accelerations below this one are none, in any units. */
+#define LAG_ONSET_FAINT 1e-100
+
 /* Where a kind of coordinates rests and nothing accelerates it, the loads until `end` tell how well accelerations will be known.
  * m->slope is that of the present state. */
 void lag_onset_look(LagMotion *m, LagScale *scale, double end);

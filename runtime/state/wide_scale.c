@@ -53,6 +53,23 @@ void lag_wide_scale_load(LagWideScale *s, int lane, const LagScale *from)
 
 void lag_wide_scale_store(const LagWideScale *s, int lane, LagScale *to) { move(s, lane, to, take); }
 
+static void forget(double *wide, int count)
+{
+    for (int i = 0; i < count; ++i)
+        wide[i * LAG_ABREAST] = 0;
+}
+
+void lag_wide_scale_forget(LagWideScale *s, int lane)
+{
+    const int n = s->n;
+    forget(s->largest + lane, 2 * n);
+    forget(s->size + lane, 2 * n);
+    forget(s->group + lane, 2 * s->kinds);
+    forget(s->noise + lane, n);
+    forget(s->onset + lane, n);
+    forget(s->idle + lane, n);
+}
+
 static int group_of(const LagWideScale *s, int i) { return i < s->n ? s->kind[i] : s->kinds + s->kind[i - s->n]; }
 
 void lag_wide_scale_note(LagWideScale *s, int lane, const double *y)

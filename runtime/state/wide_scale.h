@@ -22,6 +22,9 @@ void lag_wide_scale_layout(LagWideScale *scale, const LagScale *like, LagArena *
 void lag_wide_scale_load(LagWideScale *scale, int lane, const LagScale *from);
 void lag_wide_scale_store(const LagWideScale *scale, int lane, LagScale *to);
 
+/* A motion of which nothing is known. */
+void lag_wide_scale_forget(LagWideScale *scale, int lane);
+
 /* Of the lanes from `lane` on, as many as LagWide holds: takes notice of the states y that were reached. */
 void lag_wide_scale_note(LagWideScale *scale, int lane, const double *y);
 

@@ -58,13 +58,13 @@ def write_c(
     wide_series = write_wide_series(series, _expression, _number) if lanes and isinstance(series, Series) else []
     has_each = lanes and not wide_series
     wide, whole = _write_abreast(tapes, has_each, bool(sizes.get("may_repeat"))) if "rhs" not in data else ([], [])
-    roots = _write_roots(tapes) if wide_series else []
+    beside = _write_beside(tapes) if wide_series else {}
     functions, initializers = write_functions(tapes, data, () if wide else (_usual(tapes),))
     lines += [*write_tables(tables), "", *functions]
     lines += [_ints(name, places) for name, places in patterns.items()]
     lines += [*wide, *whole]
     lines += [write_series(series, _expression, _number)] if isinstance(series, Series) else []
-    lines += [*wide_series, *roots]
+    lines += [*wide_series, *(line for text in beside.values() for line in text)]
     lines += [_ints("coordinate_kind", coordinate_kind), _ints("fixed_start", fixed), _ints("event_kind", event_kind), ""]
     lines += ["LAG_API extern const LagModel lag_model;", "const LagModel lag_model = {"]
     lines += [f"    .{key} = {value}," for key, value in sizes.items()]
@@ -77,7 +77,8 @@ def write_c(
     lines += ["    .wide_whole = wide_whole,"] if whole else []
     lines += ["    .wide_each = wide_each,"] if wide and has_each else []
     lines += ["    .wide_taylor = wide_taylor,"] if wide_series else []
-    lines += ["    .wide_roots = wide_roots_each,"] if roots else []
+    lines += ["    .wide_roots = wide_roots_each,"] if "roots" in beside else []
+    lines += ["    .wide_energies = wide_energies,"] if "energies" in beside else []
     return "\n".join([*lines, "};", ""])
 
 
@@ -103,9 +104,11 @@ def _write_abreast(tapes: Mapping[str, Tape], has_each: bool, may_repeat: bool) 
     return wide, write_wide("wide_whole", tapes["rhs"], False, _expression, _number) if is_regular and may_repeat else []
 
 
-def _write_roots(tapes: Mapping[str, Tape]) -> list[str]:
-    """What stands under roots, of eight states."""
-    return write_wide("wide_roots", tapes["roots"], False, _expression, _number, True) if "roots" in tapes else []
+def _write_beside(tapes: Mapping[str, Tape]) -> dict[str, list[str]]:
+    """What runs in lanes ask for beside series, of eight states: what stands under roots, and energies."""
+    texts = {name: write_wide(f"wide_{name}", tapes[name], False, _expression, _number, name == "roots")
+             for name in ("roots", "energies") if name in tapes}
+    return {name: text for name, text in texts.items() if text}
 
 
 def _cost(tape: Tape) -> int:

@@ -125,5 +125,6 @@ class ModelMirror(c.Structure):
         ("wide_whole", c.c_void_p),
         ("wide_each", c.c_void_p),
         ("wide_roots", c.c_void_p),
+        ("wide_energies", c.c_void_p),
         ("wide_taylor", c.c_void_p),
     )

@@ -1,0 +1,145 @@
+#include "run/bare_runs.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "model/function.h"
+#include "model/wide_tape.h"
+#include "state/account.h"
+#include "state/state.h"
+
+enum { KINDS = 3 }; /* of energies: T, V, H */
+
+/* -------- which runs are such ones */
+
+static int asks_for_ends(const LagBatch *batch)
+{
+    for (int i = 0; i < batch->sweep.n_reductions; ++i) {
+        const LagReduction *what = &batch->sweep.reductions[i];
+        if (what->kind != LAG_REDUCE_AT || what->value != batch->sweep.t_stop || what->column > 2 * batch->model->n)
+            return 0;
+    }
+    return batch->sweep.n_rows == 0;
+}
+
+int lag_bare_serve(const LagBatch *batch)
+{
+    const LagModel *model = batch->model;
+    const LagSweep *sweep = &batch->sweep;
+    const int has_energies = model->wide_energies || model->energies.tape;
+    return lag_run_starts_again(model) && !batch->varies_parameters && !lag_account_may_carry(model) && has_energies
+        && asks_for_ends(batch) && sweep->seconds == 0 && sweep->t_stop > sweep->t_start;
+}
+
+void lag_bare_layout(LagBareRuns *s, const LagModel *model, int size, LagArena *arena)
+{
+    const size_t states = 2 * (size_t)model->n * LAG_ABREAST;
+    s->start = lag_take(arena, states);
+    s->first = lag_take(arena, states);
+    s->last = lag_take(arena, (size_t)size * LAG_ABREAST);
+    s->pair = lag_take(arena, states);
+    s->u = lag_take(arena, (size_t)model->n_inputs * LAG_ABREAST);
+    s->work = lag_take(arena, model->energies.n_work * LAG_ABREAST);
+    s->row = lag_take(arena, 1 + 2 * (size_t)model->n);
+}
+
+/* -------- how they begin */
+
+const double *lag_bare_find_start(const LagBareRuns *s, int64_t i, const LagRun *like)
+{
+    lag_batch_insert(s->batch, i);
+    double *state = s->batch->state;
+    for (int k = 0; k < 2 * s->batch->model->n; ++k)
+        state[k] = isnan(state[k]) ? like->guesses[k] : state[k];
+    return state;
+}
+
+/* Column `lane` of numbers that lie in rows of LAG_ABREAST, into column `to`. */
+static void move(const double *from, int lane, double *into, int to, int count)
+{
+    for (int i = 0; i < count; ++i)
+        into[i * LAG_ABREAST + to] = from[i * LAG_ABREAST + lane];
+}
+
+void lag_bare_begin(LagBareRuns *s, int lane)
+{
+    s->is_bare[lane] = 1;
+    move(s->taylor->lanes.y, lane, s->start, lane, 2 * s->batch->model->n);
+}
+
+/* -------- their accounts */
+
+/* {T, V, H} of eight states at the times t; inputs are linear in the segment that is all of the run. */
+static void find_energies(LagBareRuns *s, const LagRun *like, const double *t, const double *y, double *energies)
+{
+    const LagModel *model = s->batch->model;
+    const LagWideTaylor *taylor = s->taylor;
+    double doubt[LAG_ABREAST] = {0}, *out[] = {energies, NULL, doubt};
+    const double *in[] = {t, y, y + (size_t)model->n * LAG_ABREAST, s->u, like->d, like->c};
+    for (int i = 0; i < model->n_inputs; ++i)
+        for (int k = 0; k < LAG_ABREAST; ++k)
+            s->u[i * LAG_ABREAST + k] = taylor->first_u[i] + taylor->first_slope[i] * (t[k] - taylor->first_time);
+    if (!model->wide_energies) {
+        lag_wide_tape_run(model->energies.tape, in, 1, out, s->work);
+        return;
+    }
+    model->wide_energies(in, out);
+    for (int k = 0; k < LAG_ABREAST; ++k)
+        if (doubt[k] > 0) /* angles are too large for it */
+            energies[k] = energies[LAG_ABREAST + k] = energies[2 * LAG_ABREAST + k] = NAN;
+}
+
+int lag_bare_closes(LagBareRuns *s, int lane, const LagRun *like)
+{
+    const LagWideSteps *steps = &s->taylor->lanes;
+    double energies[KINDS * LAG_ABREAST], first[KINDS], last[KINDS], given[2] = {0, 0}, t[LAG_ABREAST] = {0};
+    t[0] = s->taylor->first_time;
+    t[1] = steps->t[lane];
+    move(s->start, lane, s->pair, 0, 2 * steps->n);
+    move(steps->y, lane, s->pair, 1, 2 * steps->n);
+    find_energies(s, like, t, s->pair, energies);
+    lag_wide_take(energies, 0, first, KINDS);
+    lag_wide_take(energies, 1, last, KINDS);
+    lag_wide_take(steps->y + 2 * (size_t)steps->n * LAG_ABREAST, lane, given, steps->size - 2 * steps->n);
+    return !isnan(lag_account_between(like, first, last, given, steps->steps[lane], 0));
+}
+
+void lag_bare_end(LagBareRuns *s, int lane, int64_t i)
+{
+    const LagSweep *sweep = &s->batch->sweep;
+    const LagWideSteps *steps = &s->taylor->lanes;
+    double *results = s->batch->results + i * sweep->n_reductions;
+    s->is_bare[lane] = 0;
+    s->ended[s->count] = i;
+    s->steps[s->count] = steps->steps[lane];
+    move(s->start, lane, s->first, s->count, 2 * steps->n);
+    move(steps->y, lane, s->last, s->count, steps->size);
+    ++s->count;
+    s->row[0] = sweep->t_stop;
+    lag_wide_take(steps->y, lane, s->row + 1, 2 * steps->n);
+    for (int k = 0; k < sweep->n_reductions; ++k) {
+        LagReduced reduced;
+        lag_reduce_row(&sweep->reductions[k], &reduced, s->row);
+        results[k] = reduced.found;
+    }
+}
+
+void lag_bare_close(LagBareRuns *s, const LagRun *like, double *misses)
+{
+    const int size = s->taylor->lanes.size, states = 2 * s->taylor->lanes.n;
+    double begin[LAG_ABREAST], end[LAG_ABREAST], before[KINDS * LAG_ABREAST], after[KINDS * LAG_ABREAST];
+    for (int k = 0; k < LAG_ABREAST; ++k) {
+        begin[k] = s->taylor->first_time;
+        end[k] = s->batch->sweep.t_stop;
+    }
+    find_energies(s, like, begin, s->first, before);
+    find_energies(s, like, end, s->last, after);
+    for (int k = 0; k < s->count; ++k) {
+        double first[KINDS], last[KINDS], given[2] = {0, 0};
+        lag_wide_take(before, k, first, KINDS);
+        lag_wide_take(after, k, last, KINDS);
+        lag_wide_take(s->last + states * LAG_ABREAST, k, given, size - states);
+        misses[k] = lag_account_between(like, first, last, given, s->steps[k], 1);
+    }
+    s->count = 0;
+}

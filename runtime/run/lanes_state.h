@@ -1,0 +1,40 @@
+/* What lanes consist of. Private to run_lanes.c and lane_runs.c. */
+#ifndef LAG_LANES_STATE_H
+#define LAG_LANES_STATE_H
+
+#include "methods/wide_explicit.h"
+#include "methods/wide_roots.h"
+#include "methods/wide_taylor.h"
+#include "run/bare_runs.h"
+#include "run/run_lanes.h"
+
+struct LagRunLanes {
+    LagBatch *batch;
+    void *block;
+    const LagWideMethod *method;
+    LagWideSteps *steps;
+    LagWideTaylor taylor;
+    LagWideExplicit explicit;
+    LagWideRoots roots;
+    LagBareRuns bare;
+    int is_bare; /* runs that begin there are such ones */
+    int starts_again; /* runs start as lag_run_start_again does, where it serves */
+    int may_turn;  /* others go on where stability rules */
+    int are_shared; /* inputs */
+    int is_guarded; /* each step is looked at */
+    int opened;    /* lanes whose follower and run are there */
+    LagFollower follower[LAG_ABREAST];
+    int64_t job[LAG_ABREAST]; /* the run in each lane; -1: none */
+    int busy;                 /* how many there are */
+    double due[LAG_ABREAST];  /* when something is to be looked at */
+    double glance[LAG_ABREAST]; /* after so many steps, too */
+    int64_t look[LAG_ABREAST];
+    int begins[LAG_ABREAST];  /* it has just come, and waits to be settled with others */
+    int64_t next, runs;  /* of the present call: the run to be started next, and how many there are */
+    uint8_t *done;       /* of each run */
+    int64_t counts[LAG_LANES_COUNTS];
+};
+
+static inline LagRun *lag_lanes_run(const LagRunLanes *s, int lane) { return s->follower[lane].run; }
+
+#endif
