@@ -24,6 +24,7 @@ from lagrangia.study.sweep.plan import Design, Job
 EXAMPLES = Path(__file__).parents[2] / "models" / "examples"
 MEASURES = ("final(elbow.phi), max(elbow.phi), time_of_max(elbow.phi), mean(lower.b.y), first_time(elbow.phi < 0), "
             "at(0.7, der(elbow.phi))")
+ENDS = "final(elbow.phi), final(der(elbow.phi))"  # of which nothing but states is known
 DAMPED = """model Damped
   parameter Real d = 1;
   Revolute hinge(a = world, phi(start = 1));
@@ -67,9 +68,10 @@ def test_results_are_those_of_the_motion(pendulum: lag.Model) -> None:
     assert (outcomes["energy"] < 1e-8).all()
 
 
-def test_a_run_does_not_depend_on_its_company(pendulum: lag.Model) -> None:
-    """Bit by bit: fewer runs, another order, one after another in the same lane."""
-    suited, job = prepared(pendulum, MEASURES)
+@pytest.mark.parametrize(("outputs", "stop"), [(MEASURES, 2.0), (ENDS, 2.0), (ENDS, 30.0)])
+def test_a_run_does_not_depend_on_its_company(pendulum: lag.Model, outputs: str, stop: float) -> None:
+    """Bit by bit: fewer runs, another order, one after another in the same lane. After many steps more is looked at than states."""
+    suited, job = prepared(pendulum, outputs, stop=stop)
     values = job.variations.values(0, job.runs)
     all_of_them, outcomes, _ = advanced(suited, job, values)
     backward, others, _ = advanced(suited, job, values[::-1])
@@ -231,13 +233,16 @@ end Pushed;
 """
 
 
+@pytest.mark.parametrize("rows", [2, 3])
 @pytest.mark.parametrize("varied", [{"initial": {"hinge.phi": np.linspace(0.1, 1, 29)}},
                                     {"parameters": {"c": np.linspace(0, 2, 29)}}])
-def test_starts_from_the_state_alone_are_whole_ones(varied: dict[str, dict[str, np.ndarray]]) -> None:
+def test_starts_from_the_state_alone_are_whole_ones(varied: dict[str, dict[str, np.ndarray]], rows: int) -> None:
     """Where nothing happens, a run in a lane begins with what the one before has left there: bit by bit as in a new batch, whose
     starts are whole."""
     model = lag.loads(PUSHED.replace("Pushed\n", "Pushed\n  parameter Real c = 1;\n", 1).replace("5 + G", "5 + c + G"))
-    table = np.array([0.0, 0.7, 2.0]), {"F": [0.0, 2.0, -1.0], "G": [0.0, 1.0, 3.0]}
+    times, forces, stiffer = np.array([0.0, 2.0, 0.7]), [0.0, -1.0, 2.0], [0.0, 3.0, 1.0]
+    order = np.argsort(times[:rows])
+    table = times[order], {"F": [forces[k] for k in order], "G": [stiffer[k] for k in order]}
     request = Request(stop=2.0, tolerance=1e-6, inputs=table, **varied)
     suited, job = model.prepared_for(read_measures("final(hinge.phi), final(der(cart.s))"), request, Design())
     values = job.variations.values(0, job.runs)
@@ -305,6 +310,13 @@ int main(void)
     failed |= lag_batch_advance(batch, RUNS, values, NULL, results, outcomes, rows, &stop) != 0;
     lag_batch_lanes(batch, counts);
     failed |= counts[LAG_LANES_RUNS] != RUNS;
+    lag_batch_free(batch);
+    LagSweep bare = sweep; /* their ends alone */
+    bare.n_reductions = 1; bare.n_rows = 0; stop = 0;
+    batch = lag_batch_new(&lag_model, run, &bare);
+    double ends[RUNS];
+    failed |= lag_batch_advance(batch, RUNS, values, NULL, ends, outcomes, NULL, &stop) != RUNS;
+    for (int i = 0; i < RUNS; ++i) failed |= outcomes[i].kind != LAG_RUN_DONE || !(fabs(ends[i] - results[3 * i]) < 1e-9);
     lag_batch_free(batch); lag_run_free(run); free(zeros); free(least); free(most); free(rows);
     return failed;
 }
