@@ -9,6 +9,7 @@
 #include "state/state.h"
 
 enum { KINDS = 3 }; /* of energies: T, V, H */
+enum { MANY_STEPS = 16 }; /* from so many on they are as strict at their ends as in between */
 
 /* -------- which runs are such ones */
 
@@ -139,7 +140,7 @@ void lag_bare_close(LagBareRuns *s, const LagRun *like, double *misses)
         lag_wide_take(before, k, first, KINDS);
         lag_wide_take(after, k, last, KINDS);
         lag_wide_take(s->last + states * LAG_ABREAST, k, given, size - states);
-        misses[k] = lag_account_between(like, first, last, given, s->steps[k], 1);
+        misses[k] = lag_account_between(like, first, last, given, s->steps[k], s->steps[k] < MANY_STEPS);
     }
     s->count = 0;
 }
