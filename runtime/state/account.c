@@ -208,14 +208,15 @@ static double most_missed(const LagRun *run, double steps, double size)
     return size * (DRIFT * run->settings.tolerance + STEP_ROUNDING * steps);
 }
 
-double lag_account_between(const LagRun *like, const double *first, const double *last, const double *quadratures, double steps, int is_end)
+double lag_account_between(const LagRun *like, const double *first, const double *last, const double *quadratures, double steps,
+                           int is_short)
 {
     const int kept = like->model->n_power == 2;
     const double given = kept ? quadratures[1] - quadratures[0] : 0, missed = fabs(last[TOTAL] - first[TOTAL] - given);
     double size = kept ? lag_max(fabs(quadratures[0]), fabs(quadratures[1])) : 0;
     for (int i = KINETIC; i <= TOTAL; ++i)
         size = lag_max(size, lag_max(fabs(first[i]), fabs(last[i])));
-    const double most = is_end ? explained_of(like, steps, size, 0) : most_missed(like, steps, size);
+    const double most = is_short ? explained_of(like, steps, size, 0) : most_missed(like, steps, size);
     return !(missed <= most) ? NAN : size > 0 ? missed / size : 0;
 }
 

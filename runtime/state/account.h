@@ -14,9 +14,10 @@ void lag_account_start(LagRun *run);
 void lag_account_note(LagRun *run, double t, const double *y, double *entries);
 
 /* By how much, relative to the energies {T, V, H} that it had first and has now (dissipated, work: quadratures), a motion misses after so
- * many steps in which nothing else has happened; NaN where that is more than the tolerance explains, or, but at its end, than steps may
- * go on with. */
-double lag_account_between(const LagRun *like, const double *first, const double *last, const double *quadratures, double steps, int is_end);
+ * many steps in which nothing else has happened; NaN where that is more than the tolerance explains (`is_short`), or more than
+ * steps may go on with. */
+double lag_account_between(const LagRun *like, const double *first, const double *last, const double *quadratures, double steps,
+                           int is_short);
 
 /* Whether prescribed motion may bring energy to what has none. */
 int lag_account_may_carry(const LagModel *model);
