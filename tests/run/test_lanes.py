@@ -70,7 +70,8 @@ def test_results_are_those_of_the_motion(pendulum: lag.Model) -> None:
 
 @pytest.mark.parametrize(("outputs", "stop"), [(MEASURES, 2.0), (ENDS, 2.0), (ENDS, 30.0)])
 def test_a_run_does_not_depend_on_its_company(pendulum: lag.Model, outputs: str, stop: float) -> None:
-    """Bit by bit: fewer runs, another order, one after another in the same lane. After many steps more is looked at than states."""
+    """Bit by bit: fewer runs, another order, one after another in the same lane. After many steps more than states is
+    looked at."""
     suited, job = prepared(pendulum, outputs, stop=stop)
     values = job.variations.values(0, job.runs)
     all_of_them, outcomes, _ = advanced(suited, job, values)
