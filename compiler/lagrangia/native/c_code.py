@@ -77,8 +77,7 @@ def write_c(
     lines += ["    .wide_whole = wide_whole,"] if whole else []
     lines += ["    .wide_each = wide_each,"] if wide and has_each else []
     lines += ["    .wide_taylor = wide_taylor,"] if wide_series else []
-    lines += ["    .wide_roots = wide_roots_each,"] if "roots" in beside else []
-    lines += ["    .wide_energies = wide_energies,"] if "energies" in beside else []
+    lines += [f"    .wide_{name} = wide_{name}{'_each' if name == 'roots' else ''}," for name in beside]
     return "\n".join([*lines, "};", ""])
 
 
