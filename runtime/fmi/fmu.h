@@ -46,7 +46,7 @@ typedef struct {
     const char *const *strings;
     const char *const *names;             /* by value reference */
     const char *const *guards;            /* n_guards: what is said where they break */
-    const char *const *recognized;        /* what is said where each of the comparisons of LagModel.recognized does not hold */
+    const char *const *requirements;      /* what is said where each of LagModel.requirements is not met */
     const double *state_start;            /* n_states: as declared */
     const int *state_settable;            /* n_states */
     const double *nominal;                /* n_states */

@@ -38,14 +38,13 @@ static LagAnswer check_parameters(LagInstance *s)
 {
     const double *p = lag_run_parameters(s->run);
     const char *const *names = s->fmu->names + lag_fmu_first(s->fmu, LAG_GROUP_PARAMETER);
-    for (int i = 0; i < s->model->n_parameters; ++i)
-        if (!(p[i] >= s->fmu->minimum[i] && p[i] <= s->fmu->maximum[i]))
-            return lag_instance_log(s, LAG_ANSWER_ERROR, LAG_ERROR_CATEGORY, "%.200s is %g, which is not from %g to %g", names[i],
-                                    p[i], s->fmu->minimum[i], s->fmu->maximum[i]);
-    const int unrecognized = lag_run_unrecognized(s->run);
-    if (unrecognized >= 0)
-        return lag_instance_log(s, LAG_ANSWER_ERROR, LAG_ERROR_CATEGORY, "%.600s", s->fmu->recognized[unrecognized]);
-    return LAG_ANSWER_OK;
+    const int wrong = lag_run_wrong_parameter(s->run, s->fmu->minimum, s->fmu->maximum), n = s->model->n_parameters;
+    if (wrong < 0)
+        return LAG_ANSWER_OK;
+    if (wrong >= n)
+        return lag_instance_log(s, LAG_ANSWER_ERROR, LAG_ERROR_CATEGORY, "%.600s", s->fmu->requirements[wrong - n]);
+    return lag_instance_log(s, LAG_ANSWER_ERROR, LAG_ERROR_CATEGORY, "%.200s is %g, which is not from %g to %g", names[wrong],
+                            p[wrong], s->fmu->minimum[wrong], s->fmu->maximum[wrong]);
 }
 
 void lag_instance_forget(LagInstance *s)

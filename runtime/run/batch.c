@@ -130,18 +130,6 @@ void lag_batch_insert(const LagBatch *batch, int64_t run)
     }
 }
 
-/* The first parameter that is not finite or out of its limits; beyond n_parameters, the first comparison of several that does not hold;
- * or -1. */
-static int wrong_parameter(const LagBatch *batch, const LagRun *run)
-{
-    const double *p = lag_run_parameters(run);
-    for (int i = 0; i < batch->model->n_parameters; ++i)
-        if (!isfinite(p[i]) || p[i] < batch->sweep.least[i] || p[i] > batch->sweep.most[i])
-            return i;
-    const int unrecognized = lag_run_unrecognized(run);
-    return unrecognized >= 0 ? batch->model->n_parameters + unrecognized : -1;
-}
-
 static LagStatus refuse(const LagBatch *batch, LagFollower *f, int64_t i)
 {
     LagOutcome *outcome = &batch->outcomes[i];
@@ -160,7 +148,7 @@ static LagStatus start(LagBatch *batch, LagFollower *f, int64_t i)
     run->started = 0; /* the one before is over */
     if (batch->varies_parameters || !f->has_parameters) {
         lag_run_set_parameters(run, batch->varies_parameters ? batch->p : batch->sweep.given, batch->mask);
-        f->wrong_parameter = wrong_parameter(batch, run);
+        f->wrong_parameter = lag_run_wrong_parameter(run, batch->sweep.least, batch->sweep.most);
     }
     f->has_parameters = 1;
     if (f->wrong_parameter >= 0)

@@ -15,8 +15,8 @@ enum { LAG_RUN_DONE, LAG_RUN_FAILED, LAG_RUN_PARAMETER, LAG_RUN_OVERTIME, LAG_RU
 enum { LAG_GUARD_BITS = 31 };
 
 typedef struct {
-    int32_t kind;       /* LAG_RUN_...; of a parameter out of its limits, failure holds the index and the value (of comparisons of
-                         * LagModel.recognized n_parameters more); of an energy account that is open, the time from which on it is,
+    int32_t kind;       /* LAG_RUN_...; of a wrong parameter, failure holds its index (lag_run_wrong_parameter) and its
+                         * value; of an energy account that is open, the time from which on it is,
                          * and by how much of its size: results are there all the same */
     int32_t warned;     /* bits of the guards that warned; the last one stands for all beyond */
     LagFailure failure;

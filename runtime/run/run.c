@@ -21,7 +21,7 @@ static size_t work_size(const LagModel *model)
                                       &model->force, &model->regular, &model->residual, &model->nearest,
                                       &model->kick, &model->switches, &model->resets, &model->roots, &model->looks,
                                       &model->held_first, &model->samples, &model->lags, &model->delayed, &model->before,
-                                      &model->guards, &model->recognized};
+                                      &model->guards, &model->requirements};
     size_t largest = 0;
     for (size_t i = 0; i < sizeof functions / sizeof *functions; ++i)
         largest = functions[i]->n_work > largest ? functions[i]->n_work : largest;
@@ -198,13 +198,17 @@ LagStatus lag_run_set_parameters(LagRun *run, const double *given, const double 
 
 const double *lag_run_parameters(const LagRun *run) { return run->p; }
 
-int lag_run_unrecognized(const LagRun *run)
+int lag_run_wrong_parameter(const LagRun *run, const double *least, const double *most)
 {
+    const int n = run->model->n_parameters;
+    for (int i = 0; i < n; ++i)
+        if (!isfinite(run->p[i]) || run->p[i] < least[i] || run->p[i] > most[i])
+            return i;
     double first = -1;
     const double *in[] = {run->p};
     double *out[] = {&first};
-    lag_call(&run->model->recognized, in, out, run->work);
-    return (int)first;
+    lag_call(&run->model->requirements, in, out, run->work);
+    return first < 0 ? -1 : n + (int)first;
 }
 
 LagStatus lag_run_set_inputs(LagRun *run, const double *times, const double *values, int rows)

@@ -23,8 +23,9 @@ LAG_API int32_t lag_run_solver(const LagModel *model, const LagSettings *setting
 LAG_API LagStatus lag_run_set_parameters(LagRun *run, const double *given, const double *mask);
 LAG_API const double *lag_run_parameters(const LagRun *run);
 
-/* The first comparison of parameters that does not hold, though contacts and kicks are what they are for all that do; -1: all hold. */
-LAG_API int lag_run_unrecognized(const LagRun *run);
+/* The first parameter that is not finite or not from least to most (n_parameters each); n_parameters more than the first of
+ * LagModel.requirements that is not met; -1: all are possible. */
+LAG_API int lag_run_wrong_parameter(const LagRun *run, const double *least, const double *most);
 
 /* Table of inputs, linear between rows, held outside: times[rows], values[rows * n_inputs]; copied. */
 LAG_API LagStatus lag_run_set_inputs(LagRun *run, const double *times, const double *values, int rows);

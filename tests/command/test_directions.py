@@ -19,16 +19,19 @@ REFUSED = "the direction 'floor.along' has no length"
 
 @pytest.mark.parametrize("component", [STOP, ROUGH])
 def test_directions_of_no_length_are_refused(component: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """As declared, by -p, and in one run of a sweep."""
+    """As declared, by -p, and in one run of a sweep, whose others are made."""
     zero, one, rows = tmp_path / "zero.lag", tmp_path / "one.lag", ["-o", str(tmp_path / "x.csv")]
     zero.write_text(SCENE % (component % 0))
     one.write_text(SCENE % (component % 1))
-    for command in (["check", str(zero)], ["simulate", str(zero), *rows], ["simulate", str(one), "-p", "floor.along[2]=0", *rows],
-                    ["sweep", str(one), "-p", "floor.along[2]=1,0", *rows]):
+    for command in (["check", str(zero)], ["simulate", str(zero), *rows],
+                    ["simulate", str(one), "-p", "floor.along[2]=0", *rows]):
         assert main(command) == 2
         told = capsys.readouterr()
         assert REFUSED in told.err + told.out and ".lag:3:" in told.err + told.out
     assert main(["simulate", str(one), "-p", "floor.along[2]=2", *rows]) == 0
+    assert main(["sweep", str(one), "-p", "floor.along[2]=1,0", *rows]) == 0
+    assert f"1 failed: {REFUSED}" in capsys.readouterr().out
+    assert main(["sweep", str(one), "-p", "floor.along[2]=0,0", *rows]) == 1
 
 
 def test_directions_are_found_in_arrays_and_where_they_follow(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -37,9 +40,9 @@ def test_directions_are_found_in_arrays_and_where_they_follow(tmp_path: Path, ca
     file.write_text(SCENE % "parameter Real h = 1;"
                     "Stop floor[2](each a = world, each b = p.center, along = {{0, 1}, {0, h}}, each e = 0);")
     for given in ("floor[2].along[2]", "h", "floor[1].along[2]"):
-        assert main(["sweep", str(file), "-p", f"{given}=1,0,2", *rows]) == 2
+        assert main(["sweep", str(file), "-p", f"{given}=1,0,2", *rows]) == 0
         named = "floor[1].along" if given.startswith("floor[1]") else "floor[2].along"
-        assert f"the direction '{named}' has no length in a run of the sweep" in capsys.readouterr().err
+        assert f"1 failed: the direction '{named}' has no length" in capsys.readouterr().out
     assert main(["simulate", str(file), "-p", "h=0", *rows]) == 2
     assert main(["sweep", str(file), "-p", "h=1,-1", *rows]) == 0
 

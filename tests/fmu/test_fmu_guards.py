@@ -136,3 +136,22 @@ def test_parameters_that_end_contacts_together_are_refused(tmp_path: Path, versi
     with pytest.raises(FMICallException):
         other.start({"k1": 1.6, "k2": 1.8})
     assert "the event at 'b.s < 0' ceases to be a contact" in capfd.readouterr().out
+
+
+@pytest.mark.parametrize(("parameters", "said"), [
+    ({"I[1,2]": 0.1}, "'b.I' is not symmetric"), ({"I[1,2]": 0.4, "I[2,1]": 0.4}, "'b.I' is negative about an axis"),
+    ({"h.axis[3]": 0.0}, "'h.axis' has no length"), ({"I[1,2]": 0.1, "I[2,1]": 0.1}, ""),
+])
+def test_inertias_and_directions_of_instances_are_looked_at(tmp_path: Path, capfd: pytest.CaptureFixture[str],
+                                                            parameters: dict[str, float], said: str) -> None:
+    path = tmp_path / "turns.lag"
+    path.write_text("""model Turns parameter Inertia I[3,3] = {{0.1, 0, 0}, {0, 0.2, 0}, {0, 0, 0.25}};
+        Revolute h(a = world, axis = {0, 0, 1}); Spherical j(a = shift(h.b, {0.5, 0, 0}));
+        Body b(m = 1, I = I, center = j.b); end Turns;""")
+    instance = Instance(path, "2", "CoSimulation")
+    if said:
+        with pytest.raises(FMICallException):
+            instance.start(parameters)
+        assert said in capfd.readouterr().out
+    else:
+        instance.start(parameters).free()

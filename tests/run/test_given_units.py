@@ -108,3 +108,15 @@ def test_inertias_that_are_not_symmetric_are_refused(scene: Callable[[str], lag.
             model.simulate(parameters={name: 0.01})
     with pytest.raises(lag.LagError, match="not symmetric"):
         scene(TURNED % "R*D*transpose(R) + {{0, 1e-9, 0}, {0, 0, 0}, {0, 0, 0}}")
+
+
+def test_inertias_of_sweeps_and_prepared_runs_are_looked_at(scene: Callable[[str], lag.Model]) -> None:
+    """As those of single runs."""
+    model = scene(TURNED % "D")
+    table = model.simulate_many(parameters={"D[1,2]": [0.01, 0.01, 0.4], "D[2,1]": [0.01, 0, 0.4]}, together=True, stop=0.1)
+    assert table.failures == {1: "the inertia 'b.I' is not symmetric", 2: "the inertia 'b.I' is negative about an axis"}
+    run = model.prepare(parameters={"D[1,2]": 0, "D[2,1]": 0}, stop=0.1)
+    run((), (0.01, 0.01))
+    for given, told in (((0.01, 0), "not symmetric"), ((0.4, 0.4), "negative about an axis")):
+        with pytest.raises(lag.LagError, match=told):
+            run((), given)

@@ -15,7 +15,7 @@ from lagrangia.compile.functions import Functions, build_island_functions, eleme
 from lagrangia.compile.hoisted_tapes import tapes_of
 from lagrangia.compile.instructions import count_operations, tape_of
 from lagrangia.constraints.initial import InitialConditions, find_idle_starts
-from lagrangia.constraints.parameters import find_odd_inertias, parameter_symbols, scalars
+from lagrangia.constraints.parameters import find_odd_inertias, scalars
 from lagrangia.constraints.rows import Constraints
 from lagrangia.constraints.several_starts import find_several_starts
 from lagrangia.constraints.virtual_forces import find_idle_displacements
@@ -36,7 +36,6 @@ from lagrangia.language.attitudes import parts_of
 from lagrangia.language.changes import is_before
 from lagrangia.language.consequences import place_of_felt_reactions
 from lagrangia.language.dimensions import unit_of, units_of_given
-from lagrangia.language.directions import directions, parameter_places
 from lagrangia.language.events import kept_by
 from lagrangia.language.flat import FlatModel, Variable, When, rate_of
 from lagrangia.language.folding import numbers_of
@@ -92,7 +91,8 @@ def build_scene(
         notes=_notes(motion, tapes)
         | {"form": functions.form.why if functions.form else "", "thresholds": [*functions.thresholds]}
         | _freedom(kinematics, motion, constraints, is_still) | _told(kinematics, constraints, initial, functions, motion.impacts)
-        | ({"guards": tell_guards(model, functions.guarding)} if model.guards else {}) | _recognized(kinematics, motion.impacts),
+        | ({"guards": tell_guards(model, functions.guarding)} if model.guards else {})
+        | ({"requirements": [x.told for x in functions.requirements]} if functions.requirements else {}),
         refused={**functions.refused, **({"conservative": no_momenta} if no_momenta else {}), **_refusals(kinematics)},
     ))
 
@@ -312,14 +312,12 @@ def _told(kinematics: Kinematics, constraints: Constraints, initial: InitialCond
     found = tuple(warning for warning in found if warning.code not in model.allowed)
     told, timed = [w.render() for w in found], {w.render(): list(w.interval) for w in found if w.interval is not None}
     files = sorted({os.path.abspath(lookup.path) for lookup in model.lookups})  # wherever it is found again
-    inertias = parameter_places(model, {v.name for v in model.variables.values() if v.is_inertia})
     kinetic, felt = [str(span) for span in written_inertias(kinematics)], place_of_felt_reactions(model)
     return {"warnings": told, "allowed": list(model.allowed), "contacts": contacts, "files": files, "kinetic": kinetic,
             "felt": str(felt) if felt else "", **({"timed_warnings": timed} if timed else {}),
             **({"samplers": [str(sampler.span) for sampler in model.samplers],
                 "held": [held.name for sampler in model.samplers for held in sampler.held]} if model.samplers else {}),
             **({"delays": [str(delay.span) for delay in model.delays]} if model.delays else {}),
-            **({"inertias": inertias} if inertias else {}), **({"directions": along} if (along := directions(model)) else {}),
             "attitudes": {name: parts_of(name) for name in kinematics.symbols.attitudes},
             "readers": find_readers(model) if len(model.variables) <= _MANY_VARIABLES else None,
             "signals": {state.coordinate: name for name, state in model.states.items()},
@@ -401,17 +399,6 @@ def _parameters(model: FlatModel, kind: str, compiled_in: Mapping[str, Any]) -> 
             found.append(Parameter(name, units[variable.name], value, variable.minimum, variable.maximum, variable.description,
                                    str(variable.span), number, variable.locked, source is not None))
     return tuple(found)
-
-
-def _recognized(kinematics: Kinematics, impacts: Impacts) -> dict[str, object]:
-    """Of each comparison of `recognized`, in words, the condition of its event, whether that becomes a contact where it does not
-    hold, and the parameters in it."""
-    model, symbols = kinematics.graph.model, parameter_symbols(kinematics).elements()
-    names = [name for v in model.variables.values() if v.kind == "parameter" for name, _ in v.elements()]
-    told = [{"event": when.condition.span.text, "makes": x.makes, "parameters": [
-                name for name, symbol in zip(names, symbols, strict=True) if ca.depends_on(x.holds, symbol)]}
-            for when, comparisons in zip(model.whens, impacts.recognized, strict=False) for x in comparisons]
-    return {"recognized": told} if told else {}
 
 
 def _called(model: FlatModel, when: When) -> str:

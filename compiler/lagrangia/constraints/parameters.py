@@ -1,7 +1,8 @@
 """Parameters: all values from those given, the dependent ones following their bindings."""
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from contextlib import suppress
+from functools import reduce
 from math import prod
 from typing import NoReturn
 
@@ -25,6 +26,7 @@ from lagrangia.language.folding import numbers_of
 from lagrangia.language.tree import Number
 
 _ROUNDING = 1e-12  # relative, of moments of inertia
+_NO_LENGTH = "the direction '{}' has no length: all its parts are 0"
 
 
 def scalars(name: str, value: Value) -> list[tuple[str, Scalar]]:
@@ -105,7 +107,7 @@ def default_parameters(kinematics: Kinematics) -> tuple[ca.SX, ca.DM]:
 def require_possible(kinematics: Kinematics) -> None:
     """Raises LagError L0605, each at its place, for parameters that are declared as no finite number or beyond their limits."""
     report, values = Report(), iter(default_parameters(kinematics)[1].elements())
-    along = {*directions(kinematics.graph.model)}
+    along = directions(kinematics.graph.model)
     for variable in kinematics.graph.model.variables.values():
         if variable.kind == "parameter":
             unit = f" {variable.unit}" if variable.unit else ""
@@ -114,7 +116,7 @@ def require_possible(kinematics: Kinematics) -> None:
                 if wrong := misfit(value, unit, variable.minimum, variable.maximum):
                     report.error("L0605", f"the parameter '{name}' {wrong}", variable.span)
             if variable.name in along and not any(own.values()):
-                report.error("L0605", f"the direction '{variable.name}' has no length: all its parts are 0", variable.span)
+                report.error("L0605", _NO_LENGTH.format(variable.name), variable.span)
     report.raise_errors()
     find_odd_inertias(kinematics).raise_errors()
 
@@ -145,6 +147,29 @@ def find_odd_inertias(kinematics: Kinematics) -> Report:
                            f"{moments[k]:g} kg.m2, more than about the other two together, {moments.sum() - moments[k]:g}",
                            variable.span)
     return report
+
+
+def lengths_of_directions(kinematics: Kinematics) -> Iterator[tuple[ca.SX, str, Span]]:
+    """Of each direction 1 where it has a length and else 0, of all parameters; what is told then; where it is declared."""
+    model = kinematics.graph.model
+    for v in map(model.variables.__getitem__, directions(model)):
+        size = reduce(ca.fmax, map(ca.fabs, column(*scalars_of(kinematics.symbols.values[v.name])).elements()))
+        yield size > 0, _NO_LENGTH.format(v.name), v.span
+
+
+def possible_inertias(kinematics: Kinematics) -> Iterator[tuple[ca.SX, str, Span]]:
+    """The same of matrices of moments of inertia that are symmetric, and not negative about any axis (Sylvester). Three moments
+    are not negative by the limits of their type."""
+    model = kinematics.graph.model
+    for v in (v for v in model.variables.values() if v.kind == "parameter" and v.is_inertia and v.shape == (3, 3)):
+        a, b, c, d, e, f, g, h, i = own = column(*scalars_of(kinematics.symbols.values[v.name])).elements()
+        size = reduce(ca.fmax, map(ca.fabs, own))
+        apart = reduce(ca.fmax, map(ca.fabs, (b - d, c - g, f - h)))
+        minors = ([a, e, i], [a * e - b * b, a * i - c * c, e * i - f * f],
+                  [a * (e * i - f * f) - b * (b * i - f * c) + c * (b * f - e * c)])
+        yield apart <= _ROUNDING * size, f"the inertia '{v.name}' is not symmetric", v.span
+        yield (reduce(ca.logic_and, (reduce(ca.fmin, of_size) >= -_ROUNDING * size**k for k, of_size in enumerate(minors, 1))),
+               f"the inertia '{v.name}' is negative about an axis", v.span)
 
 
 def _axis(direction: NDArray[np.float64]) -> str:

@@ -4,12 +4,12 @@ import math
 from collections.abc import Sequence
 
 from lagrangia.fmu.elements import provides_elements
-from lagrangia.fmu.tables import constants, guards_of, integers, recognized_of, sizes_of, vectors
+from lagrangia.fmu.tables import constants, guards_of, integers, requirements_of, sizes_of, vectors
 from lagrangia.fmu.variables import FmuModel
 from lagrangia.native.c_code import INCLUDES, write_c, write_functions
 from lagrangia.native.tapes import Tape
 
-_TEXTS = ("names", "strings", "guards", "recognized")
+_TEXTS = ("names", "strings", "guards", "requirements")
 # Scenes with more operations than this stay tapes, as data: a C compiler takes some 0.2 ms an operation, for each platform.
 _LARGEST_COMPILED = 3_000
 
@@ -37,7 +37,7 @@ def table_source(model: FmuModel, token: str) -> str:
     lines += [f"static const double {name}[] = {{{', '.join(map(_number, values)) or '0'}}};" for name, values in numbers.items()]
     lines += [_integers(name, values) for name, values in whole.items()]
     lines += [_texts("names", [v.name for v in model.variables]), _texts("strings", [str(x) for x in given["string"]])]
-    lines += [_texts("guards", guards_of(model)), _texts("recognized", recognized_of(model)), ""]
+    lines += [_texts("guards", guards_of(model)), _texts("requirements", requirements_of(model)), ""]
     lines += ["const LagFmu lag_fmu = {", "    .model = &lag_model,", f"    .token = {_quoted(token)},",
               f"    .start = {_number(scene.start)},", f"    .tolerance = {_number(scene.tolerance)},",
               f"    .stabilisation = {_number(model.stabilisation)},"]

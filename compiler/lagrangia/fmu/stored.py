@@ -17,7 +17,7 @@ from zlib import adler32
 from lagrangia.base.folders import data_folder
 from lagrangia.base.table_data import TableData
 from lagrangia.fmu.elements import provides_elements
-from lagrangia.fmu.tables import constants, guards_of, integers, recognized_of, sizes_of, vectors
+from lagrangia.fmu.tables import constants, guards_of, integers, requirements_of, sizes_of, vectors
 from lagrangia.fmu.variables import FmuModel
 from lagrangia.native.prebuilt import digest
 from lagrangia.native.tapes import Tape
@@ -30,7 +30,7 @@ _TAPE, _FUNCTION, _MODEL, _TABLE = (cast("type[c.Structure]", MIRRORS[name])
                                     for name in ("LagTape", "LagFunction", "LagModel", "LagTable"))
 _WORD = 8  # what is put begins at a multiple of it
 _PAGE_TOKEN = "page"  # LAG_PLAY_TOKEN of play.h
-_VECTORS = ("reals", "integers", "booleans", "strings", "names", "guards", "recognized", "state_start", "state_settable",
+_VECTORS = ("reals", "integers", "booleans", "strings", "names", "guards", "requirements", "state_start", "state_settable",
             "nominal", "input_start", "parameter_start", "minimum", "maximum", "parameter_settable")
 _LISTS = ("kept", "extents", "known_first", "knowns", "known_kinds", "start_first", "starts", "start_kinds")
 
@@ -104,7 +104,7 @@ def _filled(kind: type[c.Structure], model: FmuModel, token: str, sizes: Mapping
         fmu.point(name, image.ints(whole))
     fmu.point("names", image.texts([variable.name for variable in model.variables]))
     fmu.point("guards", image.texts(guards_of(model)))
-    fmu.point("recognized", image.texts(recognized_of(model)))
+    fmu.point("requirements", image.texts(requirements_of(model)))
     fmu.point("strings", image.texts([str(x) for x in constants(model)["string"]]))
     return fmu
 

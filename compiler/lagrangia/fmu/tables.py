@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 
 from lagrangia.fmu.elements import element_lists
 from lagrangia.fmu.variables import KEPT, FmuModel, held_of
-from lagrangia.run.recognized import tell_recognized
+from lagrangia.run.requirements import tell_requirement
 from lagrangia.run.rules import Moment, solver_by
 
 _GROUPS = ("real", "integer", "boolean", "string", *KEPT)
@@ -42,9 +42,9 @@ def guards_of(model: FmuModel) -> list[str]:
     return [str(guard["text"]) for guard in model.scene.notes.get("guards", ())]
 
 
-def recognized_of(model: FmuModel) -> list[str]:
-    """What is said where parameters make or end contacts."""
-    return [tell_recognized(known) for known in model.scene.notes.get("recognized", ())]
+def requirements_of(model: FmuModel) -> list[str]:
+    """What is said where parameters do not meet what is required of them."""
+    return [tell_requirement(known) for known in model.scene.notes.get("requirements", ())]
 
 
 def vectors(model: FmuModel) -> Mapping[str, Sequence[float]]:

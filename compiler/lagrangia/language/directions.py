@@ -4,8 +4,7 @@ Those of no length say nothing: conditions that are divided by it are never true
 What stands in branches of choices may be meant for others alone, as d/norm(d) where d is not 0: it tells nothing.
 """
 
-import math
-from collections.abc import Container, Iterator
+from collections.abc import Iterator
 
 from lagrangia.language.flat import FlatModel
 from lagrangia.language.mentions import children
@@ -14,26 +13,14 @@ from lagrangia.language.tree import Binary, Call, Flat, IfExpression, Ref
 _SHAPES = ((2,), (3,))
 
 
-def directions(model: FlatModel) -> dict[str, list[int]]:
-    """Their names, in the order of the variables, with the places of their parts among the elements of all parameters."""
+def directions(model: FlatModel) -> list[str]:
+    """Their names, in the order of the variables."""
     may_be = {v.name for v in model.variables.values() if v.kind == "parameter" and v.shape in _SHAPES and v.unit in ("", "1")}
     if not may_be:
-        return {}
+        return []
     bindings = (v.binding for v in model.variables.values() if v.binding is not None)
     found = {name for node in _certain(*model.stated(), *bindings) for name in _named(node) if name in may_be}
-    return parameter_places(model, found)
-
-
-def parameter_places(model: FlatModel, names: Container[str]) -> dict[str, list[int]]:
-    """Of these parameters, in the order of the variables: where their elements stand among those of all."""
-    found, first = dict[str, list[int]](), 0
-    for variable in model.variables.values():
-        if variable.kind == "parameter":
-            size = math.prod(variable.shape)
-            if variable.name in names:
-                found[variable.name] = [*range(first, first + size)]
-            first += size
-    return found
+    return [name for name in model.variables if name in found]
 
 
 def _certain(*roots: Flat) -> Iterator[Flat]:

@@ -37,7 +37,7 @@ _SEEN = 50_000  # instructions that are written out in no time, to see whether t
 # Seconds of all runs that are worth writing the scene out, to see whether it was compiled before; before their lengths are told.
 _SEEK, _LOOK = 0.015, 0.1
 # Called once for each set of parameters, or data: not worth compiling in a large scene.
-_RARE = ("parameters", "hoist", "start", "initial", "momentum", "events", "linear", "waves", "series", "recognized")
+_RARE = ("parameters", "hoist", "start", "initial", "momentum", "events", "linear", "waves", "series", "requirements")
 _LARGEST_JACOBIAN = 400  # instructions
 
 

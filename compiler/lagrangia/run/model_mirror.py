@@ -70,7 +70,7 @@ _SIZES = (
 FUNCTIONS = (
     "parameters", "hoist", "start", "initial", "momentum", "events", "modes", "rhs", "outputs", "energies", "place", "steer",
     "linear", "waves", "jacobian", "tangent", "velocity", "force", "residual", "regular", "nearest", "kick",
-    "switches", "resets", "roots", "looks", "held_first", "samples", "lags", "delayed", "before", "guards", "recognized",
+    "switches", "resets", "roots", "looks", "held_first", "samples", "lags", "delayed", "before", "guards", "requirements",
 )
 
 

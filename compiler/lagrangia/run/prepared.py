@@ -1,7 +1,6 @@
 """One run of a scene that is done again and again, from other starts and with other parameters."""
 
 import math
-import sys
 import time
 import weakref
 from array import array
@@ -21,7 +20,6 @@ if TYPE_CHECKING:
     import numpy as np
 
 _PAUSE, _SOON = 0.1, 1e-3  # seconds between two looks at the keyboard; of runs before one for native code
-_LARGEST = sys.float_info.max
 _OK, _PAUSED = int(Status.OK), int(Status.PAUSED)
 
 
@@ -55,9 +53,7 @@ class PreparedRun:
         self._starts = (self._handle, addressof(self._start), addressof(self._start) + 8 * scene.n)  # numbers pass soonest
         place = cast(self._library.lag_run_parameters(self._handle), c_void_p).value or addressof(self._given)
         self._found = (c_double * len(values.parameters)).from_address(place)  # all parameters, as C has them
-        self._limits = [(k, -_LARGEST if p.minimum is None else p.minimum, _LARGEST if p.maximum is None else p.maximum)
-                        for k, p in enumerate(scene.parameters) if p.minimum is not None or p.maximum is not None]
-        self._is_recognized = "recognized" in scene.tapes
+        self._limits = tuple((c_double * len(side))(*side) for side in scene.limits)
         self._counts = self._run.counts  # what C counts of the latest run
         self._asks_loss = min(scene.notes["thresholds"], default=math.inf) < experiment.tolerance
         self._is_over = False  # terminate(...) has ended the latest run
@@ -134,10 +130,8 @@ class PreparedRun:
         for place, value in zip(self._varied, parameters):  # noqa: B905 (of one length)
             given[place] = value
         self._library.lag_run_set_parameters(self._handle, given, self._mask)
-        found = self._found[:]
-        if (not math.isfinite(sum(found)) or any(not a <= found[k] <= b for k, a, b in self._limits)
-                or (self._is_recognized and self._library.lag_run_unrecognized(self._handle) >= 0)):
-            check_parameters(self.scene, found)
+        if self._library.lag_run_wrong_parameter(self._handle, *self._limits) >= 0:
+            check_parameters(self.scene, self._found[:])
 
     def _advance(self, place: int) -> int:
         """Rows to where they belong; how many."""

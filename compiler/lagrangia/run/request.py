@@ -14,14 +14,13 @@ from lagrangia.base.checked_values import a_count, a_number, by_name, misfit, nu
 from lagrangia.base.diagnostics import Report, fail, suggest
 from lagrangia.base.records import dataclass
 from lagrangia.run.input_rates import complete_rates
-from lagrangia.run.recognized import require_recognized
+from lagrangia.run.requirements import check_requirements
 from lagrangia.run.scene import Parameter, Scene
 from lagrangia.run.solvers import AUTO, is_casadi, number_of
 
 _PORTION = 4096  # rows
 _INTERVALS = 500
 _MOST_ROWS = 100_000_000
-_ROUNDING = 1e-12  # of moments of inertia, relative
 
 
 @dataclass(frozen=True)
@@ -299,34 +298,14 @@ def _unknown(what: str, name: str, known: Sequence[str], report: Report) -> None
 
 
 def check_parameters(scene: Scene, parameters: Sequence[float]) -> None:
-    """All parameters, dependent ones too, must be finite and within the limits of their types. Raises LagError L0605."""
+    """All parameters, dependent ones too, must be finite, within the limits of their types, and meet what else is required.
+
+    Raises LagError L0605."""
     report = Report()
     for known, value in zip(scene.parameters, parameters, strict=True):
         _require_possible("parameter", known, value, report)
     report.raise_errors()
-    for name, places in scene.notes.get("directions", {}).items():
-        if not any(parameters[k] for k in places):
-            report.error("L0605", f"the direction '{name}' has no length: all its parts are 0", None,
-                         f"declared at {scene.parameters[places[0]].place}")
-    for name, places in scene.notes.get("inertias", {}).items():
-        if wrong := _odd_inertia([parameters[k] for k in places]):
-            report.error("L0605", f"the inertia '{name}' {wrong}")
-    report.raise_errors()
-    require_recognized(scene, parameters, report)  # of contacts, whose directions have lengths
-
-
-def _odd_inertia(own: Sequence[float]) -> str:
-    """What is wrong with three moments, or with a matrix by its rows; "" where no moment is negative (Sylvester)."""
-    size = max(map(abs, own))
-    if len(own) == 3:
-        return "is negative about an axis" if min(own) < -_ROUNDING * size else ""
-    a, b, c, d, e, f, g, h, i = own
-    if max(abs(b - d), abs(c - g), abs(f - h)) > _ROUNDING * size:
-        return "is not symmetric"
-    minors = (a / (size or 1), e / (size or 1), i / (size or 1), *((x * y - z * z) / (size * size or 1)
-              for x, y, z in ((a, e, b), (a, i, c), (e, i, f))),
-              (a * (e * i - f * f) - b * (b * i - f * c) + c * (b * f - e * c)) / (size**3 or 1))
-    return "is negative about an axis" if min(minors) < -_ROUNDING else ""
+    check_requirements(scene, parameters, report)
 
 
 def _require_possible(what: str, known: Parameter, value: float, report: Report) -> None:

@@ -2,6 +2,7 @@
 
 import base64
 import json
+import math
 from array import array
 from collections.abc import Mapping
 from dataclasses import replace
@@ -166,6 +167,12 @@ class Scene:
     def moving(self) -> tuple[Column, ...]:
         """What tells where the mechanism is: positions without those whose rates are first-order states."""
         return tuple(c for c in self.told_positions if c.name not in self.signals)
+
+    @property
+    def limits(self) -> tuple[list[float], list[float]]:
+        """The least and the largest values of all parameters."""
+        return ([-math.inf if p.minimum is None else p.minimum for p in self.parameters],
+                [math.inf if p.maximum is None else p.maximum for p in self.parameters])
 
     def slot(self, name: str) -> int | None:
         """Place in (q, v) of a coordinate, a rate or another name of one."""

@@ -2,7 +2,6 @@
 
 import hashlib
 import json
-import math
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, replace
@@ -16,7 +15,7 @@ from lagrangia.base.diagnostics import LagError, Report, fail, suggest
 from lagrangia.base.records import dataclass
 from lagrangia.language.values import read_value
 from lagrangia.run.batch import Kind, Reduction, Sweep
-from lagrangia.run.interpret import evaluate, evaluate_each
+from lagrangia.run.interpret import evaluate
 from lagrangia.run.request import Request, check_values, plan
 from lagrangia.run.rules import Moment, solver_by
 from lagrangia.run.runtime import Settings, Solver
@@ -143,39 +142,16 @@ def build_job(scene: Scene, measures: Sequence[Measure], request: Request, desig
     if not (seconds := a_number("seconds per run", design.seconds)) >= 0:
         fail("L0702", f"the seconds per run must be a positive number, not {seconds}")
     window = float(request.interval or (experiment.stop - experiment.start) / _LOOKS)
-    least = [-math.inf if p.minimum is None else p.minimum for p in scene.parameters]
-    most = [math.inf if p.maximum is None else p.maximum for p in scene.parameters]
     told = tuple((tuple(case.input_times_from(experiment.start)), tuple(case.input_values)) for case in cases)
     moments, u = told[0] if scene.inputs else ((), ())
     sweep = Sweep(settings, window, seconds, reduced, variations.places,
-                  values.parameters, values.mask, (*values.q, *values.v), least, most,
+                  values.parameters, values.mask, (*values.q, *values.v), *scene.limits,
                   tuple(moments), tuple(u), told if len(told) > 1 else (), bool(scene.notes["is_driven"]),
                   tuple(t for times in experiment.times() for t in times) if design.keeps else (),
                   variations.runs >= _FEWEST_IN_LANES)
     sampling = design.sampling if design.samples is not None and len(factors) == 1 else ""
-    job = Job(scene, tuple(measures), variations, sweep, sampling, design.seed, _until(scene, measures, design, sampling),
+    return Job(scene, tuple(measures), variations, sweep, sampling, design.seed, _until(scene, measures, design, sampling),
               _held(scene, design.held, variations.runs, len(sweep.row_times)))
-    _require_directions(job)
-    return job
-
-
-def _require_directions(job: Job) -> None:
-    """Raises LagError L0605 where a direction has no length in a run, as its parts are varied or follow from what is."""
-    import numpy as np
-
-    scene = job.scene
-    known = scene.notes.get("directions", {})
-    if not known or all(place >= len(scene.parameters) for place in job.variations.places):
-        return
-    for given, mask in job.parameter_sets():
-        found = evaluate_each(scene.tapes["parameters"], given, mask)[0]
-        for name, places in known.items():
-            if np.all(np.broadcast_arrays(*(found[k] == 0 for k in places)), axis=0).any():
-                fail("L0605", f"the direction '{name}' has no length in a run of the sweep: all its parts are 0", None,
-                     f"declared at {scene.parameters[places[0]].place}")
-        known = {name: places for name, places in known.items() if any(np.ndim(found[k]) for k in places)}
-        if not known:  # what is one number follows from nothing that is varied
-            return
 
 
 def _held(scene: Scene, given: Any, runs: int, rows: int) -> "np.ndarray | None":

@@ -8,14 +8,15 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from lagrangia.base.checked_values import misfit
 from lagrangia.base.diagnostics import Diagnostic, fail, suggest
 from lagrangia.base.html_table import headed, html_notes, html_table
 from lagrangia.base.records import dataclass
 from lagrangia.base.result_files import Target, cells, quoted, require_parquet
 from lagrangia.run.batch import GUARD_BITS, Ending
 from lagrangia.run.guards import broken_in_general, guard_in_general
-from lagrangia.run.recognized import tell_recognized, tell_unrecognized
 from lagrangia.run.remarks import warn_of_run
+from lagrangia.run.requirements import tell_requirement, tell_unmet
 from lagrangia.run.runtime import Failure, Status
 from lagrangia.run.scene import Scene
 from lagrangia.run.simulate import explain
@@ -258,7 +259,7 @@ def explain_outcome(job: Job, run: int, outcome: Any) -> str:
         return f"out of time at t = {time:.6g}"
     if kind is Ending.PARAMETER:
         own = index - len(scene.parameters)
-        return _wrong_parameter(scene, index, value) if own < 0 else tell_unrecognized(scene, own, job.parameters_of(run))
+        return _wrong_parameter(scene, index, value) if own < 0 else tell_unmet(scene, own, job.parameters_of(run))
     if kind is Ending.OPEN:
         return f"the energy account misses by {value:.1e} of its size, more than the tolerance explains, from t = {time:.6g} on"
     failure = Failure(Status(outcome["status"]), index, bool(outcome["rate"]), time, value)
@@ -267,19 +268,14 @@ def explain_outcome(job: Job, run: int, outcome: Any) -> str:
 
 def _wrong_parameter(scene: Scene, index: int, value: float) -> str:
     known = scene.parameters[index]
-    unit = f" {known.unit}" if known.unit else ""
-    if not math.isfinite(value):
-        return f"the parameter '{known.name}' has no finite value"
-    if known.minimum is not None and value < known.minimum:
-        return f"the parameter '{known.name}' is {value:g}{unit}, less than its minimum {known.minimum:g}{unit}"
-    return f"the parameter '{known.name}' is {value:g}{unit}, more than its maximum {known.maximum:g}{unit}"
+    return f"the parameter '{known.name}' {misfit(value, f' {known.unit}' if known.unit else '', known.minimum, known.maximum)}"
 
 
 def _in_general(scene: Scene, kind: int, status: int, index: int, rate: int) -> str:
     ending = Ending(kind)
     if ending is Ending.PARAMETER:
         if index >= len(scene.parameters):
-            return tell_recognized(scene.notes["recognized"][index - len(scene.parameters)])
+            return tell_requirement(scene.notes["requirements"][index - len(scene.parameters)])
         return f"the parameter '{scene.parameters[index].name}' is out of its limits"
     if ending is Ending.OPEN:
         return "the energy account is open: a smaller tolerance or another solver is needed"

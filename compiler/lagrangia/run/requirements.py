@@ -1,0 +1,37 @@
+"""Parameters that do not meet what the compiler asks of them beyond their limits (compile/requirements.py), in words."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from lagrangia.base.diagnostics import Report
+from lagrangia.run.interpret import evaluate
+from lagrangia.run.scene import Scene
+
+
+def check_requirements(scene: Scene, parameters: Sequence[float], report: Report) -> None:
+    """Raises LagError L0605 for the first that is not met."""
+    tape = scene.tapes.get("requirements")
+    if tape is not None and (first := int(evaluate(tape, parameters)[0][0])) >= 0:
+        known = scene.notes["requirements"][first]
+        values = ", ".join(_valued(scene, known, parameters))
+        report.error("L0605", tell_unmet(scene, first, parameters), None,
+                     f"what it is, is decided by parameters as they are declared: declare {values}" if values else
+                     f"declared at {known['place']}")
+        report.raise_errors()
+
+
+def tell_unmet(scene: Scene, index: int, parameters: Sequence[float]) -> str:
+    """What the requirement with this place says where all these parameters do not meet it."""
+    known = scene.notes["requirements"][index]
+    return " with ".join(filter(None, (known["said"], ", ".join(_valued(scene, known, parameters)))))
+
+
+def tell_requirement(known: Mapping[str, Any]) -> str:
+    """The same, whatever the parameters are."""
+    asked = known["parameters"]
+    return f"{known['said']} with these {', '.join(asked)}" if asked else str(known["said"])
+
+
+def _valued(scene: Scene, known: Mapping[str, Any], parameters: Sequence[float]) -> list[str]:
+    asked = set(known["parameters"])
+    return [f"{p.name} = {x:g}" for p, x in zip(scene.parameters, parameters, strict=True) if p.name in asked]
