@@ -41,6 +41,7 @@ void lag_impacts_layout(LagImpacts *s, const LagModel *model, int size, LagArena
     s->level_way = lag_take(arena, model->n_whens > 0 ? (size_t)lag_sliding_most(model) * (size_t)model->n : 0);
     s->before = lag_take(arena, (size_t)model->n_whens);
     s->gap_before = lag_take(arena, (size_t)model->n_whens);
+    s->carried = lag_take(arena, (size_t)model->n_whens);
     s->met = lag_take(arena, (size_t)model->n_whens);
     s->came = lag_take(arena, (size_t)model->n_whens);
     s->rounding = lag_take(arena, model->n_whens > 0 ? 2 * (size_t)model->n : 0);
@@ -72,6 +73,7 @@ void lag_impacts_reset(LagRun *run)
         run->impacts.has_contact[lag_event_of(run->model, j)] = 0;
     for (int j = 0; j < run->model->n_resets; ++j)
         run->impacts.has_contact[lag_event_of(run->model, j)] |= lag_is_contact(run->model, j);
+    memset(run->impacts.carried, 0, (size_t)run->model->n_whens * sizeof *run->impacts.carried);
     memset(run->impacts.is_level, 0, (size_t)run->model->n_whens * sizeof *run->impacts.is_level);
     run->impacts.coarse = 0;
     run->impacts.is_known = 0;
@@ -127,7 +129,7 @@ int lag_impacts_note_jump(LagRun *run, double t, const double *y)
         const int is_carried = !is_moved && run->switches.slides[lag_contact(run->model, k)];
         some |= is_moved;
         if (!is_carried && (is_new || run->impacts.before[k] <= 0) && is_after && !holds(&run->switches, i)) {
-            run->switches.turned[i] = LAG_JUMPS;
+            run->switches.turned[i] = run->impacts.carried[k] > 0 && !is_moved ? LAG_CHANGES : LAG_JUMPS;
             some = 1;
         } else if (run->switches.turned[i] == LAG_TO_1 && !run->impacts.has_contact[k] && !is_after)
             run->switches.turned[i] = LAG_TO_0;
@@ -446,6 +448,7 @@ LagStatus lag_impacts_strike(LagRun *run)
         run->switches.resolved = run->switches.unlooked = 0; /* conditions are as quick as the motion is now */
     }
     lag_contacts_put_back(run);
+    memset(s->carried, 0, (size_t)run->model->n_whens * sizeof *s->carried);
     run->sliding.count = sliding;
     const int stands = run->motion.t - run->motion.t_old <= lag_time_resolution(run->motion.t);
     s->in_a_row = stands ? s->in_a_row + 1 : 0;

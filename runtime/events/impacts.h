@@ -32,6 +32,7 @@ typedef struct {
     double *before;  /* n_whens: their conditions before a time at which they may jump, or resets; positive: true */
     double *came;    /* n_whens: of those that are no contacts, when they came last; where guards ask for it: NaN before (run/guards.c) */
     double *gap_before; /* n_whens: of contacts, before resets of discrete variables */
+    double *carried; /* n_whens: of contacts, how far inputs that were set anew have moved their places: walls.h */
     double *rounding; /* 2 n: by how much resets may miss rates by rounding; positions stay as they are */
     double struck;   /* the time of the latest resets; NaN: of none yet, or what they set came from the motion, with its errors */
     double *met;     /* n_whens: how far conditions may be off by that */

@@ -1,7 +1,9 @@
 #include "events/walls.h"
 
 #include <math.h>
+#include <string.h>
 
+#include "events/conditions.h"
 #include "numbers/extremes.h"
 #include "model/schedule.h"
 
@@ -13,7 +15,33 @@ static const double GONE = 64;     /* times what may be carried along: no drift 
 static double carries(const LagRun *run, int k)
 {
     const int i = lag_gap(run->model, k);
-    return lag_max(lag_max(run->switches.unknown[i], run->sliding.error[i]), LEAST);
+    return lag_max(lag_max(run->switches.unknown[i], run->sliding.error[i]), LEAST) + run->impacts.carried[k];
+}
+
+void lag_walls_await_inputs(LagRun *run, double t, const double *y)
+{
+    const LagModel *model = run->model;
+    const LagInputs *inputs = &run->inputs;
+    LagSwitches *s = &run->switches;
+    const size_t size = (size_t)model->n_modes * sizeof *run->d;
+    if (model->n_whens == 0 || inputs->n_pieces == 0 || run->inputs_version == inputs->version)
+        return;
+    memcpy(run->d_before, run->d, size);
+    lag_inputs_read(inputs, run->d);
+    for (const int *places = inputs->pieces; places < inputs->pieces + 4 * inputs->n_pieces; places += 4)
+        if (places[1] < 0)
+            memcpy(run->d + places[3], run->d_before + places[3], LAG_PIECE * sizeof *run->d);
+    lag_conditions_by(run, t, y, y + model->n, s->slope + model->n, s->g_inside, s->rate_inside);
+    for (int k = 0; k < model->n_whens; ++k)
+        run->impacts.carried[k] = fabs(s->g_inside[lag_gap(model, k)] - run->impacts.gap_before[k]);
+    memcpy(run->d, run->d_before, size);
+}
+
+void lag_walls_await_errors(LagRun *run)
+{
+    for (int k = 0; k < run->model->n_whens; ++k)
+        if (run->switches.slides[lag_contact(run->model, k)])
+            run->impacts.carried[k] += fabs(run->impacts.gap_before[k]);
 }
 
 int lag_walls_have_moved(LagRun *run, int k, double gap)

@@ -21,6 +21,7 @@
 #include "events/cones.h"
 #include "events/contacts.h"
 #include "events/sampling.h"
+#include "events/walls.h"
 #include "model/function.h"
 #include "model/schedule.h"
 #include "steps/segment.h"
@@ -391,6 +392,8 @@ static int begin_segment(LagInstance *s)
     lag_energies(run, s->vital.t, x, before);
     run->motion.t = run->motion.t_old = s->vital.t;
     lag_impacts_await_jump(run, s->vital.t, x);
+    lag_walls_await_inputs(run, s->vital.t, x);
+    lag_walls_await_errors(run);
     lag_segment_enter(run);
     const int kicked = lag_kick(run, s->vital.t, x);
     if (kicked)

@@ -11,6 +11,7 @@
 #include "state/onset.h"
 #include "events/rest.h"
 #include "events/sampling.h"
+#include "events/walls.h"
 #include "model/schedule.h"
 #include "model/table.h"
 #include "steps/branch.h"
@@ -190,6 +191,7 @@ LagStatus lag_segment_next(LagRun *run)
     const int was_known = t == run->segment_end;
     lag_account_open(run);
     lag_impacts_await_jump(run, t, run->motion.y);
+    lag_walls_await_inputs(run, t, run->motion.y);
     const int is_new = run->inputs_version != run->inputs.version;
     double jump;
     lag_segment_enter(run);

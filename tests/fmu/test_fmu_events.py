@@ -2,6 +2,7 @@
 
 import ctypes
 from itertools import pairwise
+from math import cos, sin
 from pathlib import Path
 
 import numpy as np
@@ -9,7 +10,8 @@ import pytest
 
 pytest.importorskip("fmpy")
 
-from helpers.fmus import Instance, fmu_of, simulated, unpacked
+import lagrangia as lag
+from helpers.fmus import Instance, fmu_of, instance_of, simulated, unpacked
 from lagrangia.command.cli import main
 
 BALL = """model Ball
@@ -361,3 +363,29 @@ def test_friction_lets_go_where_a_row_falls_on_its_end(version: str, interval: f
     assert main(["simulate", str(fmu_of(path, version)), "--kind", "me", "--interval", str(interval), "-o", str(opened)]) == 0
     row = dict(zip(*(line.split(",") for line in (opened.read_text().splitlines()[i] for i in (0, -1))), strict=True))
     assert float(row["b.s"]) == pytest.approx(0.3781100290, abs=1e-7)
+
+
+def test_what_lies_on_a_support_that_inputs_move_stays_there(tmp_path: Path) -> None:
+    """Between two communications a support goes on by its rates, and is off by what these leave open when it is set anew: a block
+    on it fell through, as one does where a floor jumps up. The other is dropped, and struck."""
+    path, moves = tmp_path / "lift.lag", "0.05*(1 - cos(8*%s))"
+    text = """model Lift %s World world(gravity = {0, -9.81}); Prismatic lift(a = world, along = {0, 1});
+        Motion up(of = lift.s, to = %s);
+        Block a(m = 1, base = world, along = {0, 1}), b(m = 2, base = world, along = {0, 1}, s(start = 1));
+        Stop f(e = 0, gap = a.s - lift.s), g(e = 0.5, gap = b.s - lift.s); annotation(experiment(StopTime = 2)); end Lift;"""
+    path.write_text(text % ("input Length x = 0;", "x"))
+    times, h = np.linspace(0, 2, 201), 0.01
+    right = lag.loads(text % ("", moves % "time")).simulate(at=times, tolerance=1e-10)
+    one, found = instance_of(path, "2", "CoSimulation").start(), []
+    for t in times:
+        one.set({"x": 0.05 * (1 - cos(8 * t)), "der(x)": 0.4 * sin(8 * t), "der(x,2)": 3.2 * cos(8 * t)})
+        one.step(t, h)
+        found.append(one.get("a.s", "b.s"))
+    one.free()
+    told = np.array([(t, 0.05 * (1 - cos(8 * t)), 0.4 * sin(8 * t), 3.2 * cos(8 * t)) for t in times],
+                    dtype=[(name, float) for name in ("time", "x", "der(x)", "der(x,2)")])
+    other = simulated(path, "2", "ModelExchange", ["a.s", "b.s"], input=told, output_interval=0.01, record_events=False)
+    np.testing.assert_allclose(other["a.s"], told["x"], atol=1e-5)
+    np.testing.assert_allclose(other["b.s"], right["b.s"], atol=2e-3)
+    np.testing.assert_allclose([a for a, _ in found[:-1]], 0.05 * (1 - np.cos(8 * times[1:])), atol=1e-5)  # h^3 x'''/6
+    np.testing.assert_allclose([b for _, b in found[:-1]], right["b.s"][1:], atol=2e-3)
