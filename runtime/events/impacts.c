@@ -227,6 +227,7 @@ static void begin(LagRun *run)
     LagImpacts *s = &run->impacts;
     LagSwitches *switches = &run->switches;
     const LagModel *model = run->model;
+    memset(s->is_plastic, 0, (size_t)model->n_whens * sizeof *s->is_plastic);
     lag_conditions_of_events(run, switches->g, switches->rate);
     for (int k = 0; k < model->n_whens; ++k) {
         lag_walls_let_go(run, k);
@@ -427,7 +428,6 @@ LagStatus lag_impacts_strike(LagRun *run)
     run->sliding.count = 0; /* accelerations as the shares say: forces that hold give no impulses but by events of their own */
     lag_contacts_find_errors(run);
     s->onward = 0;
-    memset(s->is_plastic, 0, (size_t)run->model->n_whens * sizeof *s->is_plastic);
     memset(s->rounding, 0, 2 * (size_t)run->model->n * sizeof *s->rounding);
     begin(run);
     int fire = find_round(run, 1);

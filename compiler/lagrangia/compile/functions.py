@@ -4,7 +4,7 @@ For the run time, in the order that runtime/model/model.h states, with everythin
 (`hoist`: p -> c); for people the same equations as functions of t, q, v, u, p.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
 from itertools import islice, pairwise
 
@@ -24,7 +24,7 @@ from lagrangia.compile.mode_places import (
     find_samplers,
     mode_functions,
 )
-from lagrangia.compile.requirements import Requirement, find_requirements
+from lagrangia.compile.requirements import find_requirements
 from lagrangia.constraints.initial import InitialConditions, initial_function, start_function
 from lagrangia.constraints.parameters import all_parameters, at_start, scalars
 from lagrangia.constraints.rows import Constraints
@@ -71,7 +71,6 @@ class Functions:
     settled: int  # how many of the hoisted values are: see hoisting.py
     thresholds: tuple[float, ...] = ()  # with which rates are compared where forces jump
     guarding: Guarding = NOT_GUARDED
-    requirements: tuple[Requirement, ...] = ()  # of parameters
 
 
 def build_functions(
@@ -104,19 +103,16 @@ def build_functions(
     }
     table |= _functions_of_constraints(motion, found, d, c) | _flow_functions(motion, hamilton, found["flow"], c)
     table |= mode_functions(motion, modes) | _kick_function(state, found["kick"], kick.before)
-    requirements = find_requirements(kinematics, motion.impacts)
-    table |= (_requirement_function(motion, requirements) | _start_functions(kinematics, motion, initial)
-              | _sampling_functions(kinematics, motion, sampling)
+    table |= (_requirement_function(kinematics, motion) | _sampled_functions(kinematics, motion, initial, sampling)
               | _delay_functions(motion, delaying, [*state[:4], full[-2], c], found["delayed"]))
-    needs = bool(y.numel()) and ca.depends_on(y, ca.vertcat(a, symbols))
     patterns, refused, pays = _add_linear(table, kinematics, motion)
     patterns |= {"reset_places": _reset_places(kinematics, motion), **_kept_places(kinematics, motion), **_start_patterns(table),
                  **_patterns(kinematics, jacobian, switches, modes), **delaying.patterns, **guarding.patterns}
     refused |= _refusals(jacobian, bool(len(patterns.get("cones", ()))), bool(delaying.stated))
-    return Functions(table, names, tuple(kind for _, kind in events_of(modes)), power.numel(), needs, patterns, refused,
+    return Functions(table, names, tuple(kind for _, kind in events_of(modes)), power.numel(),
+                     bool(y.numel()) and ca.depends_on(y, ca.vertcat(a, symbols)), patterns, refused,
                      {**jacobian.sizes, **guarding.sizes(ca.vertcat(a, symbols)), **_switch_sizes(motion, switches),
-                      "breaks_rise": int(delaying.rises)}, pays, hoisted.settled, find_thresholds(motion, switches), guarding,
-                     requirements)
+                      "breaks_rise": int(delaying.rises)}, pays, hoisted.settled, find_thresholds(motion, switches), guarding)
 
 
 def _multipliers(motion: Motion) -> tuple[ca.SX, ca.SX]:
@@ -179,9 +175,14 @@ def _functions_of_parameters(kinematics: Kinematics, motion: Motion, hoisted: ca
             "hoist": ca.Function("hoist", [motion.p], [hoisted], ["p"], ["c"], APART)}
 
 
-def _requirement_function(motion: Motion, requirements: Sequence[Requirement]) -> dict[str, ca.Function]:
+def _sampled_functions(kinematics: Kinematics, motion: Motion, initial: InitialConditions, sampling: Sampling
+                       ) -> dict[str, ca.Function]:
+    return _start_functions(kinematics, motion, initial) | _sampling_functions(kinematics, motion, sampling)
+
+
+def _requirement_function(kinematics: Kinematics, motion: Motion) -> dict[str, ca.Function]:
     """The place of the first requirement of parameters that is not met, or -1."""
-    first = ca.SX(-1)
+    first, requirements = ca.SX(-1), find_requirements(kinematics, motion.impacts)
     for k, x in reversed([*enumerate(requirements)]):
         first = ca.if_else(x.holds, first, k)
     table = {"requirements": ca.Function("requirements", [motion.p], [ca.densify(first)], ["p"], ["first"])}

@@ -14,6 +14,7 @@ from lagrangia.base.diagnostics import fail
 from lagrangia.compile.functions import Functions, build_island_functions, elements_of
 from lagrangia.compile.hoisted_tapes import tapes_of
 from lagrangia.compile.instructions import count_operations, tape_of
+from lagrangia.compile.requirements import find_requirements
 from lagrangia.constraints.initial import InitialConditions, find_idle_starts
 from lagrangia.constraints.parameters import find_odd_inertias, scalars
 from lagrangia.constraints.rows import Constraints
@@ -91,8 +92,7 @@ def build_scene(
         notes=_notes(motion, tapes)
         | {"form": functions.form.why if functions.form else "", "thresholds": [*functions.thresholds]}
         | _freedom(kinematics, motion, constraints, is_still) | _told(kinematics, constraints, initial, functions, motion.impacts)
-        | ({"guards": tell_guards(model, functions.guarding)} if model.guards else {})
-        | ({"requirements": [x.told for x in functions.requirements]} if functions.requirements else {}),
+        | ({"guards": tell_guards(model, functions.guarding)} if model.guards else {}),
         refused={**functions.refused, **({"conservative": no_momenta} if no_momenta else {}), **_refusals(kinematics)},
     ))
 
@@ -312,12 +312,14 @@ def _told(kinematics: Kinematics, constraints: Constraints, initial: InitialCond
     found = tuple(warning for warning in found if warning.code not in model.allowed)
     told, timed = [w.render() for w in found], {w.render(): list(w.interval) for w in found if w.interval is not None}
     files = sorted({os.path.abspath(lookup.path) for lookup in model.lookups})  # wherever it is found again
+    required = [x.told for x in find_requirements(kinematics, impacts)]
     kinetic, felt = [str(span) for span in written_inertias(kinematics)], place_of_felt_reactions(model)
     return {"warnings": told, "allowed": list(model.allowed), "contacts": contacts, "files": files, "kinetic": kinetic,
             "felt": str(felt) if felt else "", **({"timed_warnings": timed} if timed else {}),
             **({"samplers": [str(sampler.span) for sampler in model.samplers],
                 "held": [held.name for sampler in model.samplers for held in sampler.held]} if model.samplers else {}),
             **({"delays": [str(delay.span) for delay in model.delays]} if model.delays else {}),
+            **({"requirements": required} if required else {}),
             "attitudes": {name: parts_of(name) for name in kinematics.symbols.attitudes},
             "readers": find_readers(model) if len(model.variables) <= _MANY_VARIABLES else None,
             "signals": {state.coordinate: name for name, state in model.states.items()},
