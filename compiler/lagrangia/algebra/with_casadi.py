@@ -85,6 +85,8 @@ class CasadiAlgebra:
                 lines, _ = crossing.events([0.0])
                 mode = self._mode(("floor", crossing.number), ca.floor(crossing.value), lines, [1] * len(lines))
                 return mode if function == "floor" else -mode
+        if function == "sign":
+            arguments = (_of_sign(arguments[0]),)
         if function == "sign" and (crossing := self._crossing(self._at_rest(arguments[0]), may_wave=True)) is not None:
             return self._sign(crossing)
         if function == "mod":

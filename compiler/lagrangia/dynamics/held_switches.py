@@ -8,6 +8,7 @@ import casadi as ca
 from lagrangia.algebra.numbering import Numbering
 from lagrangia.algebra.scalars import Expression, apply, as_expression, operate, symbols_in
 from lagrangia.dynamics.directions import Direction, Directions, Factor, is_product, length_power, sides
+from lagrangia.dynamics.driven_conditions import COUNTED, SIDED, Pair, is_of_one_side, sides_of
 from lagrangia.dynamics.held_roots import Roots, is_length
 
 RELATIONS = (ca.OP_LT, ca.OP_LE, ca.OP_FMIN, ca.OP_FMAX)
@@ -19,8 +20,6 @@ _PRODUCTS = (ca.OP_MUL, ca.OP_IF_ELSE_ZERO)
 _MULTIPLES = {ca.OP_TWICE: 2.0, ca.OP_NEG: -1.0}  # products with these numbers
 _NOTHING = frozenset[int]()
 WHOLE = (ca.OP_FLOOR, ca.OP_CEIL)
-Pair = tuple[int, int]  # the numbers of a and b, the smaller one first; of a and _COUNTED, where whole numbers are asked for
-_COUNTED = -1
 
 
 def ordered(a: int, b: int) -> Pair:
@@ -31,7 +30,7 @@ def ordered(a: int, b: int) -> Pair:
 def pair_of(numbering: Numbering, op: int, numbers: list[int]) -> Pair | None:
     """What an operation compares: a with b, or with 0, as atan2(a, x) does, whose cut lies there; or with whole numbers."""
     if op in WHOLE:
-        return numbers[0], _COUNTED
+        return numbers[0], COUNTED
     if op in SIGNS or op == ca.OP_ATAN2:
         numbers = [numbers[0], numbering.of_number(0.0)]
     elif op not in RELATIONS:
@@ -92,6 +91,7 @@ class Holding:
                  numbering: Numbering, nothing: Mapping[Pair, Expression] = MappingProxyType({})) -> None:
         self.places, self.shares, self.rests, self.numbering, self.nothing = places, shares, rests, numbering, nothing
         self.symbols = {s.__hash__(): s for s in places.values() if s.is_symbolic()}
+        self.has_sides = any(map(is_of_one_side, places))
         self.jumps = dict[int, tuple[Expression, frozenset[int]]]()  # of expressions by their hashes: the shares they jump with
         self.products = dict[int, tuple[int, list[int], list[Expression]]]()  # by their numbers
         self.directions = Directions(numbering)
@@ -102,6 +102,10 @@ class Holding:
         """An instruction with switches for its conditions."""
         if (rests := self._rests(op, numbers)) is not None:
             return rests
+        if self.has_sides and op in SIDED and (told := self._told_apart(op, numbers)) is not None:
+            return told
+        if op == ca.OP_CEIL and (opposite := (self.numbering.of(ca.OP_NEG, numbers), COUNTED)) in self.places:
+            return as_expression(-self._whole(ca.OP_FLOOR, as_expression(-operands[0]), self.places[opposite]))
         pair = pair_of(self.numbering, op, numbers)
         if pair is not None and pair in self.places:
             return self._noted_length(op, numbers, self._switched(op, numbers, operands, pair), pair)
@@ -110,6 +114,17 @@ class Holding:
         self.roots.note(op, numbers, operands)
         directed = self._directed(op, numbers, operands)
         return self._combined(op, operands) if directed is None else directed
+
+    def _told_apart(self, op: int, numbers: list[int]) -> Expression | None:
+        """By switches of both sides, of what may be equal for a while."""
+        less, more = (self.places.get(pair) for pair in sides_of(self.numbering, op, numbers))
+        if op == ca.OP_LT:
+            return less
+        if op == ca.OP_LE:
+            return None if more is None else as_expression(1.0 - more)
+        if less is None or more is None:
+            return None
+        return as_expression(less - more if op == ca.OP_SIGN else less + more if op == ca.OP_NE else 1.0 - less - more)
 
     def _noted_length(self, op: int, numbers: list[int], value: Expression, pair: Pair) -> Expression:
         if is_length(self.numbering, op, numbers):

@@ -6,7 +6,7 @@ is 0, c x is neither positive nor negative. Of reactions sums are the same in an
 one is x of the other but for a factor.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Set
 
 import casadi as ca
 import numpy as np
@@ -16,7 +16,8 @@ from lagrangia.algebra.orthogonal import Vector
 from lagrangia.algebra.scalars import Expression, as_expression, symbols_in
 from lagrangia.algebra.with_casadi import CORNERS, operations_in
 from lagrangia.base.records import dataclass
-from lagrangia.dynamics.held_switches import Pair, ordered
+from lagrangia.dynamics.driven_conditions import Pair
+from lagrangia.dynamics.held_switches import ordered
 
 _LOOKS, _SAME = 4, 1e-9
 
@@ -56,7 +57,7 @@ def multiples(found: Mapping[Pair, Expression], v: ca.SX, constant: ca.SX, numbe
     vanishing = [pair for pair, (_, _, may_vanish) in apart.items() if may_vanish]
     wanted = [pair for pair, g in found.items() if vanishing or not rates.isdisjoint(symbols_in(g))]
     first = dict[tuple[int, ...], tuple[Pair, Expression]]()
-    smooth = [pair for pair in wanted if not _bends(found[pair], symbols, numbering)]
+    smooth = [pair for pair in wanted if not bends_by(CORNERS, found[pair], symbols, numbering)]
     for pair in sorted(smooth, key=vanishing.__contains__):
         bare, factor, may_vanish = apart[pair]
         key, sign = _key(bare, numbering)
@@ -73,7 +74,7 @@ def _without_factors(g: Expression, constant: frozenset[int]) -> tuple[Expressio
     """g but for a factor, a factor with the sign of that one, and whether it may be 0."""
     factor, may_vanish = as_expression(1.0), False
     while g.n_dep():
-        known = [symbols_in(g.dep(k)) <= constant for k in range(g.n_dep())]
+        known = [symbols_in(g.dep(k)) <= constant for k in range(2)] if g.op() in (ca.OP_MUL, ca.OP_DIV) else []
         if g.op() == ca.OP_NEG:
             factor, g = -factor, g.dep(0)
         elif g.op() == ca.OP_TWICE:
@@ -88,15 +89,15 @@ def _without_factors(g: Expression, constant: frozenset[int]) -> tuple[Expressio
     return as_expression(g), as_expression(factor), may_vanish
 
 
-def _bends(g: Expression, constant: frozenset[int], numbering: Numbering) -> bool:
-    """Whether it bends or jumps where something else than constants decides."""
+def bends_by(operations: Set[int], g: Expression, constant: frozenset[int], numbering: Numbering) -> bool:
+    """Whether it bends or jumps with one of the operations where something else than constants decides."""
     corners = list[int]()
 
     def note(op: int, _: list[int], operands: list[Expression]) -> None:
-        if op in CORNERS:
+        if op in operations:
             corners.extend(symbols_in(ca.veccat(*operands[: 1 if op == ca.OP_IF_ELSE_ZERO else 2])) - constant)
 
-    if not operations_in(g).isdisjoint(CORNERS):
+    if not operations_in(g).isdisjoint(operations):
         rebuilt([g], numbering, note)
     return bool(corners)
 

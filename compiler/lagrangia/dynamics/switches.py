@@ -24,13 +24,13 @@ from lagrangia.algebra.with_casadi import CORNERS, STEPS, operations_in
 from lagrangia.base.diagnostics import fail
 from lagrangia.base.records import dataclass
 from lagrangia.dynamics.directions import Directions, components_of
+from lagrangia.dynamics.driven_conditions import SIDED, Pair, driven_conditions, is_of_one_side
 from lagrangia.dynamics.held_switches import (
     JUMPS,
     RELATIONS,
     SIGNS,
     WHOLE,
     Holding,
-    Pair,
     ordered,
     pair_of,
     rest_asked,
@@ -38,10 +38,9 @@ from lagrangia.dynamics.held_switches import (
 from lagrangia.dynamics.levels import EDGE, Levels
 from lagrangia.dynamics.levels import JUMPS as ALL_JUMPS
 from lagrangia.dynamics.motion import SMOOTH, Motion
-from lagrangia.dynamics.same_conditions import Same, match, multiples
+from lagrangia.dynamics.same_conditions import Same, bends_by, match, multiples
 
 _BENT = CORNERS | {ca.OP_ATAN2}
-_STRICTNESS = (ca.OP_LT, ca.OP_LE)
 _NONE = ca.SX(0, 1)
 _ROOTED = frozenset({ca.OP_SQRT, ca.OP_FLOOR, ca.OP_CEIL})
 
@@ -145,8 +144,7 @@ def find_switches(motion: Motion, late: ca.SX | None = None, bends: Sequence[ca.
     known = motion.unsolved or motion
     laws, reactions = ([known.felt.laws], known.felt.reactions) if known.felt else ([], ca.SX(0, 1))
     movers = ca.vertcat(motion.t, motion.q, motion.v, motion.u, reactions)
-    found, rests, cones = conditions_in([known.h, *laws, *others], movers, motion.v, numbering,
-                                        (known.stepped, _between_events(known)))
+    found, rests, cones = conditions_in([known.h, *laws, *others], movers, motion.v, numbering, _given(known))
     same = multiples(found, motion.v, ca.vertcat(_between_events(known), known.stepped), numbering)
     found, rests, cones = _merged(found, rests, cones, same)
     found = dict(_sided(g, numbering) for g in bends) | found
@@ -196,6 +194,11 @@ def _between_events(motion: Motion) -> ca.SX:
     return ca.vertcat(motion.p, motion.pieces)
 
 
+def _given(motion: Motion) -> tuple[ca.SX, ca.SX, ca.SX]:
+    """What changes at events alone, what does not between them, and what else goes its way whatever moves: time and inputs."""
+    return motion.stepped, _between_events(motion), ca.vertcat(motion.t, motion.u)
+
+
 def _kinks_of(motion: Motion, numbering: Numbering) -> dict[Pair, Expression]:
     """What limits and conditions in the gaps of contacts compare: where time or inputs alone decide the pace of a wall jumps,
     where conditions do the wall itself, and nothing of what rests on it tells when."""
@@ -219,8 +222,9 @@ def _other_shapes(known: Motion, found: dict[Pair, Expression], same: Same, move
     """Conditions of reactions that forces feel: those of `found`, or else they come to them."""
     if known.felt is None:
         return {}
-    others, _, _ = conditions_in([known.felt.values], movers, known.v, numbering, (known.stepped, _between_events(known)))
-    aliases = match(found, {pair: g for pair, g in others.items() if pair not in found and pair not in same})
+    others, _, _ = conditions_in([known.felt.values], movers, known.v, numbering, _given(known))
+    aliases = match(found, {pair: g for pair, g in others.items()
+                            if pair not in found and pair not in same and not is_of_one_side(pair)})
     found.update({pair: g for pair, g in others.items() if pair not in aliases and pair not in same})
     return aliases
 
@@ -265,6 +269,7 @@ class _Finding:
     numbering: Numbering
     stepped: frozenset[int]  # hashes of the symbols that change at events alone
     constant: frozenset[int]  # of those that do not change between events
+    driven: frozenset[int]  # of those that go their way whatever moves
     found: dict[Pair, Expression] = field(default_factory=dict)
     asked: list[tuple[Pair, ...]] = field(default_factory=list)
     both: dict[tuple[Pair, Pair], None] = field(default_factory=dict)
@@ -274,7 +279,7 @@ class _Finding:
     squares: dict[int, Expression] = field(default_factory=dict)  # by the numbers of their roots: of lengths
 
     def __post_init__(self) -> None:
-        self.directions = Directions(self.numbering)
+        self.directions, self.movers = Directions(self.numbering), symbols_in(self.moving)
 
     def note(self, op: int, numbers: list[int], operands: list[Expression]) -> None:
         """Of an instruction."""
@@ -287,6 +292,9 @@ class _Finding:
         for direction in self.directions.found(op, numbers):
             if direction.length in self.squares:
                 self._note_direction(self.squares[direction.length])
+        if self._is_driven(op, operands):
+            self.found = driven_conditions(self.numbering, op, numbers, operands, self._level) | self.found
+            return
         rest = rest_asked(self.numbering, op, numbers)
         if rest is not None:
             self.asked.append(rest[0])
@@ -317,41 +325,36 @@ class _Finding:
             return as_expression(ca.sin(ca.pi * operands[0]))
         a, b = (operands[0], as_expression(0.0)) if op in SIGNS or op == ca.OP_ATAN2 else operands
         difference, is_first = as_expression(a - b if numbers[0] == pair[0] else b - a), numbers[0] == pair[0]
-        if self._steps(difference):
-            return self._level_of_steps(op, difference, pair, is_first)
         if op == ca.OP_ATAN2 or operations_in(difference).isdisjoint(ALL_JUMPS):
             return difference
         levels = Levels(self.moving)
-        level = levels.of(a <= b if op == ca.OP_LE else a < b)
+        level = _taken_apart(levels, as_expression(a <= b if op == ca.OP_LE else a < b))
         if levels.may_rest and op == ca.OP_SIGN and self._moves(difference):
             _refuse_equal()
         if levels.may_rest and op not in JUMPS:
             self.either.add(pair)
         elif levels.may_rest:
             self.equal[pair] = (op == ca.OP_LT) == is_first
-        if level is None:
-            fail("L0914", "not supported yet: a force that compares what jumps in a way that is not taken apart", None,
-                 "compare with <, <=, > or >= in it, not with == or <>, and fewer things that jump at once")
         return as_expression(-level if is_first else level)
 
-    def _steps(self, x: Expression) -> bool:
-        """Whether x changes at events alone: it may stay on 0."""
-        symbols = symbols_in(x)
-        return not symbols.isdisjoint(self.stepped) and symbols <= self.stepped | self.constant
+    def _level(self, a: Expression, b: Expression) -> Expression:
+        """Of a < b, which nothing that answers to forces decides: on it, a is not less."""
+        difference = as_expression(b - a)
+        if bends_by(ALL_JUMPS, difference, self.constant | self.stepped, self.numbering):
+            return _taken_apart(Levels(self.moving, edge=EDGE), as_expression(a < b))
+        is_step = symbols_in(difference).isdisjoint(self.driven)  # no error of it tells more than its side
+        return as_expression(ca.fmax(ca.fmin(difference / EDGE - 1, 1), -1) if is_step else difference - EDGE)
 
-    def _level_of_steps(self, op: int, difference: Expression, pair: Pair, is_first: bool) -> Expression:
-        """1 or -1, on 0 as < or <= say of it, where one of them is asked for."""
-        if op == ca.OP_SIGN:
-            _refuse_equal()
-        if op not in _STRICTNESS:
-            self.either.add(pair)
-            return difference
-        self.equal[pair] = (op == ca.OP_LT) == is_first
-        edge = EDGE if self.equal[pair] else -EDGE
-        return as_expression(ca.fmax(ca.fmin((difference + edge)/EDGE, 1), -1))
+    def _is_driven(self, op: int, operands: list[Expression]) -> bool:
+        """Whether nothing decides that answers to forces: it may stay on a level."""
+        if op not in (*SIDED, *WHOLE) or (op in WHOLE and _only_jumps(operands[0], self.moving)):
+            return False
+        moving = self.movers & symbols_in(ca.veccat(*operands))
+        is_told = moving.isdisjoint(self.driven) and (op not in JUMPS or not moving)  # what stands between events is as it is
+        return not is_told and moving <= self.driven | self.stepped
 
     def _moves(self, x: Expression) -> bool:
-        return not symbols_in(self.moving).isdisjoint(symbols_in(x))
+        return not self.movers.isdisjoint(symbols_in(x))
 
     def _note_square(self, operands: list[Expression]) -> None:
         """Of a^2 > 0, a^4 > 0 or a^2 == 0: a."""
@@ -379,19 +382,27 @@ class _Finding:
         self.both[a, b] = None
 
 
+def _taken_apart(levels: Levels, truth: Expression) -> Expression:
+    level = levels.of(truth)
+    if level is None:
+        fail("L0914", "not supported yet: a force that compares what jumps in a way that is not taken apart", None,
+             "compare with <, <=, > or >= in it, not with == or <>, and fewer things that jump at once")
+    return as_expression(level)
+
+
 def _refuse_equal() -> NoReturn:
     fail("L0914", "not supported yet: a force that tells numbers apart on both sides which may be equal for a while, as "
-         "sign(floor(x)) does, or sign(n) of what events set", None,
+         "sign(floor(x)) does", None,
          "compare with numbers: if x >= 1 then 1 elseif x >= 0 then 0 else -1")
 
 
 def conditions_in(forces: Sequence[ca.SX], movers: ca.SX, v: ca.SX, numbering: Numbering,
-                  known: tuple[ca.SX, ca.SX] = (_NONE, _NONE)
+                  known: tuple[ca.SX, ca.SX, ca.SX] = (_NONE, _NONE, _NONE)
                   ) -> tuple[dict[Pair, Expression], dict[Pair, Expression], tuple[tuple[Pair, Pair], ...]]:
-    """Differences of what conditions in the forces compare, of those that `movers` decide (`known`: of these those that change at
-    events alone, and what does not change between events); symbols for the rates of which it
-    is asked whether they rest; and pairs of the latter that are asked about together."""
-    finding = _Finding(movers, v, numbering, symbols_in(known[0]), symbols_in(known[1]))
+    """Differences of what conditions in the forces compare, of those that `movers` decide (`known`: what changes at events alone,
+    what does not change between events, and what goes its way whatever moves); symbols for the rates of which it is asked whether
+    they rest; and pairs of the latter that are asked about together."""
+    finding = _Finding(movers, v, numbering, symbols_in(known[0]), symbols_in(known[1]), symbols_in(known[2]))
     rebuilt(forces, numbering, finding.note)
     found = finding.found
     same = multiples(found | finding.equalities, v, known[1], numbering) if finding.equalities else {}

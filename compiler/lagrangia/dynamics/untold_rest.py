@@ -22,8 +22,9 @@ from lagrangia.algebra.with_casadi import CORNERS, STEPS
 from lagrangia.base.diagnostics import LagError, Span, fail
 from lagrangia.dynamics.directions import Direction, length_power
 from lagrangia.dynamics.dissipation import gradient_by_rates
+from lagrangia.dynamics.driven_conditions import Pair
 from lagrangia.dynamics.energies import Energies
-from lagrangia.dynamics.held_switches import SIGNS, WHOLE, Holding, Pair, ordered, pair_of, rest_asked
+from lagrangia.dynamics.held_switches import SIGNS, WHOLE, Holding, ordered, pair_of, rest_asked
 from lagrangia.dynamics.motion import Motion
 from lagrangia.dynamics.switches import bends, conditions_in
 

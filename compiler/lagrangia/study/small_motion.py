@@ -18,8 +18,9 @@ from lagrangia.algebra.with_casadi import CORNERS, uses
 from lagrangia.base.diagnostics import fail
 from lagrangia.base.records import dataclass
 from lagrangia.constraints.parameters import scalars
+from lagrangia.dynamics.driven_conditions import Pair
 from lagrangia.dynamics.energies import Energies, evaluate_energies, generalised_force
-from lagrangia.dynamics.held_switches import Holding, Pair
+from lagrangia.dynamics.held_switches import Holding
 from lagrangia.dynamics.reactions import build_reactions
 from lagrangia.dynamics.switches import conditions_in, jumps_at_rest
 from lagrangia.language.observables import observe
