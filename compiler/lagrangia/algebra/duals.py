@@ -41,8 +41,8 @@ class Algebra(Protocol):
 
     def call(self, function: str, *arguments: Scalar) -> Scalar:
         """A function of the language, by its name: "sin", "sqrt", "fmax", ..."""
-    def note_divisor(self, x: Scalar) -> None:
-        """Something is divided by it."""
+    def divisor(self, x: Scalar) -> Scalar:
+        """The same, as something is divided by it."""
 
     def note_length(self, x: Scalar) -> None:
         """|x| is a length: it hardly ever is 0, unlike what else has a corner there."""
@@ -219,9 +219,9 @@ class DualAlgebra:
         """As of the algebra beneath: numbers do not move."""
         return self.base.number(value)
 
-    def note_divisor(self, x: Scalar) -> None:
+    def divisor(self, x: Scalar) -> Scalar:
         """As of the algebra beneath, of the value."""
-        self.base.note_divisor(value_of(x))
+        return Dual(self.base.divisor(x.value), x.rate) if isinstance(x, Dual) else self.base.divisor(x)
 
     def note_length(self, x: Scalar) -> None:
         """As of the algebra beneath, of the value."""

@@ -68,11 +68,6 @@ class CasadiAlgebra:
         if isinstance(x, ca.SX):
             self.index.lengths.setdefault(self._number(x), x)
 
-    def note_divisor(self, x: Scalar) -> None:
-        """Keeps whether quotients may turn within a narrow range of what stands under them."""
-        if "ratio" not in self.index.asked and isinstance(x, ca.SX) and x.op() == ca.OP_ADD and not self._is_steady(x):
-            self.index.asked.add("ratio")
-
     def call(self, function: str, *arguments: Scalar) -> Scalar:
         """CasADi's function of that name; floor, ceil and signs become modes where time decides on them."""
         if function != "sqrt" or not isinstance(arguments[0], ca.SX) or not self._is_steady(arguments[0]):
@@ -95,7 +90,7 @@ class CasadiAlgebra:
                 raise ZeroDivisionError  # which 0 times infinity would hide
             return a - b * self.call("floor", a / b)
         if function == "abs" and isinstance(arguments[0], ca.SX):
-            return self._length(_without_sign(arguments[0]))
+            return apply_to_one(ca.OP_FABS, _without_sign(arguments[0]))
         if all(isinstance(a, float | int) for a in arguments):
             return _call_float(function, *arguments)
         if function == "abs" and (inner := _of_sign(arguments[0])) is not arguments[0]:
@@ -107,9 +102,25 @@ class CasadiAlgebra:
             return prod(powers, start=1.0 if found[1].is_zero() else apply_to_one(ca.OP_EXP, found[1]))
         return _SX_FUNCTIONS[function](*arguments)
 
+    def divisor(self, x: Scalar) -> Scalar:
+        """Keeps whether quotients may turn within a narrow range of what stands under them."""
+        if not isinstance(x, ca.SX):
+            return x
+        if "ratio" not in self.index.asked and x.op() == ca.OP_ADD and not self._is_steady(x):
+            self.index.asked.add("ratio")
+        return self._by_factors(x)
+
+    def _by_factors(self, x: ca.SX) -> Expression:
+        """The same, with the lengths that it is a product of by their factors: of |c x| with c of parameters alone |c| and |x|,
+        so that x/|x| is found in c x/|c x|; not where c is a number or a root, which is not 0 at one time and more at another."""
+        if x.op() == ca.OP_FABS:
+            return self._length(x.dep(0))
+        if x.op() in (ca.OP_MUL, ca.OP_DIV):
+            return as_expression(apply(x.op(), *(self._by_factors(x.dep(k)) for k in range(2))))
+        return as_expression(x)
+
     def _length(self, x: ca.SX) -> Expression:
-        """|x|: of c x and x/c with c of parameters alone those of both, so that x/|x| is found in c x/|c x|; not where c is a
-        number or a root, which is not 0 at one time and positive at another."""
+        """|x|, by its factors."""
         parts = [x.dep(k) for k in range(2)] if x.op() in (ca.OP_MUL, ca.OP_DIV) else []
         known = [part for part in parts if self._is_steady(part)]
         if len(known) != 1 or known[0].is_constant() or known[0].op() == ca.OP_SQRT:
@@ -125,7 +136,8 @@ class CasadiAlgebra:
         made = as_expression(1.0)
         for length, k in lengths:
             power = k * exponent
-            x = length.dep(0) if isinstance(power, _NUMBERS) and power % 2 == 0 else self.call("abs", length.dep(0))
+            is_even = isinstance(power, _NUMBERS) and power % 2 == 0
+            x = length.dep(0) if is_even else self._by_factors(as_expression(self.call("abs", length.dep(0))))
             made = as_expression(made * self.call("pow", x, power))
         return made if rest.is_one() else as_expression(made * self._power(function, rest, exponent))
 

@@ -40,9 +40,9 @@ class SympyAlgebra:
         """f without these rates."""
         return sp.sympify(f).xreplace(dict.fromkeys(rates, sp.S.Zero))
 
-    def note_divisor(self, x: Scalar) -> None:
-        """Nothing is noted: no steps are taken."""
-        pass
+    def divisor(self, x: Scalar) -> Scalar:
+        """The same: no steps are taken."""
+        return x
 
     def note_length(self, x: Scalar) -> None:
         """Nothing is noted: SymPy keeps corners as they are."""

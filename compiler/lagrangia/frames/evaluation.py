@@ -171,7 +171,7 @@ class Evaluator:
                 divisor = _number(b, node.right.span)
                 if isinstance(divisor, float | int) and divisor == 0:
                     refuse_division(node, self.model)
-                self.algebras[0].note_divisor(base_of(divisor))
+                divisor = algebra.divisor(divisor)
                 return map_scalars(lambda x: x / divisor, a)
         a, b = _number(a, node.left.span), _number(b, node.right.span)
         match node.operator:
