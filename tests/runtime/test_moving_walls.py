@@ -278,6 +278,21 @@ def test_walls_that_set_out_late_carry_along_what_lies_there(scene: Write, law: 
     assert any("it is a kick" in x for x in kick.warnings)
 
 
+@pytest.mark.parametrize("start", [0.3, 1.0])
+@pytest.mark.parametrize("law", ["floor(u)", "div(u, 1)", "sign(floor(u))", "(if u < 1 then 0 else 1)"])
+def test_floors_that_inputs_let_down(scene: Write, law: str, start: float) -> None:
+    """By 0.1 m at 0.8 s: what lies there falls, as inputs alone tell when (it stayed for 0.4 s, or for good)."""
+    model = scene(f"""model Falling "a block on a floor"
+      input Real u = 0;
+      World world(gravity = {{0, -9.81}});
+      Block b(m = 1, base = world, along = {{0, 1}}, s(start = {start}));
+      Stop f(e = 0, gap = b.s - 0.3 + 0.1*({law}));
+    end Falling;""")
+    for solver in ("auto", "erk", "implicit"):
+        run = model.simulate(at=[0.7, 0.85, 0.9, 1.1], inputs=([0, 2], {"u": [0.2, 2.2]}), tolerance=1e-9, solver=solver)
+        np.testing.assert_allclose(run["b.s"], [0.3, 0.3 - 9.81/2*0.05**2, 0.3 - 9.81/2*0.1**2, 0.2], rtol=0, atol=1e-7)
+
+
 def test_bodies_that_meet_beside_a_loop(scene: Write) -> None:
     """Constraints give impulses of their own; these do not matter here."""
     loop = """Prismatic p(a = world, s(start = 3)), r(a = world, along = {0, 1}, s(start = 4));

@@ -203,8 +203,12 @@ def _kinks_of(motion: Motion, numbering: Numbering) -> dict[Pair, Expression]:
     """What limits and conditions in the gaps of contacts compare: where time or inputs alone decide the pace of a wall jumps,
     where conditions do the wall itself, and nothing of what rests on it tells when."""
     movers, others, found = ca.vertcat(motion.t, motion.u), ca.vertcat(motion.q, motion.v), dict[Pair, Expression]()
+    finding = _Finding(ca.vertcat(movers, others), motion.v, numbering, *map(symbols_in, _given(motion)))
 
     def note(op: int, numbers: list[int], operands: list[Expression]) -> None:
+        if finding.is_driven(op, operands):
+            found.update(driven_conditions(numbering, op, numbers, operands, finding.level))
+            return
         pair = pair_of(numbering, op, numbers) if op in (*RELATIONS, *SIGNS, *WHOLE) else None
         if pair is None or pair in found:
             return
@@ -292,8 +296,8 @@ class _Finding:
         for direction in self.directions.found(op, numbers):
             if direction.length in self.squares:
                 self._note_direction(self.squares[direction.length])
-        if self._is_driven(op, operands):
-            self.found = driven_conditions(self.numbering, op, numbers, operands, self._level) | self.found
+        if self.is_driven(op, operands):
+            self.found = driven_conditions(self.numbering, op, numbers, operands, self.level) | self.found
             return
         rest = rest_asked(self.numbering, op, numbers)
         if rest is not None:
@@ -337,7 +341,7 @@ class _Finding:
             self.equal[pair] = (op == ca.OP_LT) == is_first
         return as_expression(-level if is_first else level)
 
-    def _level(self, a: Expression, b: Expression) -> Expression:
+    def level(self, a: Expression, b: Expression) -> Expression:
         """Of a < b, which nothing that answers to forces decides: on it, a is not less."""
         difference = as_expression(b - a)
         if bends_by(ALL_JUMPS, difference, self.constant | self.stepped, self.numbering):
@@ -345,7 +349,7 @@ class _Finding:
         is_step = symbols_in(difference).isdisjoint(self.driven)  # no error of it tells more than its side
         return as_expression(ca.fmax(ca.fmin(difference / EDGE - 1, 1), -1) if is_step else difference - EDGE)
 
-    def _is_driven(self, op: int, operands: list[Expression]) -> bool:
+    def is_driven(self, op: int, operands: list[Expression]) -> bool:
         """Whether nothing decides that answers to forces: it may stay on a level."""
         if op not in (*SIDED, *WHOLE) or (op in WHOLE and _only_jumps(operands[0], self.moving)):
             return False
@@ -402,7 +406,7 @@ def conditions_in(forces: Sequence[ca.SX], movers: ca.SX, v: ca.SX, numbering: N
     """Differences of what conditions in the forces compare, of those that `movers` decide (`known`: what changes at events alone,
     what does not change between events, and what goes its way whatever moves); symbols for the rates of which it is asked whether
     they rest; and pairs of the latter that are asked about together."""
-    finding = _Finding(movers, v, numbering, symbols_in(known[0]), symbols_in(known[1]), symbols_in(known[2]))
+    finding = _Finding(movers, v, numbering, *map(symbols_in, known))
     rebuilt(forces, numbering, finding.note)
     found = finding.found
     same = multiples(found | finding.equalities, v, known[1], numbering) if finding.equalities else {}
