@@ -11,12 +11,12 @@
 static const double END_OF_SHARE = 64 * DBL_EPSILON;
 
 /* Whether an event comes here, where switches.rate tells which way its condition goes. */
-static int has_come(const LagRun *run, int i, double depth)
+static int has_come(LagRun *run, int i, double depth)
 {
     const LagSwitches *s = &run->switches;
     const double slack = lag_slack(run->model, &run->impacts, i);
-    const int goes_on = depth <= -slack && lag_depth(s, i, s->rate) < 0 && !lag_levels_wait(run, i);
-    return depth < -lag_max(s->unknown[i], slack) || goes_on;
+    const int goes_on = depth <= -slack && lag_depth(s, i, s->rate) < 0;
+    return (depth < -lag_max(s->unknown[i], slack) || goes_on) && !lag_levels_wait(run, i);
 }
 
 int lag_changes_note(LagRun *run)

@@ -12,12 +12,18 @@ static const double KICKED = 100; /* errors allowed */
 static const double MOST_UNKNOWN = 1e-3; /* of the margin of a force in the plane, which is 1 at most */
 enum { ROUNDINGS = 256 };
 
+void lag_conditions_at(LagRun *run, double t, const double *y, const double *a, double *g, double *rate)
+{
+    lag_conditions_by(run, t, y, y + run->model->n, a, g, rate);
+    lag_edges_decide(run, t, y, a, g, rate);
+}
+
 static void look_at(LagRun *run, double t, const double *y, double *g, double *rate)
 {
     const int n = run->model->n;
     double *slope = run->switches.slope;
     const int is_held = run->sliding.count == 0 || lag_motion_slope(&run->motion, t, y, y + n, slope);
-    lag_conditions_by(run, t, y, y + n, slope + n, g, rate);
+    lag_conditions_at(run, t, y, slope + n, g, rate);
     if (run->sliding.count > 0)
         lag_sliding_margins(run, is_held, g);
 }
@@ -72,7 +78,7 @@ void lag_conditions_of_events(LagRun *run, double *g, double *rate)
     const LagMotion *m = &run->motion;
     if (run->model->switches_need_acceleration)
         lag_motion_slope(&run->motion, m->t, m->y, m->y + m->n, run->switches.slope);
-    lag_conditions_by(run, m->t, m->y, m->y + m->n, run->switches.slope + m->n, g, rate);
+    lag_conditions_at(run, m->t, m->y, run->switches.slope + m->n, g, rate);
 }
 
 void lag_conditions_with_rates(LagRun *run, double t, const double *y, double *g, double *rate)

@@ -13,7 +13,8 @@
 void lag_conditions(LagRun *run, double t, const double *y, double *g, double *rate);
 void lag_conditions_with_rates(LagRun *run, double t, const double *y, double *g, double *rate);
 
-/* The same at the present state, and nothing is said to be far. */
+/* The same with accelerations a (n), and nothing is said to be far; and at the present state. */
+void lag_conditions_at(LagRun *run, double t, const double *y, const double *a, double *g, double *rate);
 void lag_conditions_of_events(LagRun *run, double *g, double *rate);
 
 /* Errors (2 n) of `share` tolerances in each component of a state (q, v); and that state with them, up or down by one of some patterns

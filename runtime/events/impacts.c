@@ -38,7 +38,8 @@ void lag_impacts_layout(LagImpacts *s, const LagModel *model, int size, LagArena
     s->comes = lag_take_ints(arena, (size_t)model->n_whens);
     s->at_once = lag_take_ints(arena, (size_t)model->n_whens);
     s->is_level = lag_take_ints(arena, (size_t)model->n_whens);
-    s->level_way = lag_take(arena, model->n_whens > 0 ? (size_t)lag_sliding_most(model) * (size_t)model->n : 0);
+    lag_held_ways_layout(&s->ways, model, arena);
+    lag_edges_layout(&s->edges, model, arena);
     s->before = lag_take(arena, (size_t)model->n_whens);
     s->gap_before = lag_take(arena, (size_t)model->n_whens);
     s->carried = lag_take(arena, (size_t)model->n_whens);
@@ -74,6 +75,7 @@ void lag_impacts_reset(LagRun *run)
     for (int j = 0; j < run->model->n_resets; ++j)
         run->impacts.has_contact[lag_event_of(run->model, j)] |= lag_is_contact(run->model, j);
     memset(run->impacts.carried, 0, (size_t)run->model->n_whens * sizeof *run->impacts.carried);
+    run->impacts.edges.is_in_force = run->impacts.edges.is_placed = 0;
     memset(run->impacts.is_level, 0, (size_t)run->model->n_whens * sizeof *run->impacts.is_level);
     run->impacts.coarse = 0;
     run->impacts.is_known = 0;
@@ -93,7 +95,7 @@ static double truth(const LagRun *run, int k)
 static void look_at_events(LagRun *run, double t, const double *y)
 {
     LagSwitches *s = &run->switches;
-    lag_conditions_by(run, t, y, y + run->model->n, s->slope + run->model->n, s->g_inside, s->rate_inside);
+    lag_conditions_at(run, t, y, s->slope + run->model->n, s->g_inside, s->rate_inside);
 }
 
 void lag_impacts_await_jump(LagRun *run, double t, const double *y)
@@ -183,7 +185,7 @@ static void find_met(LagRun *run)
         return;
     for (int pattern = 0; pattern < lag_conditions_patterns(2 * m->n); ++pattern) {
         lag_conditions_disturb(run, m->y, run->impacts.rounding, pattern, state);
-        lag_conditions_by(run, m->t, state, state + m->n, s->slope + m->n, s->g_inside, s->rate_inside);
+        lag_conditions_at(run, m->t, state, s->slope + m->n, s->g_inside, s->rate_inside);
         for (int k = 0; k < run->model->n_whens; ++k)
             met[k] = lag_max(fabs(s->g_inside[lag_when(run->model, k)] - s->g[lag_when(run->model, k)]), met[k]);
     }

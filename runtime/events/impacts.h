@@ -2,6 +2,8 @@
 #ifndef LAG_IMPACTS_H
 #define LAG_IMPACTS_H
 
+#include "events/edges.h"
+#include "events/held_ways.h"
 #include "numbers/complementarity.h"
 #include "model/model.h"
 #include "state/settings.h"
@@ -14,7 +16,8 @@ typedef struct {
     int *is_on;      /* n_whens: of those that are no contacts, whether their conditions are true */
     int *comes;      /* n_whens: those whose conditions have come true by themselves at this instant, and were not looked at since */
     int *is_level;   /* n_whens: of those that are no contacts, whether what they compare is held at their level: levels.h */
-    double *level_way; /* most that slide x n: see there */
+    LagHeldWays ways;
+    LagEdges edges;
     int *at_once;    /* n_whens: those of all ranks that come together */
     int *which;      /* n_resets: the resets of these */
     double *rate, *wanted, *rate_after; /* n_resets */

@@ -18,12 +18,11 @@ static const double ASIDE = 0.03;  /* of a way of 1 m, or rad */
 static const double LATER = 0.6180339887498949, LATER_BY = 0.41421356237309503; /* s: no periods that anything has */
 static const double SPREAD = 0.7320508075688772; /* of sizes of rates */
 static const double EDGE = 1e-290; /* where both sides of <= are equal, levels are less */
-static const double PARALLEL = 1e-12; /* square of what is left of a direction of unit length */
 
 static int is_candidate(const LagRun *run, int k)
 {
-    const int on_level = run->model->on_level[k];
-    return !run->impacts.has_contact[k] && (on_level >= LAG_RATES_ALONE || on_level == LAG_PLACES_ALONE);
+    const int on_level = run->model->on_level[k], is_one = on_level >= LAG_RATES_ALONE || on_level == LAG_PLACES_ALONE;
+    return !run->impacts.has_contact[k] && is_one && !lag_compares_several(run->model, k);
 }
 
 /* All conditions at places q[n] and rates v[n], so much later. */
@@ -33,60 +32,16 @@ static void look(LagRun *run, double later, const double *q, const double *v, do
     lag_conditions_by(run, run->motion.t + later, q, v, s->slope + run->model->n, g, s->rate_inside);
 }
 
-static double product(const double *a, const double *b, int n)
+/* Directions of what is held, and rates at which all of it is none, into switches.slope. */
+static void find_held(LagRun *run)
 {
-    double sum = 0;
-    for (int i = 0; i < n; ++i)
-        sum += a[i] * b[i];
-    return sum;
-}
-
-static void take_off(double *v, const double *row, double along, int n)
-{
-    for (int i = 0; i < n; ++i)
-        v[i] -= along * row[i];
-}
-
-/* How what is held changes with each rate: into the rows of impacts.level_way. */
-static void find_slopes(LagRun *run)
-{
-    const LagSliding *s = &run->sliding;
+    LagHeldWays *ways = &run->impacts.ways;
     const int n = run->model->n;
-    double *v = run->impacts.state;
-    memcpy(v, run->motion.y + n, (size_t)n * sizeof *v);
-    for (int i = 0; i < n; ++i) {
-        v[i] += 1;
-        look(run, 0, run->motion.y, v, run->switches.g_inside);
-        v[i] = run->motion.y[n + i];
-        for (int j = 0; j < s->count; ++j)
-            run->impacts.level_way[i + j * n] = run->switches.g_inside[s->which[j]] - run->switches.g_begin[s->which[j]];
-    }
-}
-
-/* These orthonormal, and rates at which all that is held is none, into switches.slope. Returns how many rows there are. */
-static int find_directions(LagRun *run)
-{
-    const LagSliding *s = &run->sliding;
-    const int n = run->model->n;
-    double *way = run->impacts.level_way, *v = run->switches.slope;
-    int rank = 0;
-    memcpy(v, run->motion.y + n, (size_t)n * sizeof *v);
-    for (int j = 0; j < s->count; ++j) {
-        double *row = way + rank * n, g = run->switches.g_begin[s->which[j]];
-        memmove(row, way + j * n, (size_t)n * sizeof *row);
-        const double size = product(row, row, n);
-        g += product(row, v, n) - product(row, run->motion.y + n, n);
-        for (int other = 0; other < rank; ++other)
-            take_off(row, way + other * n, product(row, way + other * n, n), n);
-        const double square = product(row, row, n);
-        if (!(square > PARALLEL * size))
-            continue;
-        take_off(v, row, g / square, n);
-        for (int i = 0; i < n; ++i)
-            row[i] /= sqrt(square);
-        ++rank;
-    }
-    return rank;
+    lag_held_ways_find(run, run->switches.g_begin);
+    for (int j = 0; j < ways->count; ++j)
+        ways->left[j] = run->switches.g_begin[ways->which[j]];
+    memcpy(run->switches.slope, run->motion.y + n, (size_t)n * sizeof *run->switches.slope);
+    lag_held_ways_put(ways, n, run->switches.slope);
 }
 
 /* Events whose conditions do not change between two looks, in switches.g_inside and g_before, stay in impacts.is_level. */
@@ -109,17 +64,14 @@ static int is_held_there(const LagRun *run)
 }
 
 /* Rates that leave what is held as it is, into v (n), and places that they lead to into switches.state. */
-static void go_free(LagRun *run, int pattern, int rank, double *v)
+static void go_free(LagRun *run, int pattern, double *v)
 {
     const int n = run->model->n, bit = pattern == 0 ? 0 : 1 << (pattern - 1);
     for (int i = 0; i < n; ++i) { /* as no sums, products or squares are alike in all patterns */
         const double size = 0.5 + fmod(SPREAD * (i + 1) + LATER_BY * (pattern + 1), 1);
         v[i] = i & bit ? -size : size;
     }
-    for (int j = 0; j < rank; ++j) {
-        const double *row = run->impacts.level_way + j * n;
-        take_off(v, row, product(v, row, n), n);
-    }
+    lag_held_ways_leave(&run->impacts.ways, n, v);
     for (int i = 0; i < n; ++i) {
         run->switches.state[i] = run->motion.y[i] + ASIDE * v[i];
         v[i] += run->switches.slope[i];
@@ -132,13 +84,12 @@ static void find(LagRun *run)
     LagSwitches *s = &run->switches;
     const LagModel *model = run->model;
     double *v = run->impacts.state;
-    find_slopes(run);
-    const int rank = find_directions(run);
+    find_held(run);
     look(run, 0, run->motion.y, s->slope, s->g_before);
     for (int k = 0; k < model->n_whens; ++k)
         run->impacts.is_level[k] &= fabs(s->g_before[lag_when(model, k)]) <= lag_max(s->unknown[lag_when(model, k)], EDGE);
     for (int pattern = -1; pattern < lag_conditions_patterns(model->n); ++pattern) {
-        go_free(run, pattern < 0 ? 0 : pattern, rank, v);
+        go_free(run, pattern < 0 ? 0 : pattern, v);
         look(run, LATER + pattern * LATER_BY, s->state, pattern < 0 ? s->slope : v, s->g_inside);
         if (!is_held_there(run))
             memset(run->impacts.is_level, 0, (size_t)model->n_whens * sizeof(int));
@@ -174,15 +125,14 @@ void lag_levels_enter(LagRun *run)
     }
 }
 
-int lag_levels_wait(const LagRun *run, int i)
+int lag_levels_wait(LagRun *run, int i)
 {
     const LagSwitches *s = &run->switches;
-    const int k = i - lag_when(run->model, 0), on_level = run->model->on_level[k];
-    const int may_wait = !run->impacts.has_contact[k] && (on_level == LAG_RATES_ALONE || on_level == LAG_PLACES_ALONE);
-    if (!may_wait || !(fabs(s->g[i]) <= s->unknown[i]))
-        return 0;
+    const int k = i - lag_when(run->model, 0), on_level = run->model->on_level[k], several = lag_compares_several(run->model, k);
+    const int is_one = on_level == LAG_RATES_ALONE || on_level == LAG_PLACES_ALONE;
+    int turns = 0;
     for (int j = 0; j < lag_when(run->model, 0); ++j)
-        if (s->turned[j])
-            return 1;
-    return 0;
+        turns |= s->turned[j] != LAG_STAYS;
+    return turns && !run->impacts.has_contact[k] && (is_one || several) &&
+           fabs(s->g[i]) <= (several ? lag_edges_unknown(run, i) : s->unknown[i]);
 }

@@ -258,12 +258,14 @@ int lag_switches_enter(LagRun *run)
     LagSwitches *s = &run->switches;
     if (run->model->n_switches == 0)
         return 0;
+    run->impacts.edges.is_in_force = 0;
     int turned = settle(run);
     for (int impulses = 0; run->sliding.jams && impulses < MOST_JAMS && lag_impacts_press(run); ++impulses) {
         note_jam(run);
         lag_switches_forget(run);
         turned |= settle(run);
     }
+    lag_edges_find(run);
     if (run->sliding.count > 0)
         lag_conditions_find_unknown(run, run->motion.t, run->motion.y);
     lag_contacts_foresee(run);
@@ -281,6 +283,7 @@ int lag_switches_enter(LagRun *run)
     lag_sliding_forget_impact(run);
     run->impacts.is_known = 0;
     lag_levels_enter(run);
+    lag_edges_enter(run);
     return turned;
 }
 

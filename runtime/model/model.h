@@ -119,7 +119,8 @@ struct LagModel {
     const int *reset_places;    /* 3 n_resets: the event of each; LAG_CONTACT, ... of those at which something may rest; and the coordinate
                                  * whose rate itself it is, -1 of any other */
     const int *on_level;        /* n_whens: whether the event's condition is true where rates meet what they are compared with, and 2 more
-                                 * where it compares nothing else; -1: by its parts, or there are none; -2: it compares places alone */
+                                 * where it compares nothing else; -1: by its parts, or there are none; -2: it compares places alone;
+                                 * 4 more, or -3, where it compares several things that may be held */
     const int *order;           /* 3 n_whens: the rank of each at an instant, by what it reads; its `when`, and its branch there; NULL: they
                                  * read nothing of each other */
     const int *rubs;            /* 3 n_rubs: the switch of its slip, the event of the contact, whether no other force has the switch */

@@ -37,7 +37,7 @@ static void layout_vectors(LagRun *run, LagArena *arena)
     run->c = lag_take(arena, (size_t)model->n_hoisted);
     run->c_kept = lag_take(arena, (size_t)model->n_hoisted);
     run->u = lag_take(arena, LAG_N_U(model));
-    run->u_slope = lag_take(arena, LAG_N_U(model));
+    run->u_slope = lag_take(arena, LAG_N_U(model) + 1);
     run->d = lag_take(arena, (size_t)(model->n_modes + model->n_switches + model->n_resets + model->n_rests));
     run->d_before = lag_take(arena, (size_t)model->n_modes);
     run->d_given = lag_take(arena, (size_t)model->n_modes);

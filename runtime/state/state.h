@@ -37,7 +37,8 @@ struct LagRun {
     double *memory; /* the part of the block in which all vectors below lie */
     size_t memory_size; /* doubles in it */
     void *block;
-    double *p, *c, *c_kept, *u, *u_slope, *d, *d_before, *d_given; /* d_given: pieces of inputs alone */
+    double *p, *c, *c_kept, *u, *d, *d_before, *d_given; /* d_given: pieces of inputs alone */
+    double *u_slope; /* of inputs, what is read late, and how much rounding is on the level of what is held: see edges.h */
     double *nothing_given;        /* n_parameters zeros */
     double *event_a, *event_b;
     double *fires, *held; /* n_held: whether it is found now; values */

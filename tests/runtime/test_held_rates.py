@@ -1,6 +1,7 @@
 """Events on rates and places that friction and contacts hold: at their level, and not where rounding takes them."""
 
 from collections.abc import Callable
+from math import asin
 
 import pytest
 
@@ -70,6 +71,27 @@ def test_what_does_not_count_yet_may_later(scene: Write) -> None:
         equation when {condition} then came = time; end when; end Later;""")
         for solver in SOLVERS:
             assert model.simulate(at=[0.0, 2.0], solver=solver)["came"][-1] == pytest.approx(at, abs=1e-7), (condition, solver)
+
+
+AT_3, BESIDE = 0.3, """  Block c(m = 1, base = world);  AppliedForce h(at = c.center, force = {10, 0});
+  discrete Time came(start = 0);  discrete Real n(start = 0);
+"""
+
+
+@pytest.mark.parametrize(("text", "condition", "at"), [
+    (BLOCK % (0, STUCK), "b.v > 0 or c.v > 3", AT_3), (BLOCK % (0, STUCK), "b.v >= 0 and c.v > 3", AT_3),
+    (BLOCK % (0, STUCK), "b.v > 0 or b.s > 0 or c.v > 3", AT_3), (BLOCK % (0, STUCK), "max(b.v, c.v - 3[m/s]) > 0", AT_3),
+    (BLOCK % (0, STUCK), "b.s + 0.1[s]*b.v > 0", None), (BLOCK % (0, STUCK), "b.s > 0 and c.v > 3", None),
+    (BLOCK % (0, STUCK), "b.s < (if time > 1 then 0.1 else 0)", 1.0), (BLOCK % (0, STUCK), "b.v > 0 or time > 1.1", 1.1),
+    (BLOCK % (-1, STUCK), "b.v >= 0 and time > 1.1", 1.1), (BLOCK % (0, TEARS_OFF), "b.v > 0 or time > 1.1", asin(0.6)),
+    (CLUTCH, "q.w < p.w or time > 1.1", 1.1)])
+def test_each_comparison_is_decided_by_itself(scene: Write, text: str, condition: str, at: float | None) -> None:
+    """c.v = 10 t decides beside what is held, whose level rounding passed up to 12 times: at t = 0 or by 0.04 too early."""
+    model = scene(f"""model Several {text} {BESIDE}
+    equation when {condition} then came = time; n = pre(n) + 1; end when; end Several;""")
+    for solver in SOLVERS:
+        run = model.simulate(at=[0.0, 2.0], solver=solver)
+        assert (run["n"][-1], run["came"][-1]) == (at is not None, pytest.approx(at or 0, abs=1e-7)), solver
 
 
 def test_what_is_carried_moves(scene: Write) -> None:

@@ -52,6 +52,7 @@ from lagrangia.run.rules import Moment, Taken, decide
 
 # Functions of the state that only constraints ask for, and their results.
 _SIGNAL, _CHANGE, _KNOWN = 4, 8, 16  # LAG_SIGNAL, ...
+_SEVERAL = {-1: -3, 0: 4, 1: 5}  # of what is so on a level: LAG_SEVERAL, ...
 _OF_CONSTRAINTS = {"steer": ["dv"], "residual": ["phi", "rate"], "nearest": ["dq", "dv", "phi", "rate", "energies", "doubt"]}
 
 
@@ -106,8 +107,8 @@ def build_functions(
     table |= (_requirement_function(kinematics, motion) | _sampled_functions(kinematics, motion, initial, sampling)
               | _delay_functions(motion, delaying, [*state[:4], full[-2], c], found["delayed"]))
     patterns, refused, pays = _add_linear(table, kinematics, motion)
-    patterns |= {"reset_places": _reset_places(kinematics, motion), **_kept_places(kinematics, motion), **_start_patterns(table),
-                 **_patterns(kinematics, jacobian, switches, modes), **delaying.patterns, **guarding.patterns}
+    patterns |= {"reset_places": _reset_places(kinematics, motion), **_kept_places(kinematics, motion, switches.edge.numel() > 0)}
+    patterns |= _start_patterns(table) | _patterns(kinematics, jacobian, switches, modes) | delaying.patterns | guarding.patterns
     refused |= _refusals(jacobian, bool(len(patterns.get("cones", ()))), bool(delaying.stated))
     return Functions(table, names, tuple(kind for _, kind in events_of(modes)), power.numel(),
                      bool(y.numel()) and ca.depends_on(y, ca.vertcat(a, symbols)), patterns, refused,
@@ -211,7 +212,8 @@ def _functions_of_steps(motion: Motion, jacobian: Jacobian, switches: Switches, 
         table["regular"] = ca.Function("regular", state, found["regular"], labels, ["a", "power", "doubt"])
     if switches.symbols.numel():
         known = d if motion.unsolved is None else held_d  # which is all of it where steps are
-        table["switches"] = ca.Function("switches", [t, q, v, a, u, switches.slopes, known, c], found["switches"],
+        slopes = ca.vertcat(switches.slopes, switches.edge)
+        table["switches"] = ca.Function("switches", [t, q, v, a, u, slopes, known, c], found["switches"],
                                         [*labels[:3], "a", "u", "du", "d", "c"], ["g", "rate"])
     if found["roots"][0].numel():
         table["roots"] = ca.Function("roots", state, found["roots"], labels, ["g", "rate"])
@@ -454,13 +456,16 @@ def _reset_places(kinematics: Kinematics, motion: Motion) -> tuple[int, ...]:
                  for x in (*places[2 * k : 2 * k + 2], own.get(rate.__hash__(), -1)))
 
 
-def _kept_places(kinematics: Kinematics, motion: Motion) -> dict[str, tuple[int, ...]]:
+def _kept_places(kinematics: Kinematics, motion: Motion, has_edge: bool) -> dict[str, tuple[int, ...]]:
     """The places of discrete variables among the rates, and of events whether they are true where rates meet their levels."""
     rates, states = kinematics.symbols.rates, kinematics.graph.model.states.values()
     kept = {rates[state.coordinate].__hash__() for state in states if state.is_kept}
     places = {"kept": tuple(k for k, v in enumerate(motion.v.elements()) if v.__hash__() in kept)} if kept else {}
     order = tuple(x for when in kinematics.graph.model.whens for x in when.order)
-    return places | ({"on_level": motion.impacts.on_level} if motion.impacts.on_level else {}) | (
+    on_level, several = motion.impacts.on_level, motion.impacts.are_several if has_edge else ()
+    if several:
+        on_level = tuple(_SEVERAL[x] if some else x for some, x in zip(several, on_level, strict=True))
+    return places | ({"on_level": on_level} if on_level else {}) | (
         {"order": order} if is_ordered(kinematics.graph.model.whens) else {})
 
 

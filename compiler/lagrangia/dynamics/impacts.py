@@ -20,7 +20,7 @@ from itertools import accumulate
 import casadi as ca
 
 from lagrangia.algebra.duals import Scalar, rate_of, value_of
-from lagrangia.algebra.scalars import column, symbols_in
+from lagrangia.algebra.scalars import column, symbol, symbols_in
 from lagrangia.algebra.with_casadi import jumps_with, operations_in
 from lagrangia.base.diagnostics import fail
 from lagrangia.base.records import dataclass
@@ -30,7 +30,7 @@ from lagrangia.dynamics import collisions as meets
 from lagrangia.dynamics.collisions import BODIES, STILL, Meeting, Mobility
 from lagrangia.dynamics.crossings import crossing_of
 from lagrangia.dynamics.energies import Load, paced
-from lagrangia.dynamics.levels import EDGE, JUMPS, Levels, Meetings, Steps, least_of, level_of_parts
+from lagrangia.dynamics.levels import EDGE, JUMPS, Edge, Levels, Meetings, Steps, least_of, level_of_parts
 from lagrangia.dynamics.limits import changes_nothing, side_of
 from lagrangia.dynamics.recognition import Comparison, Recognition
 from lagrangia.dynamics.resets import Resets, is_comparison
@@ -81,10 +81,24 @@ class Impacts:
     flat: tuple[Flat | None, ...] = ()  # (w,): one that turns back, and changes without a slope at some place
     recognized: tuple[list[Comparison], ...] = ()  # (w,): what parameters have to be for it to stay what it is taken for
     met: tuple[Flat | None, ...] = ()  # (w,): the gap of a contact; of what goes one way that of the place
+    edge: ca.SX = _NONE  # (0 or 1,): the size of an Edge
+    edged: ca.SX = _NONE  # (w,): the conditions with it, where they compare several things that may be held
+    are_several: tuple[bool, ...] = ()  # (w,): which do
 
     def may_hide(self, t: ca.SX) -> bool:
         """Whether conditions may come and go however slow the motion is: with time, or where they jump."""
         return bool(ca.depends_on(self.conditions, t)) or not operations_in(self.conditions).isdisjoint(JUMPS)
+
+    def with_edges(self, events: "Sequence[_Event]") -> "Impacts":
+        """With `edge`, `edged` and `are_several`."""
+        several, edge = tuple(event.are_several for event in events), symbol("edge")
+        edged = column(*(event.with_edge(edge) if some else event.g for some, event in zip(several, events, strict=True)))
+        return replace(self, edge=edge, edged=edged, are_several=several) if any(several) else self
+
+    @property
+    def may_hold(self) -> bool:
+        """Whether something may rest at a contact, or where it goes one way."""
+        return any(kind != KICK for kind in self.places[1::2])
 
     def contacts_of(self, component: str) -> list[Load]:
         """The forces that hold what rests at the contacts of a component."""
@@ -145,7 +159,7 @@ def find_impacts(kinematics: Kinematics, kinetic: ca.SX, rows: Sequence[Row]) ->
     alternatives = tuple(event.alternative for event in found)
     return Impacts(conditions, gaps, arms, rates, wanted, forces, impulses, flags, one_way, on_level, known, tuple(loads),
                    pressing, alternatives, tuple(event.collision for event in found),
-                   *(tuple(getattr(event, name) for event in found) for name in _TOLD))
+                   *(tuple(getattr(event, name) for event in found) for name in _TOLD)).with_edges(found)
 
 
 def _find_known(kinematics: Kinematics, rates: ca.SX, wanted: ca.SX) -> tuple[bool, ...]:
@@ -273,15 +287,27 @@ class _Event(Resets):
         """Positive where a condition is true, else 0 or negative."""
         return level_of_parts(node, self._level_of_part)
 
-    def _level_of_part(self, node: Flat) -> ca.SX:
+    @property
+    def are_several(self) -> bool:
+        """Whether it is no contact, and compares several things that may be held."""
+        return all(kind == KICK for kind in self.kinds) and not self.struck and self.meetings.are_several()
+
+    def with_edge(self, size: ca.SX) -> ca.SX:
+        """The level of such a condition where comparisons have an edge of that size."""
+        moving = column(*self.kinematics.symbols.positions.values(), *self.meetings.rates.elements())
+        edge = Edge(size, moving)
+        return level_of_parts(self.condition, lambda node: self._level_of_part(node, edge))
+
+    def _level_of_part(self, node: Flat, edge: Edge | None = None) -> ca.SX:
         value, level = self.kinematics.evaluator.value, level_of(node)
         g = crossing_of(self._expression(value(level)), self.moving)
         truth = self._expression(value(node)) if is_comparison(node) else g
-        self.meetings.note(node, g)
+        if edge is None:
+            self.meetings.note(node, g)
         goes_on = ca.depends_on(g, self.moving) and operations_in(g).isdisjoint(JUMPS)
         if goes_on or self.steps.decide(g) or not is_comparison(node):
-            return self.steps.level(node, g)
-        found = Levels(self.steps.beside(self.moving), edge=EDGE).of(truth)
+            return self.steps.level(node, g, edge)
+        found = Levels(self.steps.beside(self.moving), edge=EDGE, beside=edge).of(truth)
         if found is None:
             fail("L0225", "this comes true where something in it jumps, in a way that is not taken apart",
                  node.span.within(self.when.span), "compare with <, <=, > or >= in it, not with == or <>; and join conditions "

@@ -45,6 +45,20 @@ _Known = dict[int, tuple[float, float]]  # between what numbers values lie, by t
 _Threshold = tuple[int, float, bool]
 
 
+@dataclass(frozen=True)
+class Edge:
+    """By how much comparisons are true where both sides are equal, if they say so, and else false: what errors of a share, the
+    symbol `size`, in `moving`, a column of positions and rates, make of the difference. What is held is on its level by that."""
+
+    size: ca.SX
+    moving: ca.SX
+
+    def of(self, difference: ca.SX) -> ca.SX:
+        """That of a comparison by the level of its difference."""
+        slopes = ca.densify(ca.jacobian(difference, self.moving))
+        return as_expression(self.size * (ca.fabs(slopes) @ (1 + ca.fabs(self.moving)) + self.size))
+
+
 @dataclass
 class Levels:
     """Of conditions on what `moving`, a column of symbols, moves."""
@@ -54,6 +68,7 @@ class Levels:
     cases: int = 0
     may_rest: bool = False  # whether both sides of a comparison may be equal for a while
     edge: float = 0.0  # the level where both sides of <= are equal; where both sides of < are, its opposite
+    beside: Edge | None = None  # and what goes beside it
 
     def of(self, truth: ca.SX) -> ca.SX | None:
         """Of a condition, 1 where it is true and 0 where it is not; far from 0 where nothing that moves decides. None where it
@@ -115,7 +130,7 @@ class Levels:
         if self._moves(d):
             x, place, is_above = _line(d)
             low, high = self._range(x, known)
-            return d + self.edge * (1 if is_true_at_0 else -1) if low < place < high else (low >= place) == is_above
+            return d + self._edge_of(d) * (1 if is_true_at_0 else -1) if low < place < high else (low >= place) == is_above
         return as_expression(_FAR * (2 * (d >= 0 if is_true_at_0 else d > 0) - 1))
 
     def _of_whole(self, d: ca.SX, is_true_at_0: bool, atom: ca.SX, known: _Known) -> Level:
@@ -130,7 +145,8 @@ class Levels:
             first = _first(float(step), place, is_true_at_0)
             if first.is_constant() and not low < float(first) < high:
                 return (low >= float(first)) == (float(step) > 0)
-            return as_expression(x - first + self.edge if float(step) > 0 else first - x - self.edge)
+            edge = self._edge_of(as_expression(x - first))
+            return as_expression(x - first + edge if float(step) > 0 else first - x - edge)
         level = self._of_difference(inner, is_true_at_0, known)
         if isinstance(level, bool) or not ca.depends_on(level, n):
             return level
@@ -145,6 +161,9 @@ class Levels:
         if high < np.inf:
             above = ca.if_else(whole + 1 >= high, here, above)
         return _among(as_expression(x - whole + self.edge), below, here, above)
+
+    def _edge_of(self, difference: ca.SX) -> ca.SX | float:
+        return self.edge + self.beside.of(difference) if self.beside else self.edge
 
     def _range(self, x: ca.SX, known: _Known) -> tuple[float, float]:
         """Between what numbers x is known to be."""
@@ -230,9 +249,11 @@ def least_of(level: ca.SX) -> Iterator[ca.SX]:
         yield level
 
 
-def with_edge(comparison: Flat, difference: ca.SX) -> ca.SX:
+def with_edge(comparison: Flat, difference: ca.SX, edge: Edge | None = None) -> ca.SX:
     """The level of a comparison of what does not jump."""
-    return difference + EDGE if isinstance(comparison, Binary) and comparison.operator in ("<=", ">=") else difference
+    is_inclusive = isinstance(comparison, Binary) and comparison.operator in ("<=", ">=")
+    level = difference + EDGE if is_inclusive else difference
+    return level if edge is None else as_expression(level + edge.of(difference) * (1 if is_inclusive else -1))
 
 
 class Steps:
@@ -253,11 +274,11 @@ class Steps:
         """What else is `moving`, a column of symbols."""
         return ca.vertcat(ca.SX(0, 1), *(x for x in moving.elements() if self.held.isdisjoint(symbols_in(x))))
 
-    def level(self, comparison: Flat, difference: ca.SX) -> ca.SX:
+    def level(self, comparison: Flat, difference: ca.SX, beside: Edge | None = None) -> ca.SX:
         """That of a comparison of what does not jump otherwise: of what steps 1 where it is true, else -1, so that what moves
         beside it in a condition says where that comes true."""
         if not (self.decide(difference) and isinstance(comparison, Binary) and comparison.operator in COMPARED):
-            return with_edge(comparison, difference)
+            return with_edge(comparison, difference, beside)
         edge = EDGE if comparison.operator in ("<=", ">=") else -EDGE
         return ca.fmax(ca.fmin((difference + edge)/EDGE, 1), -1)
 
@@ -296,6 +317,12 @@ class Meetings:
         if by <= symbols_in(self.rates):
             return on_level + 2 if on_level >= 0 else on_level
         return -2 if by <= self.places else on_level
+
+
+    def are_several(self) -> bool:
+        """Whether of what may be held more is compared than one rate, or place, with a number that does not change."""
+        on_level, known = self.of_rates(), symbols_in(self.rates) | self.places
+        return -1 <= on_level <= 1 and any(not known.isdisjoint(symbols_in(x)) for x in self.compared)
 
 
 def _decided(found: _Threshold, known: _Known) -> bool | None:

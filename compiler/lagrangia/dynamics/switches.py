@@ -65,6 +65,7 @@ class Switches:
     nothing: "dict[Pair, Expression]" = field(default_factory=dict)  # of aliases, whether both sides are 0
     rubs: tuple[int, ...] = ()  # of friction that presses with the force of contacts: the switch of its slip, the event, and
     # whether the switch is in no other force
+    edge: ca.SX = field(default_factory=lambda: ca.SX(0, 1))  # (0 or 1,): what conditions of events that may be held have beside
 
     def hold(self, expressions: Sequence[ca.SX]) -> list[ca.SX]:
         """The same with the symbols in place of what they stand for."""
@@ -153,17 +154,15 @@ def find_switches(motion: Motion, late: ca.SX | None = None, bends: Sequence[ca.
     if not found and not events.numel():
         return Switches()
     found = {pair: found[pair] for pair in sorted(found, key=lambda pair: pair not in signs)}
-    slopes, gaps = ca.SX.sym("du", motion.u.numel()), motion.impacts.gaps
-    one_way, paces = motion.impacts.one_way, _rates_of(motion.impacts.arms, motion, slopes)
-    resting = [gaps[k] if one_way[k] else paces[k] for k in range(gaps.numel())]
-    values = ca.vertcat(ca.SX(0, 1), *found.values(), events, gaps, *resting)
-    places = {pair: symbol(f"s_{k}") for k, pair in enumerate(found)}
+    slopes, places = ca.SX.sym("du", motion.u.numel()), {pair: symbol(f"s_{k}") for k, pair in enumerate(found)}
     shares = frozenset(places[pair].__hash__() for pair, g in found.items() if _is_rate(motion.v, g))
+    edge = motion.impacts.edge if shares or motion.impacts.may_hold else _NONE
+    values = ca.vertcat(ca.SX(0, 1), *found.values(), *_values_of_events(motion, slopes, edge))
     symbols = ca.vertcat(ca.SX(0, 1), *places.values(), ca.SX.sym("event", 2 * events.numel()), motion.impacts.forces)
     lengths = sum(pair in signs for pair in found)
     rates = _rates_of(values, motion, slopes)
     switches = Switches(symbols, values, rates, slopes, places, shares, rests, cones, numbering, lengths=lengths)
-    switches = _with_aliases(switches, same, ca.veccat(known.h, *laws))
+    switches = _with_aliases(replace(switches, edge=edge), same, ca.veccat(known.h, *laws))
     return replace(switches, rubs=_find_rubs(motion, switches)) if motion.impacts.pressing else switches
 
 
@@ -178,6 +177,13 @@ def _with_aliases(switches: Switches, same: Same, forces: ca.SX) -> Switches:
     held = {pair: same[pair].rests(moot.get(x, x)) for pair, x in held.items()}
     return replace(switches, rests={pair: x for pair, x in rests.items() if x not in moot}, aliases=aliases, nothing=nothing,
                    rest_aliases=held | {pair: moot[x] for pair, x in rests.items() if x in moot})
+
+
+def _values_of_events(motion: Motion, slopes: ca.SX, edge: ca.SX) -> list[ca.SX]:
+    """Their conditions, the gaps, and the rates of these."""
+    impacts, paces = motion.impacts, _rates_of(motion.impacts.arms, motion, slopes)
+    resting = [impacts.gaps[k] if impacts.one_way[k] else paces[k] for k in range(impacts.gaps.numel())]
+    return [impacts.edged if edge.numel() else impacts.conditions, impacts.gaps, *resting]
 
 
 def _merged(found: dict[Pair, Expression], rests: dict[Pair, Expression], cones: tuple[tuple[Pair, Pair], ...], same: Same
