@@ -19,8 +19,8 @@ static inline int lag_compares_several(const LagModel *model, int k)
  * compare places. Those that come by it: into switches.turned, and the segment is over. */
 void lag_levels_enter(LagRun *run);
 
-/* Whether the event with condition i, which compares places, several things, or is true beyond its level alone, is on it where friction stops, turns round
- * or lets go what it compares: it comes a moment later, if that goes on. */
+/* Whether the event with condition i, which compares places, several things, or is true beyond its level alone, is on it where friction
+ * stops, turns round or lets go what it compares: it comes a moment later, if that goes on. */
 int lag_levels_wait(LagRun *run, int i);
 
 #endif

@@ -336,7 +336,7 @@ static int stays_near(LagRun *run, int i, double since)
 static void turn(LagRun *run)
 {
     LagSwitches *s = &run->switches;
-    const int first = lag_changes_note(run), is_event = lag_changes_come(run);
+    const int first = lag_changes_note(run, run->switches.g_after), is_event = lag_changes_come(run);
     const double since = run->motion.t - run->motion.t_old;
     const int stands = since <= lag_time_resolution(run->motion.t), is_soon = since < SOON * run->statistics.largest_step;
     const int is_again = first == s->last && is_soon;

@@ -365,7 +365,7 @@ static int switch_over(LagInstance *s)
     const double *projected = lag_instance_projected(s, s->vital.t, s->x);
     stand_at(s, s->vital.t, projected);
     run->impacts.coarse = coarseness(s);
-    lag_changes_note(run);
+    lag_changes_note(run, NULL);
     choose_at_place(run);
     lag_cones_note_end(run);
     lag_impacts_note_jump(run, s->vital.t, run->motion.y);
