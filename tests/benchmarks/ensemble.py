@@ -59,11 +59,17 @@ class Many:
         return list(self.model.coordinate_names).index(self.coordinate)
 
     def states(self) -> np.ndarray:
-        """At the start, (runs, 2 n)."""
-        run = self.model.simulate(at=[0.0], inputs=self.inputs())
+        """At the start, (runs, 2 n): where loops close, each as one of our runs begins."""
         names = self.model.coordinate_names
-        first = [run[name][0] for name in names] + [run[f"der({name})"][0] for name in names]
-        found = np.tile(first, (len(self.starts), 1))
+        asked = [*names, *(f"der({name})" for name in names)]
+
+        def begin(initial: dict[str, float]) -> list[float]:
+            run = self.model.simulate(at=[0.0], initial=initial, inputs=self.inputs())
+            return [run[name][0] for name in asked]
+
+        if self.model.scene.sizes["n_multipliers"]:
+            return np.array([begin({self.coordinate: float(start)}) for start in self.starts])
+        found = np.tile(begin({}), (len(self.starts), 1))
         found[:, self.place] = self.starts
         return found
 
@@ -205,7 +211,7 @@ def prepared(many: Many, peers: list[str]) -> dict[str, Work]:
     for tolerance in TOLERANCES["ours"]:
         ways[f"lanes, {tolerance:g}"] = ours(many, tolerance)
         ways[f"one by one, {tolerance:g}"] = ours(many, tolerance, False)
-    has_outside = not many.model.scene.sizes.get("n_multipliers") and not many.model.scene.sizes.get("n_switches")
+    has_outside = not many.model.scene.sizes["n_switches"]
     for peer in peers:
         if not (has_outside if peer != "mujoco" else many.case):
             print(f"{peer}: not this scene")
