@@ -209,7 +209,7 @@ def _kinks_of(motion: Motion, numbering: Numbering) -> dict[Pair, Expression]:
     """What limits and conditions in the gaps of contacts compare: where time or inputs alone decide the pace of a wall jumps,
     where conditions do the wall itself, and nothing of what rests on it tells when."""
     movers, others, found = ca.vertcat(motion.t, motion.u), ca.vertcat(motion.q, motion.v), dict[Pair, Expression]()
-    finding = _Finding(ca.vertcat(movers, others), motion.v, numbering, *map(symbols_in, _given(motion)))
+    finding = _finding(ca.vertcat(movers, others), motion.v, numbering, _given(motion))
 
     def note(op: int, numbers: list[int], operands: list[Expression]) -> None:
         if finding.is_driven(op, operands):
@@ -392,6 +392,10 @@ class _Finding:
         self.both[a, b] = None
 
 
+def _finding(movers: ca.SX, v: ca.SX, numbering: Numbering, known: tuple[ca.SX, ca.SX, ca.SX]) -> _Finding:
+    return _Finding(movers, v, numbering, symbols_in(known[0]), symbols_in(known[1]), symbols_in(known[2]))
+
+
 def _taken_apart(levels: Levels, truth: Expression) -> Expression:
     level = levels.of(truth)
     if level is None:
@@ -412,7 +416,7 @@ def conditions_in(forces: Sequence[ca.SX], movers: ca.SX, v: ca.SX, numbering: N
     """Differences of what conditions in the forces compare, of those that `movers` decide (`known`: what changes at events alone,
     what does not change between events, and what goes its way whatever moves); symbols for the rates of which it is asked whether
     they rest; and pairs of the latter that are asked about together."""
-    finding = _Finding(movers, v, numbering, *map(symbols_in, known))
+    finding = _finding(movers, v, numbering, known)
     rebuilt(forces, numbering, finding.note)
     found = finding.found
     same = multiples(found | finding.equalities, v, known[1], numbering) if finding.equalities else {}
