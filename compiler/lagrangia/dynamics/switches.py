@@ -14,31 +14,18 @@ more than it rubs.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import field, replace
-from typing import NoReturn
 
 import casadi as ca
 
 from lagrangia.algebra.numbering import Numbering, rebuilt
 from lagrangia.algebra.scalars import Expression, as_expression, symbol, symbols_in
-from lagrangia.algebra.with_casadi import CORNERS, STEPS, operations_in
-from lagrangia.base.diagnostics import fail
+from lagrangia.algebra.with_casadi import CORNERS, operations_in
 from lagrangia.base.records import dataclass
-from lagrangia.dynamics.directions import Directions, components_of
-from lagrangia.dynamics.driven_conditions import SIDED, Pair, driven_conditions, is_of_one_side
-from lagrangia.dynamics.held_switches import (
-    JUMPS,
-    RELATIONS,
-    SIGNS,
-    WHOLE,
-    Holding,
-    ordered,
-    pair_of,
-    rest_asked,
-)
-from lagrangia.dynamics.levels import EDGE, Levels
-from lagrangia.dynamics.levels import JUMPS as ALL_JUMPS
+from lagrangia.dynamics.driven_conditions import Pair, driven_conditions, is_of_one_side
+from lagrangia.dynamics.found_conditions import conditions_in, finding_in, is_rate, only_jumps
+from lagrangia.dynamics.held_switches import JUMPS, RELATIONS, SIGNS, WHOLE, Holding, pair_of
 from lagrangia.dynamics.motion import SMOOTH, Motion
-from lagrangia.dynamics.same_conditions import Same, bends_by, match, multiples
+from lagrangia.dynamics.same_conditions import Same, match, multiples
 
 _BENT = CORNERS | {ca.OP_ATAN2}
 _NONE = ca.SX(0, 1)
@@ -155,7 +142,7 @@ def find_switches(motion: Motion, late: ca.SX | None = None, bends: Sequence[ca.
         return Switches()
     found = {pair: found[pair] for pair in sorted(found, key=lambda pair: pair not in signs)}
     slopes, places = ca.SX.sym("du", motion.u.numel()), {pair: symbol(f"s_{k}") for k, pair in enumerate(found)}
-    shares = frozenset(places[pair].__hash__() for pair, g in found.items() if _is_rate(motion.v, g))
+    shares = frozenset(places[pair].__hash__() for pair, g in found.items() if is_rate(motion.v, g))
     edge = motion.impacts.edge if shares or motion.impacts.may_hold else _NONE
     values = ca.vertcat(ca.SX(0, 1), *found.values(), *_values_of_events(motion, slopes, edge))
     symbols = ca.vertcat(ca.SX(0, 1), *places.values(), ca.SX.sym("event", 2 * events.numel()), motion.impacts.forces)
@@ -209,7 +196,7 @@ def _kinks_of(motion: Motion, numbering: Numbering) -> dict[Pair, Expression]:
     """What limits and conditions in the gaps of contacts compare: where time or inputs alone decide the pace of a wall jumps,
     where conditions do the wall itself, and nothing of what rests on it tells when."""
     movers, others, found = ca.vertcat(motion.t, motion.u), ca.vertcat(motion.q, motion.v), dict[Pair, Expression]()
-    finding = _finding(ca.vertcat(movers, others), motion.v, numbering, _given(motion))
+    finding = finding_in(ca.vertcat(movers, others), motion.v, numbering, _given(motion))
 
     def note(op: int, numbers: list[int], operands: list[Expression]) -> None:
         if finding.is_driven(op, operands):
@@ -269,186 +256,6 @@ def has_dry_friction(motion: Motion) -> bool:
     return any(jumps_at_rest(switches.hold([(motion.unsolved or motion).h])[0], shares, motion.v))
 
 
-@dataclass
-class _Finding:
-    """What is found in the forces: differences of what conditions compare, rates of which it is asked whether they rest, and
-    pairs of those of which it is asked whether both do."""
-
-    moving: ca.SX
-    v: ca.SX
-    numbering: Numbering
-    stepped: frozenset[int]  # hashes of the symbols that change at events alone
-    constant: frozenset[int]  # of those that do not change between events
-    driven: frozenset[int]  # of those that go their way whatever moves
-    found: dict[Pair, Expression] = field(default_factory=dict)
-    asked: list[tuple[Pair, ...]] = field(default_factory=list)
-    both: dict[tuple[Pair, Pair], None] = field(default_factory=dict)
-    equalities: dict[Pair, Expression] = field(default_factory=dict)
-    equal: dict[Pair, bool] = field(default_factory=dict)  # which may be equal for a while: how these are compared
-    either: set[Pair] = field(default_factory=set)  # the same, of which so far only the larger or the smaller is asked for
-    squares: dict[int, Expression] = field(default_factory=dict)  # by the numbers of their roots: of lengths
-
-    def __post_init__(self) -> None:
-        self.directions, self.movers = Directions(self.numbering), symbols_in(self.moving)
-
-    def note(self, op: int, numbers: list[int], operands: list[Expression]) -> None:
-        """Of an instruction."""
-        keys = [self.numbering.keys[k] for k in numbers]
-        if op == ca.OP_MUL and all(key[0] == ca.OP_EQ for key in keys):
-            a, b = (ordered(int(key[1]), int(key[2])) for key in keys)
-            self.both[a, b] = None
-        if op == ca.OP_SQRT and components_of(self.numbering, number := self.numbering.of(op, numbers)):
-            self.squares[number] = operands[0]
-        for direction in self.directions.found(op, numbers):
-            if direction.length in self.squares:
-                self._note_direction(self.squares[direction.length])
-        if self.is_driven(op, operands):
-            self.found = driven_conditions(self.numbering, op, numbers, operands, self.level) | self.found
-            return
-        rest = rest_asked(self.numbering, op, numbers)
-        if rest is not None:
-            self.asked.append(rest[0])
-            self._note_square(operands)
-            if op in (ca.OP_EQ, ca.OP_NE):
-                self.equalities[ordered(*numbers)] = as_expression(operands[0] - operands[1] if numbers[0] < numbers[1]
-                                                                   else operands[1] - operands[0])
-            if op in RELATIONS or len(rest[0]) > 1:  # of |a|, which is found by itself
-                return
-        pair = rest[0][0] if rest else pair_of(self.numbering, op, numbers)
-        is_of_first = pair is not None and (op == ca.OP_LT) == (numbers[0] == pair[0])
-        if pair in self.equal and op in JUMPS and (op == ca.OP_SIGN or self.equal[pair] != is_of_first):
-            _refuse_equal()
-        if pair in self.either and op in JUMPS:
-            self.either.discard(pair)
-            self.found.pop(pair, None)
-        if pair is None or pair in self.found or (op in WHOLE and _only_jumps(operands[0], self.moving)):
-            return
-        g = self._difference(op, numbers, operands, pair)
-        if op in (*WHOLE, ca.OP_ATAN2) and _is_rate(self.v, g):  # nothing holds it there
-            return
-        if self._moves(g):
-            self.found[pair] = g
-
-    def _difference(self, op: int, numbers: list[int], operands: list[Expression], pair: Pair) -> Expression:
-        """What changes its sign where the operation bends or jumps."""
-        if op in WHOLE:
-            return as_expression(ca.sin(ca.pi * operands[0]))
-        a, b = (operands[0], as_expression(0.0)) if op in SIGNS or op == ca.OP_ATAN2 else operands
-        difference, is_first = as_expression(a - b if numbers[0] == pair[0] else b - a), numbers[0] == pair[0]
-        if op == ca.OP_ATAN2 or operations_in(difference).isdisjoint(ALL_JUMPS):
-            return difference
-        levels = Levels(self.moving)
-        level = _taken_apart(levels, as_expression(a <= b if op == ca.OP_LE else a < b))
-        if levels.may_rest and op == ca.OP_SIGN and self._moves(difference):
-            _refuse_equal()
-        if levels.may_rest and op not in JUMPS:
-            self.either.add(pair)
-        elif levels.may_rest:
-            self.equal[pair] = (op == ca.OP_LT) == is_first
-        return as_expression(-level if is_first else level)
-
-    def level(self, a: Expression, b: Expression) -> Expression:
-        """Of a < b, which nothing that answers to forces decides: on it, a is not less."""
-        difference = as_expression(b - a)
-        if bends_by(ALL_JUMPS, difference, self.constant | self.stepped, self.numbering):
-            return _taken_apart(Levels(self.moving, edge=EDGE), as_expression(a < b))
-        is_step = symbols_in(difference).isdisjoint(self.driven)  # no error of it tells more than its side
-        return as_expression(ca.fmax(ca.fmin(difference / EDGE - 1, 1), -1) if is_step else difference - EDGE)
-
-    def is_driven(self, op: int, operands: list[Expression]) -> bool:
-        """Whether nothing decides that answers to forces: it may stay on a level."""
-        if op not in (*SIDED, *WHOLE) or (op in WHOLE and _only_jumps(operands[0], self.moving)):
-            return False
-        moving = self.movers & symbols_in(ca.veccat(*operands))
-        is_told = moving.isdisjoint(self.driven) and (op not in JUMPS or not moving)  # what stands between events is as it is
-        return not is_told and moving <= self.driven | self.stepped
-
-    def _moves(self, x: Expression) -> bool:
-        return not self.movers.isdisjoint(symbols_in(x))
-
-    def _note_square(self, operands: list[Expression]) -> None:
-        """Of a^2 > 0, a^4 > 0 or a^2 == 0: a."""
-        root = next((x for x in operands if not x.is_constant() and x.op() == ca.OP_SQ), None)
-        if root is None:
-            return
-        while not root.is_symbolic() and root.op() == ca.OP_SQ:
-            root = as_expression(root.dep(0))
-        number = self.numbering.number(root)
-        pair = ordered(number, self.numbering.of_number(0.0))
-        if self._moves(root):
-            self.found.setdefault(pair, root if pair[0] == number else as_expression(-root))
-
-    def _note_direction(self, square: Expression) -> None:
-        """Of a rate that is a vector: both components are to rest where it has none."""
-        square = next((square.dep(k) for k in (0, 1) if square.dep(1 - k).is_constant()), square)
-        components, zero = [as_expression(square.dep(k).dep(0)) for k in (0, 1)], self.numbering.of_number(0.0)
-        if not all(_is_rate(self.v, x) for x in components):
-            return
-        numbers = [self.numbering.number(x) for x in components]
-        a, b = (ordered(number, zero) for number in numbers)
-        for pair, number, x in zip((a, b), numbers, components, strict=True):
-            self.found.setdefault(pair, x if pair[0] == number else as_expression(-x))
-        self.asked += [(a,), (b,)]
-        self.both[a, b] = None
-
-
-def _finding(movers: ca.SX, v: ca.SX, numbering: Numbering, known: tuple[ca.SX, ca.SX, ca.SX]) -> _Finding:
-    return _Finding(movers, v, numbering, symbols_in(known[0]), symbols_in(known[1]), symbols_in(known[2]))
-
-
-def _taken_apart(levels: Levels, truth: Expression) -> Expression:
-    level = levels.of(truth)
-    if level is None:
-        fail("L0914", "not supported yet: a force that compares what jumps in a way that is not taken apart", None,
-             "compare with <, <=, > or >= in it, not with == or <>, and fewer things that jump at once")
-    return as_expression(level)
-
-
-def _refuse_equal() -> NoReturn:
-    fail("L0914", "not supported yet: a force that tells numbers apart on both sides which may be equal for a while, as "
-         "sign(floor(x)) does", None,
-         "compare with numbers: if x >= 1 then 1 elseif x >= 0 then 0 else -1")
-
-
-def conditions_in(forces: Sequence[ca.SX], movers: ca.SX, v: ca.SX, numbering: Numbering,
-                  known: tuple[ca.SX, ca.SX, ca.SX] = (_NONE, _NONE, _NONE)
-                  ) -> tuple[dict[Pair, Expression], dict[Pair, Expression], tuple[tuple[Pair, Pair], ...]]:
-    """Differences of what conditions in the forces compare, of those that `movers` decide (`known`: what changes at events alone,
-    what does not change between events, and what goes its way whatever moves); symbols for the rates of which it is asked whether
-    they rest; and pairs of the latter that are asked about together."""
-    finding = _finding(movers, v, numbering, known)
-    rebuilt(forces, numbering, finding.note)
-    found = finding.found
-    same = multiples(found | finding.equalities, v, known[1], numbering) if finding.equalities else {}
-    found |= {pair: g for pair, g in finding.equalities.items() if pair in same and same[pair].of in found}
-    rests = _rests(v, found, finding.asked)
-    found = _without_unused(forces, found, rests, numbering) if rests else found
-    return found, rests, tuple(cone for cone in finding.both if all(pair in rests for pair in cone))
-
-
-def _only_jumps(x: Expression, moving: ca.SX) -> bool:
-    """Whether x is constant while its parts are held: it may rest on a whole number then, and rounding tells no side of it."""
-    return not operations_in(x).isdisjoint(STEPS) and ca.jacobian(x, moving).is_zero()
-
-
-def _is_rate(v: ca.SX, g: Expression) -> bool:
-    return not symbols_in(v).isdisjoint(symbols_in(g))
-
-
-def _rests(v: ca.SX, found: Mapping[Pair, Expression], asked: Sequence[Sequence[Pair]]) -> dict[Pair, Expression]:
-    """Symbols for the rates of which it is asked whether they rest."""
-    chosen = [next((pair for pair in pairs if pair in found and _is_rate(v, found[pair])), None) for pairs in asked]
-    return {pair: symbol(f"rest_{k}") for k, pair in enumerate(dict.fromkeys(chosen)) if pair is not None}
-
-
-def _without_unused(forces: Sequence[ca.SX], found: Mapping[Pair, Expression], rests: Mapping[Pair, Expression],
-                    numbering: Numbering) -> dict[Pair, Expression]:
-    """Those that forces still have: |v|, of which nothing was asked but whether it is 0, is none."""
-    places = {pair: symbol(f"s_{k}") for k, pair in enumerate(found)}
-    used = symbols_in(ca.veccat(*rebuilt(forces, numbering, Holding(places, frozenset(), rests, numbering).made)))
-    return {pair: g for pair, g in found.items() if pair in rests or places[pair].__hash__() in used}
-
-
 def _moot_rests(forces: ca.SX, holding: Holding, cones: Sequence[tuple[Pair, Pair]]) -> dict[Expression, Expression]:
     """The symbols of rates that rub as they move, and have a force of their own at rest, as a clamped load (Karnopp's law): what
     holds there is a share of what rubs, as of a rate that is never found at rest. With 0 for each."""
@@ -476,7 +283,7 @@ def find_roots(motion: Motion, switches: Switches) -> tuple[ca.SX, ca.SX]:
 
     def note(op: int, numbers: list[int], operands: list[Expression]) -> None:
         is_asked = op in _ROOTED and not moving.isdisjoint(known := symbols_in(operands[0]))
-        if is_asked and rates.isdisjoint(known) and (op == ca.OP_SQRT or not _only_jumps(operands[0], movers)):
+        if is_asked and rates.isdisjoint(known) and (op == ca.OP_SQRT or not only_jumps(operands[0], movers)):
             found.setdefault(numbers[0], operands[0] if op == ca.OP_SQRT else ca.sin(ca.pi * operands[0]) ** 2)
 
     rebuilt(switches.hold([(motion.unsolved or motion).h]), numbering, note)

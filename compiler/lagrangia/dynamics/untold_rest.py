@@ -24,9 +24,10 @@ from lagrangia.dynamics.directions import Direction, length_power
 from lagrangia.dynamics.dissipation import gradient_by_rates
 from lagrangia.dynamics.driven_conditions import Pair
 from lagrangia.dynamics.energies import Energies
+from lagrangia.dynamics.found_conditions import conditions_in
 from lagrangia.dynamics.held_switches import SIGNS, WHOLE, Holding, ordered, pair_of, rest_asked
 from lagrangia.dynamics.motion import Motion
-from lagrangia.dynamics.switches import bends, conditions_in
+from lagrangia.dynamics.switches import bends
 
 _ASKING = (ca.OP_LT, ca.OP_LE, ca.OP_EQ, ca.OP_NE, *WHOLE)
 _TURNING = (ca.OP_LT, ca.OP_LE, ca.OP_SIGN, ca.OP_FABS)

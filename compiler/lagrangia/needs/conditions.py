@@ -9,8 +9,9 @@ from lagrangia.algebra.scalars import symbols_in
 from lagrangia.base.diagnostics import Span
 from lagrangia.base.records import dataclass
 from lagrangia.dynamics.energies import Energies, generalised_force
+from lagrangia.dynamics.found_conditions import conditions_in
 from lagrangia.dynamics.motion import Motion
-from lagrangia.dynamics.switches import conditions_in, sign_of
+from lagrangia.dynamics.switches import sign_of
 
 LENGTH, RATE, PLACE = "a length passes through 0", "a rate turns", "a place decides"
 

@@ -20,9 +20,10 @@ from lagrangia.base.records import dataclass
 from lagrangia.constraints.parameters import scalars
 from lagrangia.dynamics.driven_conditions import Pair
 from lagrangia.dynamics.energies import Energies, evaluate_energies, generalised_force
+from lagrangia.dynamics.found_conditions import conditions_in
 from lagrangia.dynamics.held_switches import Holding
 from lagrangia.dynamics.reactions import build_reactions
-from lagrangia.dynamics.switches import conditions_in, jumps_at_rest
+from lagrangia.dynamics.switches import jumps_at_rest
 from lagrangia.language.observables import observe
 from lagrangia.study.probes import Probe, ProbedKinematics, Triple, probe_kinematics
 
