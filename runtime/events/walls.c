@@ -6,6 +6,7 @@
 #include "events/conditions.h"
 #include "numbers/extremes.h"
 #include "model/schedule.h"
+#include "state/evaluate.h"
 
 static const double LEAST = 1e-14; /* m, or rad: rounding of what a gap is made of, where its parts are some 50 m or less */
 static const double GONE = 64;     /* times what may be carried along: no drift */
