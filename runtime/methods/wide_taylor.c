@@ -121,9 +121,11 @@ static int load(void *self, int lane, LagRun *run)
     s->lanes.energy[lane] = energy_weight(run);
     s->own[lane] = 0;
     enter(s, lane, run);
-    s->begins[lane] = goes_on ? 0 : LAG_BEGINS;
-    if (run->statistics.steps == 0)
+    s->begins[lane] = 0;
+    if (run->statistics.steps == 0) {
+        s->begins[lane] = goes_on ? 0 : LAG_BEGINS;
         lag_wide_starts_learn(s, lane);
+    }
     return 1;
 }
 
