@@ -98,6 +98,8 @@ FACTORS: dict[str, Callable[[float, float], float]] = {  # of v > 0 and c
     "0.4*sign(w) + 0.1*(if c*w > 0 then 1 else -1)": lambda v, c: 0.3 if c == 0 else 0.5,
     "0.5*sign(w) + (1 + sqrt(abs(c*w)))*c*w/abs(c*w)*sign(c)": lambda v, c: 1.5 + np.sqrt(abs(c) * v),
     "(1 + exp(-abs(c*w)))*sign(w)": lambda v, c: 1 + np.exp(-abs(c) * v),
+    "0.4*sign(w) + 0.3*sign(c*w + 3*w)*sign(c + 3)": lambda v, c: 0.4 + 0.3 * abs(np.sign(c + 3)),
+    "0.4*sign(w) + 0.1*(if 2*w - c*w > 0 then 1 else -1)": lambda v, c: 0.5 if c < 2 else 0.3,
 }
 
 

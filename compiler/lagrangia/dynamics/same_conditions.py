@@ -1,9 +1,9 @@
 """Conditions that are met in another shape: of what was found in forces, in themselves and in the reactions that they make.
 
 sign(-x) is -sign(x), abs(x/c) is that of x for any parameter c, and x - y is -(y - x): of rates these have one switch, as two
-would not change at the same time. That of c x is the one of x, too, whatever c is of what does not change between events; where c
-is 0, c x is neither positive nor negative. Of reactions sums are the same in any order: by their values at random states, x of
-one is x of the other but for a factor.
+would not change at the same time. That of c x, or c x + d x, is the one of x, too, whatever c and d are of what does not change
+between events; where c, or c + d, is 0, neither is positive or negative. Of reactions sums are the same in any order: by their
+values at random states, x of one is x of the other but for a factor.
 """
 
 from collections.abc import Mapping, Set
@@ -20,6 +20,8 @@ from lagrangia.dynamics.driven_conditions import Pair
 from lagrangia.dynamics.held_switches import ordered
 
 _LOOKS, _SAME = 4, 1e-9
+_SAME_DEPTH = 9  # of instructions that are compared one by one: deeper ones are the same where they are one object
+_MOST_ADDENDS = 16  # open at once, of those with a common part
 
 
 @dataclass(frozen=True)
@@ -70,23 +72,43 @@ def multiples(found: Mapping[Pair, Expression], v: ca.SX, constant: ca.SX, numbe
     return same
 
 
-def _without_factors(g: Expression, constant: frozenset[int]) -> tuple[Expression, Expression, bool]:
-    """g but for a factor, a factor with the sign of that one, and whether it may be 0."""
+def _without_factors(g: Expression, constant: frozenset[int], of_sums: bool = True) -> tuple[Expression, Expression, bool]:
+    """g but for a factor, that factor, and whether it may be 0."""
     factor, may_vanish = as_expression(1.0), False
     while g.n_dep():
         known = [symbols_in(g.dep(k)) <= constant for k in range(2)] if g.op() in (ca.OP_MUL, ca.OP_DIV) else []
         if g.op() == ca.OP_NEG:
             factor, g = -factor, g.dep(0)
         elif g.op() == ca.OP_TWICE:
-            g = g.dep(0)
+            factor, g = as_expression(2 * factor), g.dep(0)
         elif g.op() == ca.OP_DIV and known[1]:
-            factor, g = factor * g.dep(1), g.dep(0)
+            factor, g = factor / g.dep(1), g.dep(0)
         elif g.op() == ca.OP_MUL and known[0] != known[1]:
             other = g.dep(known.index(True))
             factor, g, may_vanish = factor * other, g.dep(known.index(False)), may_vanish or not other.is_constant()
+        elif of_sums and (common := _common_part(g, constant)) is not None:
+            g, total = common
+            factor, may_vanish = factor * total, True
         else:
             break
     return as_expression(g), as_expression(factor), may_vanish
+
+
+def _common_part(g: ca.SX, constant: frozenset[int]) -> tuple[Expression, Expression] | None:
+    """x and a + b - c of a x + b x - c x."""
+    addends, found, total = [(g, 1.0)], as_expression(0.0), as_expression(0.0)
+    while addends:
+        g, sign = addends.pop()
+        if g.op() in (ca.OP_ADD, ca.OP_SUB):
+            addends += [(g.dep(1), sign if g.op() == ca.OP_ADD else -sign), (g.dep(0), sign)]
+            if len(addends) > _MOST_ADDENDS:
+                return None
+            continue
+        x, factor, _ = _without_factors(as_expression(g), constant, False)
+        if symbols_in(x) <= constant or not (found.is_zero() or ca.is_equal(x, found, _SAME_DEPTH)):
+            return None
+        found, total = x, as_expression(total + sign * factor)
+    return None if total.is_constant() else (found, total)
 
 
 def bends_by(operations: Set[int], g: Expression, constant: frozenset[int], numbering: Numbering) -> bool:
