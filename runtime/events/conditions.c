@@ -155,3 +155,12 @@ void lag_conditions_note_kick(LagRun *run, int i)
     if (may_be && s->turned[i] == LAG_CHANGES && !s->slides[i] && fabs(s->g[i]) > KICKED * run->sliding.error[i])
         s->turned[i] = s->g[i] > 0 ? LAG_TO_1 : LAG_TO_0;
 }
+
+void lag_conditions_take(LagRun *run, int i, int is_true)
+{
+    if (run->started && is_true) {
+        run->switches.turned[i] = LAG_JUMPS;
+        run->segment_over = 1;
+    } else
+        run->switches.held[i] = is_true;
+}

@@ -37,6 +37,9 @@ double lag_conditions_rounding(const LagRun *run, double error);
 /* What was to change at its level, and is far from it, as an event has made a rate another one, is held as it is now. */
 void lag_conditions_note_kick(LagRun *run, int i);
 
+/* The condition of an event that a segment finds otherwise than it is held: it comes where it is true amid a run, else it is so. */
+void lag_conditions_take(LagRun *run, int i, int is_true);
+
 /* How far condition i is from changing; negative: it has. */
 static inline double lag_depth(const LagSwitches *s, int i, const double *g) { return s->slides[i] || s->held[i] > 0 ? g[i] : -g[i]; }
 

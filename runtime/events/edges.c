@@ -160,13 +160,8 @@ void lag_edges_enter(LagRun *run)
     lag_edges_decide(run, m->t, m->y, s->slope + m->n, s->g_inside, s->rate_inside);
     for (int k = 0; k < run->model->n_whens; ++k) {
         const int i = lag_when(run->model, k), is_true = s->g_inside[i] > 0;
-        if (!is_several(run, k) || fabs(s->g_inside[i]) <= s->unknown[i] || is_true == (s->held[i] > 0))
-            continue;
-        if (run->started && is_true) {
-            s->turned[i] = LAG_JUMPS;
-            run->segment_over = 1;
-        } else
-            s->held[i] = is_true;
+        if (is_several(run, k) && !(fabs(s->g_inside[i]) <= s->unknown[i]) && is_true != (s->held[i] > 0))
+            lag_conditions_take(run, i, is_true);
     }
 }
 

@@ -115,13 +115,8 @@ void lag_levels_enter(LagRun *run)
         find(run);
     for (int k = 0; k < model->n_whens; ++k) {
         const int i = lag_when(model, k), is_true = model->on_level[k] & 1;
-        if (!impacts->is_level[k] || is_true == s->held[i] || model->on_level[k] == LAG_PLACES_ALONE)
-            continue;
-        if (run->started && is_true) {
-            s->turned[i] = LAG_JUMPS;
-            run->segment_over = 1;
-        } else
-            s->held[i] = is_true;
+        if (impacts->is_level[k] && is_true != s->held[i] && model->on_level[k] != LAG_PLACES_ALONE)
+            lag_conditions_take(run, i, is_true);
     }
 }
 

@@ -14,7 +14,7 @@ from lagrangia.base.records import dataclass
 from lagrangia.dynamics.directions import Directions, components_of
 from lagrangia.dynamics.driven_conditions import SIDED, Pair, driven_conditions
 from lagrangia.dynamics.held_switches import JUMPS, RELATIONS, SIGNS, WHOLE, Holding, ordered, pair_of, rest_asked
-from lagrangia.dynamics.levels import EDGE, Levels
+from lagrangia.dynamics.levels import EDGE, Levels, step_of
 from lagrangia.dynamics.levels import JUMPS as ALL_JUMPS
 from lagrangia.dynamics.same_conditions import bends_by, multiples
 
@@ -105,7 +105,7 @@ class Finding:
         if bends_by(ALL_JUMPS, difference, self.constant | self.stepped, self.numbering):
             return _taken_apart(Levels(self.moving, edge=EDGE), as_expression(a < b))
         is_step = symbols_in(difference).isdisjoint(self.driven)  # no error of it tells more than its side
-        return as_expression(ca.fmax(ca.fmin(difference / EDGE - 1, 1), -1) if is_step else difference - EDGE)
+        return step_of(difference, -EDGE) if is_step else as_expression(difference - EDGE)
 
     def is_driven(self, op: int, operands: list[Expression]) -> bool:
         """Whether nothing decides that answers to forces: it may stay on a level."""

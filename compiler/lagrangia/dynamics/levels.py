@@ -256,6 +256,11 @@ def with_edge(comparison: Flat, difference: ca.SX, edge: Edge | None = None) -> 
     return level if edge is None else as_expression(level + edge.of(difference) * (1 if is_inclusive else -1))
 
 
+def step_of(difference: ca.SX, edge: float) -> Expression:
+    """1 where it is positive, else -1; where it is 0 as `edge`, EDGE or -EDGE, is."""
+    return as_expression(ca.fmax(ca.fmin((difference + edge)/EDGE, 1), -1))
+
+
 class Steps:
     """Comparisons of what changes at events and samples alone, which may come true on their very level: n >= 3 beside x > 1."""
 
@@ -279,8 +284,7 @@ class Steps:
         beside it in a condition says where that comes true."""
         if not (self.decide(difference) and isinstance(comparison, Binary) and comparison.operator in COMPARED):
             return with_edge(comparison, difference, beside)
-        edge = EDGE if comparison.operator in ("<=", ">=") else -EDGE
-        return ca.fmax(ca.fmin((difference + edge)/EDGE, 1), -1)
+        return step_of(difference, EDGE if comparison.operator in ("<=", ">=") else -EDGE)
 
 
 class Meetings:
