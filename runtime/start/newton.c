@@ -406,11 +406,27 @@ static int steepest(LagNewton *s)
     return 1;
 }
 
-/* Goes along the step as far as the sum of squares falls: all the way or not at all where it is but rounding. Returns 0 when it does
- * not fall at all. */
+/* By how much the sum of squares falls along all of the step, as its slope foretells. */
+static double foretell_fall(const LagNewton *s)
+{
+    double fall = 0;
+    for (int r = 0; r < s->n_rows; ++r) {
+        const int i = s->rows[r];
+        double change = 0;
+        for (int k = s->first[i]; k < s->first[i + 1]; ++k)
+            change += s->jacobian[k] * s->step[s->values[k]];
+        fall -= 2 * change / s->length[i] * s->g[i] / s->length[i];
+    }
+    return fall;
+}
+
+/* Goes along the step as far as the sum of squares falls: all the way or not at all where it, or what it is to fall by, is but
+ * rounding, as where what may move leads no nearer. Returns 0 when it does not fall at all. */
 static int descend(LagNewton *s, const double *p, double *x, double *work)
 {
-    const double before = sum_of_squares(s), shortest = before < ROUNDED * ROUNDED ? 1 : SHORTEST_STEP;
+    const double before = sum_of_squares(s);
+    const int is_rounding = before < ROUNDED * ROUNDED || fabs(foretell_fall(s)) < ROUNDED * before;
+    const double shortest = is_rounding ? 1 : SHORTEST_STEP;
     for (double part = 1; part >= shortest; part /= 2) {
         for (int j = 0; j < 2 * lag_start_size(s->model); ++j)
             s->trial[j] = x[j] + part * s->step[j];

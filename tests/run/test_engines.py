@@ -108,6 +108,13 @@ def test_what_a_change_costs_is_counted_over_all_runs(monkeypatch: pytest.Monkey
     assert upgrade.compiling < upgrade.spent < upgrade.compiling + 0.02
 
 
+def test_what_many_runs_ask_for_at_their_start_is_compiled_where_it_is_short() -> None:
+    loop, large = (lag.load(EXAMPLES / f"{name}.lag").scene for name in ("four_bar", "hexapod"))
+    at_start = {"initial", "momentum", "parameters", "hoist", "start", "requirements"}
+    assert at_start & set(loop.tapes) <= set(engines._often(loop))
+    assert at_start & set(engines._often(large)) == {"momentum", "start", "requirements"}
+
+
 def test_a_build_that_is_given_up_leaves_nothing(empty_cache: Path) -> None:
     from lagrangia.native.build import start_build
 

@@ -7,6 +7,7 @@ soon. The operations are the same in the same order, and so are the results, to 
 """
 
 import contextlib
+import math
 import threading
 import time
 import weakref
@@ -36,8 +37,10 @@ _SHORT = 2_000  # instructions for which -O2 takes no longer
 _SEEN = 50_000  # instructions that are written out in no time, to see whether they were compiled before
 # Seconds of all runs that are worth writing the scene out, to see whether it was compiled before; before their lengths are told.
 _SEEK, _LOOK = 0.015, 0.1
-# Called once for each set of parameters, or data: not worth compiling in a large scene.
-_RARE = ("parameters", "hoist", "start", "initial", "momentum", "events", "linear", "waves", "series", "requirements")
+# Instructions up to which these are compiled. Runs ask for equations of start values some tens of times each (slices of longer
+# ones are made of their tape: runtime/model/slice.h), for the others once where parameters vary; the last are data.
+_LONGEST = {"initial": 1_999, "momentum": 1_999, **dict.fromkeys(("parameters", "hoist", "start", "series", "requirements"), 400),
+            **dict.fromkeys(("events", "linear", "waves"), 0)}
 _LARGEST_JACOBIAN = 400  # instructions
 
 
@@ -200,8 +203,9 @@ def describe(scene: Scene) -> str:
 
 
 def _often(scene: Scene, is_implicit: bool = False) -> Mapping[str, Tape]:
-    rare = {*_RARE, *_long_jacobians(scene, is_implicit)}
-    return {name: tape for name, tape in scene.tapes.items() if name not in rare}
+    long = _long_jacobians(scene, is_implicit)
+    return {name: tape for name, tape in scene.tapes.items()
+            if name not in long and _instructions({name: tape}) <= _LONGEST.get(name, math.inf)}
 
 
 def _long_jacobians(scene: Scene, is_implicit: bool) -> list[str]:
