@@ -154,6 +154,14 @@ MIRRORS: Mapping[str, Mirrored] = {
 
 
 @cache
+def outcome_type() -> "np.dtype[Any]":
+    """LagOutcome, for arrays."""
+    import numpy as np
+
+    return np.dtype(OUTCOME)
+
+
+@cache
 def _declare(library: c.CDLL) -> None:
     check_mirrors(library, MIRRORS)
     library.lag_batch_new.restype, library.lag_batch_new.argtypes = c.c_void_p, (c.c_void_p, c.c_void_p, c.POINTER(_Sweep))
@@ -216,7 +224,7 @@ class Batch:
         runs = len(values)
         if values.shape != (runs, self.n_varied):
             raise ValueError(f"values of the shape {(runs, self.n_varied)} are needed, not {values.shape}")
-        results, outcomes = np.empty((runs, self.n_reductions)), np.zeros(runs, dtype=OUTCOME)
+        results, outcomes = np.empty((runs, self.n_reductions)), np.zeros(runs, dtype=outcome_type())
         rows = np.empty((runs, self.n_rows, self._run.width)) if rows is None else rows
         stopped = stop if stop is not None else c.c_int32(0)
         is_input = np.array(self._sweep.varied, dtype=int) >= self._states
@@ -239,8 +247,8 @@ class Batch:
         """The ends of runs one after another that have the same inputs."""
         import numpy as np
 
-        if not len(inputs):
-            return []
+        if not inputs.size:
+            return [len(inputs)] if len(inputs) else []
         return [*(np.flatnonzero((inputs[1:] != inputs[:-1]).any(axis=1)) + 1).tolist(), len(inputs)]
 
     def _set_inputs(self, values: Sequence[float]) -> None:

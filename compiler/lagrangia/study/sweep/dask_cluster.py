@@ -16,7 +16,7 @@ from typing import Any
 from lagrangia.base.diagnostics import Error, RunError, fail
 from lagrangia.base.folders import data_folder
 from lagrangia.native.prebuilt import digest
-from lagrangia.run.batch import ABREAST, OUTCOME, Batch, Lanes, Reduction, Sweep
+from lagrangia.run.batch import ABREAST, Batch, Lanes, Reduction, Sweep, outcome_type
 from lagrangia.run.engines import Engine, load_engine
 from lagrangia.run.runtime import Settings, Solver
 from lagrangia.run.scene import from_json, to_json
@@ -198,7 +198,7 @@ class _Tasks:
                 kept = np.frombuffer(rows, dtype="<f8")
                 self.keeper.keep(first, kept.reshape(last - first, len(self.job.sweep.row_times), -1))
             self.ledger.enter(first, np.frombuffer(results, dtype="<f8").reshape(last - first, len(self.job.measures)),
-                              np.frombuffer(outcomes, dtype=OUTCOME))
+                              np.frombuffer(outcomes, dtype=outcome_type()))
             self.pace.learn(last - first, seconds)
 
     def _result(self, future: Any) -> Answer:

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import IO, TYPE_CHECKING
 
 from lagrangia.base.diagnostics import fail
-from lagrangia.run.batch import OUTCOME, Ending, Lanes
+from lagrangia.run.batch import OUTCOME, Ending, Lanes, outcome_type
 from lagrangia.study.sweep.plan import Job
 
 if TYPE_CHECKING:
@@ -37,7 +37,7 @@ class Ledger:
         import numpy as np
 
         self.results = np.full((job.runs, len(job.measures)), np.nan)
-        self.outcomes = np.zeros(job.runs, dtype=OUTCOME)
+        self.outcomes = np.zeros(job.runs, dtype=outcome_type())
         self.outcomes["kind"] = Ending.NOT_RUN
         self.entered = 0
         self.lanes = Lanes()  # of the runs made here and now
@@ -52,8 +52,10 @@ class Ledger:
 
     def enter(self, first: int, results: "np.ndarray", outcomes: "np.ndarray") -> None:
         """Results and outcomes of the runs from `first` on."""
+        import numpy as np
+
         last = first + len(outcomes)
-        self.entered += int((self.outcomes["kind"][first:last] == Ending.NOT_RUN).sum())
+        self.entered += int(np.count_nonzero(self.outcomes["kind"][first:last] == int(Ending.NOT_RUN)))  # NumPy asks an enum long
         self.results[first:last] = results
         whole = f"V{outcomes.itemsize}"  # NumPy copies records field by field
         self.outcomes.view(whole)[first:last] = outcomes.view(whole)
@@ -131,7 +133,7 @@ class Journal(Ledger):
             if not count or len(body) != count * width or zlib.crc32(body, zlib.crc32(head[:16])) != check:
                 break
             results = np.frombuffer(body, dtype="<f8", count=count * measures).reshape(count, measures)
-            yield first, results, np.frombuffer(body, dtype=OUTCOME, offset=8 * count * measures)
+            yield first, results, np.frombuffer(body, dtype=outcome_type(), offset=8 * count * measures)
             place = self.stream.tell()
         self.stream.seek(place)
 

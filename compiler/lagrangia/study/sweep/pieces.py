@@ -5,7 +5,7 @@ from collections.abc import Callable, Sequence
 
 from lagrangia.study.sweep.journal import Ledger
 
-_GROWTH = 16  # of a piece over the one before, at most: each costs as much as some fifty short runs
+_GROWTH = 64  # of a piece over the one before, at most: each costs as much as some fifty short runs
 _LONGEST = 100_000  # runs
 _FEWEST = 4  # times as many as go on together
 

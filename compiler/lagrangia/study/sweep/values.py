@@ -64,6 +64,8 @@ class Variations:
         """Of the runs first <= k < last: (last - first, len(names))."""
         import numpy as np
 
+        if len(self.factors) == 1:
+            return self.factors[0].values[first:last].copy()
         found = np.empty((last - first, len(self.names)))
         run, column = np.arange(first, last), len(self.names)
         for factor in reversed(self.factors):
