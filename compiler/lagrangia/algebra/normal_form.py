@@ -16,12 +16,12 @@ import sympy as sp
 from lagrangia.algebra.with_sympy import TIME, Expr, exact, slope
 from lagrangia.base.records import dataclass
 
-Powers = tuple[tuple[int, Fraction], ...]  # of atoms, by their numbers
-Angle = tuple[tuple[int, Fraction], ...]  # sum of coefficient x atom
+Number = int | Fraction  # whole numbers are int where they are made: sums, products and hashes of these take a tenth of the time
+Powers = tuple[tuple[int, Number], ...]  # of atoms, by their numbers
+Angle = tuple[tuple[int, Number], ...]  # sum of coefficient x atom
 Key = tuple[Powers, Angle, bool]  # the last: sine
-Series = dict[Key, Fraction]
+Series = dict[Key, Number]
 
-_ONE, _HALF = Fraction(1), Fraction(1, 2)
 CONSTANT: Key = ((), (), False)
 
 
@@ -113,7 +113,7 @@ class Ring:
 
     def _series(self, e: Expr) -> Series:
         if e.is_Rational:
-            return {CONSTANT: Fraction(int(e.p), int(e.q))} if e != 0 else {}
+            return {CONSTANT: _number_of(e)} if e != 0 else {}
         if e.is_Float and e.is_finite:
             return self._series(exact(float(e)))
         if e.is_Symbol or e.is_Number or isinstance(e, sp.NumberSymbol):
@@ -123,7 +123,7 @@ class Ring:
         if e.is_Add:
             return _sum(self.series(x) for x in e.args)
         if e.is_Mul:
-            total: Series = {CONSTANT: _ONE}
+            total: Series = {CONSTANT: 1}
             for x in e.args:
                 total = self.product(total, self.series(x))
             return total
@@ -140,26 +140,26 @@ class Ring:
         if not exponent.is_Rational:
             return self._opaque(e)
         inner = self.series(base)
-        k = Fraction(int(exponent.p), int(exponent.q))
+        k = _number_of(exponent)
         if len(inner) == 1:
             ((powers, angle, is_sine), number), = inner.items()
             if exponent.is_Integer and not angle:
                 raised = tuple((n, x * k) for n, x in powers)
-                return self.product({(raised, (), False): number ** int(exponent)}, {CONSTANT: _ONE})
+                return self.product({(raised, (), False): Fraction(number) ** int(exponent)}, {CONSTANT: 1})
             if angle and exponent.is_Integer:
                 sign, wave = self._wave_expression(angle, is_sine)
                 whole = self._merged(tuple((n, x * k) for n, x in powers), ((self._number(wave), k),))
-                return {(whole, (), False): (sign * number) ** int(exponent)}
+                return {(whole, (), False): Fraction(sign * number) ** int(exponent)}
         tidy = sp.Add(*(t.expression() for t in self._written(inner)))
         found = sp.Pow(tidy, exponent)
         if found.is_Pow and found.args == (tidy, exponent) and tidy.is_Add:
             number_of = self._number(tidy)
             self.composite[number_of] = inner
-            return {(((number_of, k),), (), False): _ONE}
+            return {(((number_of, k),), (), False): 1}
         return self._atom_series(found) if found == e or not found.is_Mul else self.series(found)
 
     def _whole_power(self, base: Series, exponent: int) -> Series:
-        total: Series = {CONSTANT: _ONE}
+        total: Series = {CONSTANT: 1}
         for bit in f"{exponent:b}":
             total = self.product(total, total)
             if bit == "1":
@@ -171,19 +171,19 @@ class Ring:
         inner = self.series(e.args[0])
         if any(angle for _, angle, _ in inner):
             return self._opaque(e)
-        parts: dict[int, Fraction] = {}
+        parts: dict[int, Number] = {}
         for (powers, _, _), number in inner.items():
             atom = sp.Mul(*(sp.Pow(self.atoms[n], _rational(k)) for n, k in powers))
             where = self._number(atom)
-            parts[where] = parts.get(where, Fraction(0)) + number
+            parts[where] = parts.get(where, 0) + number
         key, sign = self._oriented(_sorted(parts), isinstance(e, sp.sin))
         self.stated.add(key)
-        return {} if sign == 0 else {((), *key): Fraction(sign)}
+        return {} if sign == 0 else {((), *key): sign}
 
     def _oriented(self, angle: Angle, is_sine: bool) -> tuple[tuple[Angle, bool], int]:
         """The same wave with its first coefficient positive and whole quarter turns taken out."""
         sign, parts = 1, dict(angle)
-        turns = parts.pop(self.pi, Fraction(0))
+        turns = parts.pop(self.pi, 0)
         if parts and next(iter(sorted(parts.items())))[1] < 0:
             parts, turns = {n: -x for n, x in parts.items()}, -turns
             sign = -sign if is_sine else sign
@@ -206,7 +206,7 @@ class Ring:
         n = self._number(e)
         if e.is_Pow and e.exp == sp.S.Half and e.base.is_Rational:
             self.roots[n] = Fraction(int(e.base.p), int(e.base.q))
-        return {(((n, _ONE),), (), False): _ONE}
+        return {(((n, 1),), (), False): 1}
 
     def _atom(self, e: Expr) -> int:
         self.numbers[e] = len(self.atoms)
@@ -254,14 +254,14 @@ class Ring:
                 powers = self._merged(powers_a, powers_b)
                 waves = self._waves(angle_a, sine_a, angle_b, sine_b)
                 into = total if not any(self._opens(n, k) for n, k in powers) else {}
-                for angle, is_sine, weight in waves:
+                for angle, is_sine, halves in waves:
                     key = (powers, angle, is_sine)
-                    into[key] = into.get(key, Fraction(0)) + x * y * weight
+                    into[key] = into.get(key, 0) + x * y * halves
                 if into is not total:
-                    again.append(self._multiplied_out(powers, into))
-        return _sum([total, *again])
+                    again.append(self._multiplied_out(powers, _of_halves(into)))
+        return _sum([_of_halves(total), *again])
 
-    def _opens(self, n: int, k: Fraction) -> bool:
+    def _opens(self, n: int, k: Number) -> bool:
         return (k >= 1 and n in self.composite) or (k >= 2 and n in self.squares) or (n in self.roots and k not in (0, 1))
 
     def _multiplied_out(self, powers: Powers, terms: Series) -> Series:
@@ -286,32 +286,33 @@ class Ring:
             return a or b
         total = dict(a)
         for n, k in b:
-            total[n] = total.get(n, Fraction(0)) + k
+            total[n] = total.get(n, 0) + k
         return tuple(sorted((n, k) for n, k in total.items() if k))
 
-    def _waves(self, a: Angle, sine_a: bool, b: Angle, sine_b: bool) -> list[tuple[Angle, bool, Fraction]]:
+    def _waves(self, a: Angle, sine_a: bool, b: Angle, sine_b: bool) -> list[tuple[Angle, bool, int]]:
+        """The waves of a product, each with how often half of it is there."""
         if not a or not b:
-            return [(a or b, sine_a or sine_b, _ONE)]
+            return [(a or b, sine_a or sine_b, 2)]
         plus, minus = _added(a, b, 1), _added(a, b, -1)
         if sine_a and sine_b:
-            found = [(minus, False, _HALF), (plus, False, -_HALF)]
+            found = [(minus, False, 1), (plus, False, -1)]
         elif sine_a:
-            found = [(plus, True, _HALF), (minus, True, _HALF)]
+            found = [(plus, True, 1), (minus, True, 1)]
         elif sine_b:
-            found = [(plus, True, _HALF), (minus, True, -_HALF)]
+            found = [(plus, True, 1), (minus, True, -1)]
         else:
-            found = [(minus, False, _HALF), (plus, False, _HALF)]
+            found = [(minus, False, 1), (plus, False, 1)]
         turned = []
-        for angle, is_sine, weight in found:
+        for angle, is_sine, halves in found:
             key, sign = self._oriented(angle, is_sine)
             if sign:
-                turned.append((*key, weight * sign))
+                turned.append((*key, halves * sign))
         return turned
 
     # ------------------------------------------------------------ series -> terms
 
     def _written(self, series: Series) -> list[Term]:
-        groups: dict[Powers, dict[tuple[Angle, bool], Fraction]] = {}
+        groups: dict[Powers, dict[_Wave, Number]] = {}
         for (powers, angle, is_sine), x in series.items():
             groups.setdefault(powers, {})[angle, is_sine] = x
         terms = []
@@ -327,11 +328,11 @@ class Ring:
                 terms.append(_term(x, atoms, merged))
         return terms
 
-    def _wave_expression(self, angle: Angle, is_sine: bool) -> tuple[Fraction, Expr]:
+    def _wave_expression(self, angle: Angle, is_sine: bool) -> tuple[Number, Expr]:
         """A number times what SymPy makes of the wave, who writes -sin(a - b) for sin(b - a), 1/2 for cos(pi/3)."""
         total = sp.Add(*(_rational(k) * self.atoms[n] for n, k in angle))
         number, wave = (sp.sin(total) if is_sine else sp.cos(total)).as_coeff_Mul(rational=True)
-        return Fraction(int(number.p), int(number.q)), wave
+        return _number_of(number), wave
 
 
 # -------------------------------------------------------------------- pairing
@@ -339,7 +340,7 @@ class Ring:
 _Wave = tuple[Angle, bool]
 
 
-def _paired(waves: dict[_Wave, Fraction], whole: set[int], stated: set[_Wave]) -> list[tuple[Fraction, list[_Wave]]]:
+def _paired(waves: dict[_Wave, Number], whole: set[int], stated: set[_Wave]) -> list[tuple[Number, list[_Wave]]]:
     """1 - cos 2a = 2 sin^2 a, 1 + cos 2a = 2 cos^2 a, and beside another constant cos 2a = 2 cos^2 a - 1; sin 2a = 2 sin a cos a,
     unless sin 2a is stated somewhere; cos p + cos q and its like as products, where that leaves fewer angles in all."""
     waves, found = dict(waves), []
@@ -349,7 +350,7 @@ def _paired(waves: dict[_Wave, Fraction], whole: set[int], stated: set[_Wave]) -
         half = _halved(angle, whole)
         if half is None or wave not in waves:
             continue
-        if not is_sine and abs(waves.get(constant, Fraction(0))) == abs(waves[wave]):
+        if not is_sine and abs(waves.get(constant, 0)) == abs(waves[wave]):
             x = waves.pop(constant)
             found.append((2 * x, [(half, waves.pop(wave) == -x)] * 2))  # 1 - cos: twice the square of a sine; 1 + cos
         elif is_sine and (waves[wave].denominator % 2 == 0 or _is_double(wave, whole, stated)):
@@ -373,7 +374,7 @@ def _is_double(wave: _Wave, whole: set[int], stated: set[_Wave]) -> bool:
     return wave not in stated and half is not None and _halved(half, whole) is None
 
 
-def _as_product(p: _Wave, q: _Wave, x: Fraction, y: Fraction, whole: set[int]) -> tuple[Fraction, list[_Wave]] | None:
+def _as_product(p: _Wave, q: _Wave, x: Number, y: Number, whole: set[int]) -> tuple[Number, list[_Wave]] | None:
     if p[1] != q[1] or abs(x) != abs(y) or not p[0] or not q[0]:
         return None
     is_mixed = all(any(n in whole for n, _ in angle) and any(n not in whole for n, _ in angle) for angle in (p[0], q[0]))
@@ -389,46 +390,55 @@ def _as_product(p: _Wave, q: _Wave, x: Fraction, y: Fraction, whole: set[int]) -
     return (2 * x, [(half, False), (gap, False)]) if x == y else (-2 * x * flip, [(half, True), (gap, True)])
 
 
-def _term(number: Fraction, powers: Iterable[tuple[Expr, Fraction]], factors: Mapping[Expr, int]) -> Term:
+def _term(number: Number, powers: Iterable[tuple[Expr, Number]], factors: Mapping[Expr, int]) -> Term:
     """What is no wave any more, sin(asin x) = x, is among the powers."""
     whole, waves = dict(powers), {}
     for x, k in factors.items():
         if isinstance(x, sp.sin | sp.cos):
             waves[x] = k
         elif x != 1:
-            whole[x] = whole.get(x, Fraction(0)) + k
-    return Term(number, tuple((x, k) for x, k in whole.items() if k), tuple(waves.items()))
+            whole[x] = whole.get(x, 0) + k
+    return Term(Fraction(number), tuple((x, Fraction(k)) for x, k in whole.items() if k), tuple(waves.items()))
 
 
 def _halved(angle: Angle, whole: set[int]) -> Angle | None:
     """Half the angle, when it has even coefficients and no constant part, and does not belong to a given function of time."""
     if not angle or any(n in whole or k.denominator != 1 or k.numerator % 2 for n, k in angle):
         return None
-    return tuple((n, k / 2) for n, k in angle)
+    return tuple((n, k // 2) for n, k in angle)
 
 
 def _added(a: Angle, b: Angle, sign: int) -> Angle:
     total = dict(a)
     for n, k in b:
-        total[n] = total.get(n, Fraction(0)) + sign * k
+        total[n] = total.get(n, 0) + sign * k
     return _sorted(total)
 
 
-def _sorted(parts: dict[int, Fraction]) -> Angle:
+def _sorted(parts: dict[int, Number]) -> Angle:
     return tuple(sorted((n, k) for n, k in parts.items() if k))
 
 
-def _add(total: Series, key: Key, x: Fraction) -> None:
-    total[key] = total.get(key, Fraction(0)) + x
+def _of_halves(twice: Series) -> Series:
+    """The numbers halved."""
+    return {key: x // 2 if isinstance(x, int) and x % 2 == 0 else Fraction(x, 2) for key, x in twice.items()}
+
+
+def _add(total: Series, key: Key, x: Number) -> None:
+    total[key] = total.get(key, 0) + x
 
 
 def _sum(series: Iterable[Series]) -> Series:
     total: Series = {}
     for one in series:
         for key, x in one.items():
-            total[key] = total.get(key, Fraction(0)) + x
+            total[key] = total.get(key, 0) + x
     return {key: x for key, x in total.items() if x}
 
 
-def _rational(x: Fraction) -> Expr:
+def _number_of(x: Expr) -> Number:
+    return int(x.p) if x.q == 1 else Fraction(int(x.p), int(x.q))
+
+
+def _rational(x: Number) -> Expr:
     return sp.Rational(x.numerator, x.denominator)
