@@ -23,7 +23,7 @@ from lagrangia.constraints.positions import Positions, Vector
 from lagrangia.constraints.rows import Constraints
 from lagrangia.frames.kinematics import Kinematics
 
-_CLOSED = 1e-9  # of a position on the constraints, relative to the largest slope
+_CLOSED = 1e-9  # of a position on the constraints, relative to the largest slope; and of slopes that are none
 _LEGS, _MOST_LEGS = 3, 1000  # ways in random directions; times the square of the number of coordinates
 _LEG, _LENGTH = 12, 0.25  # positions on a way, how far apart beside the largest slope
 _SHORTEST = 0.1  # lever of a coordinate, beside the longest
@@ -241,8 +241,9 @@ def _hold(chain: _Chain, slopes: Vector | None) -> tuple[float, float]:
 
 
 def _determinants(chain: _Chain, slopes: Vector) -> Iterator[tuple[Vector, float]]:
-    """Of each group: at all positions, and what it is where the group is held best."""
+    """Of each group: at all positions, and what it is where the group is held best. Slopes that are rounding hold nothing."""
+    reach = np.linalg.norm(slopes, axis=1).max(axis=0)
     for rows, columns in chain.groups:
         block = slopes[:, list(rows)][:, :, list(columns)]
-        size = float(np.prod(np.linalg.norm(block, axis=1).max(axis=0)))
+        size = float(np.prod(np.maximum(np.linalg.norm(block, axis=1).max(axis=0), _CLOSED * reach[list(columns)])))
         yield np.linalg.det(block), max(size, _NOTHING)

@@ -20,6 +20,7 @@ from lagrangia.algebra.with_casadi import jumps_with
 from lagrangia.base.diagnostics import Report, Span, fail
 from lagrangia.base.records import dataclass
 from lagrangia.constraints.parameters import default_parameters
+from lagrangia.constraints.unfelt import find_unfelt, without_unfelt
 from lagrangia.frames.closures import gaps, gaps_of_start
 from lagrangia.frames.edges import Closure
 from lagrangia.frames.evaluation import Value
@@ -107,9 +108,9 @@ def reduce_kinematics(kinematics: Kinematics) -> tuple[Kinematics, Constraints]:
     if not rows:
         return kinematics, Constraints(())
     reduction = _Reduction(kinematics)
-    left = [row for row in rows if not reduction.absorb(row)]
+    left = [row for row in _without_rounding(kinematics, rows) if not reduction.absorb(row)]
     reduced = reduction.reduced()
-    left = reduction.repeat_motionless(left, reduced)
+    left = reduction.repeat_motionless(_without_rounding(reduced, left) if reduction.solved else left, reduced)
     reduction.report.raise_errors()
     remaining = sorted(left, key=lambda row: not row.is_holonomic)
     givers = {name: reduction.givers[name] for name in reduction.solved}
@@ -169,7 +170,7 @@ def _rows(kinematics: Kinematics) -> list[Row]:
     rows = []
     for closure in kinematics.graph.closures:
         for k, gap in enumerate(gaps(kinematics, closure, 0)):
-            start = partial(_gap_of_start, closure, k) if kinematics.geometry.by_rates else None
+            start = partial(_gap_of_start, closure, k) if kinematics.geometry.by_rates and k >= 3 else None  # of turns
             is_timed = _is_timed(kinematics, gap)
             rows.append(Row(partial(_gap, closure, k), True, closure, closure.span, k, is_timed=is_timed, start=start))
     for equation in kinematics.graph.model.constraints:
@@ -183,6 +184,20 @@ def _gap(closure: Closure, k: int, kinematics: Kinematics, level: int) -> Scalar
 
 def _gap_of_start(closure: Closure, k: int, kinematics: Kinematics) -> Scalar:
     return gaps_of_start(kinematics, closure)[k]
+
+
+def _without_rounding(kinematics: Kinematics, rows: list[Row]) -> list[Row]:
+    """The same, those of loops in space without the coordinates that they mention and do not feel."""
+    loops = [row for row in rows if row.loop is not None] if kinematics.geometry.by_rates else []
+    if not loops:
+        return rows
+    gaps, rates = ca.vertcat(*[row.value(kinematics, 0) for row in loops]), ca.vertcat(*[row.rate(kinematics) for row in loops])
+    unfelt = dict(zip(map(id, loops), find_unfelt(kinematics, gaps, rates), strict=True))
+    return [replace(row, value=partial(_felt, row.value, unfelt[id(row)])) if unfelt.get(id(row)) else row for row in rows]
+
+
+def _felt(value: Callable[[Kinematics, int], Scalar], unfelt: Sequence[str], kinematics: Kinematics, level: int) -> Scalar:
+    return without_unfelt(kinematics, value(kinematics, level), unfelt)
 
 
 def different_sizes(left: Value, right: Value) -> str:

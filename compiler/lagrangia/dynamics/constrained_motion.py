@@ -110,7 +110,7 @@ def constrain(
         system: System = form(free.tree, J, small) if own is None else form_others(free.tree, J, own, small)
     else:
         system = factor(free.M, J, is_robust, small=small) if own is None else factor_others(free.M, J, own, is_robust, small)
-    acceleration, multipliers = _accelerate(system, rows, free, refine=True)
+    acceleration, multipliers = map(ca.densify, _accelerate(system, rows, free, refine=True))  # what rests is among them
     lambdas = ca.vertcat(*[ca.SX.sym(f"lambda_{i}") for i in range(J.size1())])
     regular = None if is_robust else _regular(rows, free, system.without_small())
     place, steer = free.moved(_place(system, rows, is_robust)), system.least(-rows.rate)

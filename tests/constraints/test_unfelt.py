@@ -1,0 +1,44 @@
+"""Two joints about one direction of many digits between the same bodies: what their axes differ by is rounding, and holds nothing."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from lagrangia.model import Model
+
+AXIS, GRAVITY, TIME = np.array([0.3, 0.7, -0.2]), np.array([1, -2, -9.81]), 0.3
+
+
+def braces(x: np.ndarray) -> str:
+    return "{" + ", ".join(repr(float(part)) for part in x) + "}"
+
+
+def joint(first: str, second: str, own: Rotation, tmp_path: Path) -> Model:
+    """The second one beside the first, its own frames turned."""
+    angle = float(np.linalg.norm(own.as_rotvec()))
+    about = f"{angle!r}, {braces(own.as_rotvec() if angle else AXIS)}"
+    scene = tmp_path / "scene.lag"
+    scene.write_text(f"""model S
+  World world(gravity = {braces(GRAVITY)});
+  Body b(m = 1.5, I = {{0.2, 0.19, 0.15}});
+  {first} j(a = world, b = shift(b.center, {{0.1, 0.2, 0}}), axis = {braces(AXIS)});
+  {second} k(a = turn(shift(world, {{1, -0.4, 0.3}}), {about}), b = turn(shift(b.center, {{1.1, -0.2, 0.3}}), {about}),
+    {'along' if second == 'Prismatic' else 'axis'} = {braces(own.inv().apply(AXIS))});
+end S;
+""")
+    return Model(scene)
+
+
+@pytest.mark.parametrize("own", [Rotation.identity(), Rotation.from_rotvec([0.4, -1.9, 0.7])], ids=["same", "turned"])
+@pytest.mark.parametrize(("first", "second"), [("Cylindrical", "Cylindrical"), ("Cylindrical", "Prismatic"),
+                                               ("Cylindrical", "Revolute"), ("Revolute", "Cylindrical")])
+def test_parallel_joints_slide_where_both_do_and_never_turn(first: str, second: str, own: Rotation, tmp_path: Path) -> None:
+    """s = (g . e) t^2/2 from where it was guessed, or rest."""
+    run = joint(first, second, own, tmp_path).simulate(at=[0, TIME], tolerance=1e-10)
+    along = AXIS / np.linalg.norm(AXIS)
+    slid = GRAVITY @ along * TIME**2 / 2 if second in ("Cylindrical", "Prismatic") and first != "Revolute" else 0.0
+    place = np.array([-0.1, -0.2, 0]) + np.outer([0, slid], along)
+    assert run["b.center.r"] == pytest.approx(place, abs=1e-12)
+    assert run["b.center.w"] == pytest.approx(np.zeros((2, 3)), abs=1e-12)
