@@ -1,4 +1,4 @@
-"""Two joints about one direction of many digits between the same bodies: what their axes differ by is rounding, and holds nothing."""
+"""Two joints about one direction between the same bodies, put together beside each other or the wrong way round."""
 
 from pathlib import Path
 
@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from lagrangia.base.diagnostics import LagError
 from lagrangia.model import Model
 
 AXIS, GRAVITY, TIME = np.array([0.3, 0.7, -0.2]), np.array([1, -2, -9.81]), 0.3
@@ -42,3 +43,19 @@ def test_parallel_joints_slide_where_both_do_and_never_turn(first: str, second: 
     place = np.array([-0.1, -0.2, 0]) + np.outer([0, slid], along)
     assert run["b.center.r"] == pytest.approx(place, abs=1e-12)
     assert run["b.center.w"] == pytest.approx(np.zeros((2, 3)), abs=1e-12)
+
+
+@pytest.mark.parametrize("kind", ["Revolute", "Cylindrical", "Prismatic"])
+@pytest.mark.parametrize("axis", [np.array([0, 0, 1]), AXIS], ids=["upright", "oblique"])
+def test_ends_that_are_always_half_a_turn_from_each_other_do_not_close(kind: str, axis: np.ndarray, tmp_path: Path) -> None:
+    """What must vanish of a hinge does for an axis that points the other way, too."""
+    word, scene = "along" if kind == "Prismatic" else "axis", tmp_path / "scene.lag"
+    scene.write_text(f"""model S
+  World world(gravity = {braces(GRAVITY)});
+  {kind} j(a = world, {word} = {braces(axis)});
+  Body b(m = 1.5, I = {{0.2, 0.19, 0.15}}, center = j.b);
+  {kind} k(a = world, b = turn(j.b, 180[deg], {braces(np.cross(axis, [1, 0, 0]))}), {word} = {braces(axis)});
+end S;
+""")
+    with pytest.raises(LagError, match=r"L0410.*the loop world - k - j - world cannot close: its ends are half a turn"):
+        Model(scene)

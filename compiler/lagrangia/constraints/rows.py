@@ -28,6 +28,8 @@ from lagrangia.frames.kinematics import Dependent, Kinematics
 from lagrangia.language.flat import Equation
 
 _NEGLIGIBLE = 1e-12
+_TILTED = 1e-6  # of what is 2 for half a turn
+_TILTS = {"hinge": 2, "cylinder": 2, "slider": 3, "weld": 3}  # rows of a cut joint that say how its ends are tilted
 _OF_JUMPS = frozenset({"choice", "sign", "floor", "ceil"})  # what is asked of the algebra for them
 
 
@@ -111,6 +113,7 @@ def reduce_kinematics(kinematics: Kinematics) -> tuple[Kinematics, Constraints]:
     left = [row for row in _without_rounding(kinematics, rows) if not reduction.absorb(row)]
     reduced = reduction.reduced()
     left = reduction.repeat_motionless(_without_rounding(reduced, left) if reduction.solved else left, reduced)
+    reduction.require_right_way_round(reduced)
     reduction.report.raise_errors()
     remaining = sorted(left, key=lambda row: not row.is_holonomic)
     givers = {name: reduction.givers[name] for name in reduction.solved}
@@ -360,6 +363,22 @@ class _Reduction:
             self._repeat(holonomic[k], [here[k], slopes[k]], named)
         gone = {id(holonomic[k]) for k in still}
         return [row for row in rows if id(row) not in gone]
+
+    def require_right_way_round(self, kinematics: Kinematics) -> None:
+        """That ends of loops which keep one tilt against each other, whatever moves, are not half a turn from each other."""
+        q, tilts = ca.vertcat(ca.SX(0, 1), *kinematics.symbols.positions.values()), dict[int, list[Row]]()
+        for row in self.repeated:
+            if row.loop is not None and row.start is not None:
+                tilts.setdefault(id(row.loop), []).append(row)
+        places = ca.SX(general_numbers(1, 0.3, 1.7, q.numel()))
+        for rows in tilts.values():
+            if len(rows) < _TILTS.get(rows[0].loop.kind if rows[0].loop else "", len(rows) + 1):
+                continue
+            (turns,) = ca.substitute([ca.vertcat(*[row.value_at_start(kinematics) for row in rows])], [q], [places])
+            if max(self._sizes_in_time(turns)) > _TILTED:
+                self.report.error("L0410", f"{rows[0].told} cannot close: its ends are half a turn from each other", rows[0].span,
+                                  "turn one of the frames that the joint ties by 180[deg]")
+            self.agreements += [(x, row) for x, row in zip(ca.vertsplit(turns), rows, strict=True) if symbols_in(x)]
 
     def _repeat(self, row: Row, vanishing: Sequence[ca.SX], named: list[str]) -> None:
         """A row without coordinates, once others gave those it names: it repeats what they impose, or contradicts them.

@@ -25,7 +25,7 @@ def find_unfelt(kinematics: Kinematics, gaps: ca.SX, rates: ca.SX) -> list[tuple
     q, v = (ca.vertcat(*x.values()) for x in (symbols.positions, symbols.rates))
     slopes = [ca.jacobian(gaps, q), ca.jacobian(rates, v), ca.jacobian(rates, q)]
     mentioned = slopes[0].sparsity() + slopes[1].sparsity() + slopes[2].sparsity()
-    entries = [ca.fabs(ca.project(x, mentioned).nz[:]) for x in slopes]
+    entries = [ca.fabs(ca.vertcat(ca.SX(0, 1), *ca.project(x, mentioned).nonzeros())) for x in slopes]
     inner = ca.symvar(ca.vertcat(*entries))
     sizes = ca.Function("sizes", [ca.vertcat(ca.SX(0, 1), *inner)], [ca.horzcat(*entries)])
     found = np.hstack([sizes(general_numbers(1 + k, 0.3, 1.7, len(inner))).full() for k in range(_PLACES)])
