@@ -347,3 +347,24 @@ end Outs;
     wanted = lag.load(file).simulate(at=[0.5])
     found = [float(result[name][-1]) for name in ("y[1]", "y[3]", "up")]
     assert np.allclose(found, [wanted[name][0] for name in ("y[1]", "y[3]", "up")], atol=1e-6)
+
+
+@pytest.mark.parametrize("target", ["python", "casadi", "modelica"])
+def test_starts_that_follow_parameters_are_told(target: str, written, tmp_path: Path, capsys) -> None:
+    """They are numbers in what is exported: another length there opened the loop, without a word."""
+    scene = written("""
+        model Tied
+          parameter Length L = 1; parameter Angle tilt = 2*slope; parameter Angle slope = 0.2; parameter Mass m = 3;
+          Revolute r(a = world, phi(start = tilt)); PointMass p(m = m, center = shift(r.b, {L, 0}));
+          PointMass ball(m = m); Link rod(a = world, b = ball.center, L = L); output Force pull = r.reaction[1];
+        initial equation
+          ball.center.x = 0.6;
+        end Tied;""")
+    assert main(["export", str(scene), "--to", target, "-o", str(tmp_path / "out")]) == 0
+    told = "starts are those of L, slope as declared: other values need other starts"
+    said = capsys.readouterr().out
+    assert told in said and ("outputs are not written: pull" in said) == (target == "modelica")
+    assert target == "casadi" or told in (tmp_path / "out").read_text(encoding="utf-8")
+    scene.write_text("model Free Block b(m = 2, base = world, s(start = 1)); Spring s(k = 3, stretch = b.s); end Free;")
+    assert main(["export", str(scene), "--to", target, "-o", str(tmp_path / "out")]) == 0
+    assert "starts are" not in capsys.readouterr().out

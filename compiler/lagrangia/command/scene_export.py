@@ -11,6 +11,7 @@ from lagrangia.algebra.lookup_functions import MOST_WRITTEN
 from lagrangia.base.diagnostics import Diagnostic, fail, suggest
 from lagrangia.base.result_files import Target, keep_apart, write_text
 from lagrangia.base.spelling import python_text
+from lagrangia.constraints.parameters import parameters_of
 from lagrangia.dynamics.switches import bends
 from lagrangia.language.delays import refuse_delays
 from lagrangia.language.samplers import refuse_held
@@ -22,6 +23,8 @@ if TYPE_CHECKING:
     from lagrangia.model import Model
 
 TARGETS = {"sympy": ".py", "latex": ".tex", "python": ".py", "casadi": ".casadi", "modelica": ".mo"}
+_FEW = 4  # names that are told
+_LOST, STARTS = "outputs are not written: ", "starts are those of"
 _MATRICES = ("M", "J", "jacobian", "jacobian_u", "jacobian_p")
 _ARGUMENTS = {"t": "t", "q": "q[{}]", "v": "v[{}]", "u": "u[{}]", "p": "p[{}]"}
 _WORDS = {
@@ -45,10 +48,12 @@ def export(model: "Model", target: str, path: Path, names: Mapping[str, str] | N
     if target == "casadi":
         require_smooth(model, target)
         count = _write_casadi(model, path)
-        return f"{path}: {count} CasADi functions; casadi.FileDeserializer('{path}').unpack() is a list of them"
-    text = exported_text(model, target, names, force)
-    write_text(path, text)
-    return f"{path}: {text.count(chr(10))} lines"
+        told = f"{path}: {count} CasADi functions; casadi.FileDeserializer('{path}').unpack() is a list of them"
+    else:
+        text = exported_text(model, target, names, force)
+        write_text(path, text)
+        told = "; ".join([f"{path}: {text.count(chr(10))} lines", *re.findall(rf"^  // ({_LOST}.*)$", text, re.MULTILINE)])
+    return "; ".join([told, *(_starts_told(model) if target in ("python", "casadi", "modelica") else [])])
 
 
 def exported_text(model: "Model", target: str, names: Mapping[str, str] | None = None, force: bool = False) -> str:
@@ -127,6 +132,26 @@ def starts(model: "Model") -> dict[str, float]:
     return {name: float(run[name][0]) for name in names}
 
 
+def parameters_of_starts(model: "Model") -> list[str]:
+    """Those that the assembled start depends on."""
+    import casadi as ca
+
+    c = model.compilation
+    table, p = c.functions.table, c.motion.p
+    known = parameters_of(c.kinematics, p, ())
+    values = table["start"].call([known])
+    if "initial" in table:
+        symbols = [ca.SX.sym(name, table["initial"].size1_in(name)) for name in table["initial"].name_in()]
+        values = [*values, table["initial"].call([*symbols[:2], known, *symbols[3:]])[0]]
+    return [name for name, is_read in zip(model.parameter_names, ca.which_depends(ca.veccat(*values), p), strict=True) if is_read]
+
+
+def _starts_told(model: "Model") -> list[str]:
+    deciding = parameters_of_starts(model)
+    few = ", ".join(deciding[:_FEW]) + (", ..." if len(deciding) > _FEW else "")
+    return [f"{STARTS} {few} as declared: other values need other starts"] if deciding else []
+
+
 def inputs(model: "Model") -> dict[str, float]:
     """The start values of the inputs, which hold while nobody gives others."""
     return {u.name: u.value or 0.0 for u in model.scene.inputs}
@@ -142,9 +167,9 @@ def _modelica(model: "Model", target: str, names: Mapping[str, str], force: bool
     model = model.in_space
     c = model.compilation
     freedom = find_freedom(c.kinematics, c.motion, c.constraints, c.initial, c.functions.table)
-    told = [*remarks(model, target), *(f"left out: {what}" for what in freedom.repeated if freedom.dependent)]
+    left_out = [f"left out: {what}" for what in freedom.repeated if freedom.dependent]
     book = replace(book, equations=without_rows(book.equations, freedom.dependent))
-    return write_modelica(book, starts(model) | inputs(model), told)
+    return write_modelica(book, starts(model) | inputs(model), [*remarks(model, target), *_starts_told(model), *left_out])
 
 
 # -------------------------------------------------------------------- CasADi, Python
@@ -210,7 +235,7 @@ def _python(model: "Model", target: str, names: Mapping[str, str], force: bool) 
     head = [f'"""{python_text(title)}.', "",
             "Functions of t, q, v, u, p in SI units, the entries in the order of COORDINATES, INPUTS and PARAMETERS;",
             "scipy.integrate.solve_ivp(slope, (0, 1), START) integrates it.",
-            *remarks(model, target), '"""', "", "import numpy as np", "",
+            *remarks(model, target), *_starts_told(model), '"""', "", "import numpy as np", "",
             f"COORDINATES = {list(model.position_names)!r}", f"INPUTS = {inputs(model)!r}", f"PARAMETERS = {values!r}",
             f"FOLLOWING = {_following(model, mapping)!r}  # from other parameters: their entries of p are not read",
             f"OUTPUTS = {list(model.output_names)!r}",
