@@ -4,6 +4,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "model/schedule.h"
 #include "state/evaluate.h"
 #include "numbers/extremes.h"
 
@@ -25,6 +26,8 @@ static const double DRIFT = 0.5, STEP_ROUNDING = 4 * DBL_EPSILON, STRICTER = 0.1
 static const double PLACES[] = {0.15, 0.4}, NOTHING = 1e-12;
 static const double RISEN = 2; /* rates, since energies were looked at */
 enum { ROUGH = 2 }; /* shorter attempts, with none in between that was much better */
+/* How far from an event energies are looked at, where time or inputs let them jump: in what tells times apart, and of a step. */
+static const double ASIDE = 64, PART_ASIDE = 1e-8;
 
 typedef struct {
     double total, largest; /* the largest of T, V, H */
@@ -41,6 +44,65 @@ static Seen look(LagRun *run)
             largest = lag_max(fabs(energies[i]), largest);
     statistics->energy_stored = lag_max(largest, statistics->energy_stored);
     return (Seen){energies[TOTAL], largest};
+}
+
+/* Whether energies may jump where nothing moves, as a spring's that floor(u) draws: only conditions tell of that. */
+static int may_jump(const LagModel *model) { return model->n_switches > 0 && !(model->is_steady && model->n_inputs == 0); }
+
+/* Of the present time: of the step before it, or of the segment that begins. */
+static double aside(const LagRun *run)
+{
+    const LagMotion *m = &run->motion;
+    const double end = lag_min(run->segment_end, run->settings.t_stop), rest = isfinite(end) ? end - m->t : 1;
+    return lag_max(ASIDE * lag_time_resolution(m->t), PART_ASIDE * (m->t > m->t_old ? m->t - m->t_old : rest));
+}
+
+/* H at t as it is from one side on a straight line through two times there, or through two states along the motion. */
+static double limit_of(LagRun *run, double t, const double *y, double later, double further)
+{
+    const int n = run->model->n;
+    double *moved = run->motion.point, total[2], energies[3];
+    memcpy(moved, y, 2 * (size_t)n * sizeof *moved);
+    for (int k = 0; k < 2; ++k) {
+        const double times = 1 + 2 * k;
+        for (int i = 0; i < n; ++i)
+            moved[i] = y[i] + times * further * y[n + i];
+        lag_energies(run, t + times * later, moved, energies);
+        total[k] = energies[TOTAL];
+    }
+    return total[0] + (total[0] - total[1]) / 2;
+}
+
+/* H as it is come to at the present time, where what jumps there may be counted already; what the state decides, too, takes an impulse
+ * that is missing, and is no work. */
+static double total_before(LagRun *run, double total)
+{
+    const LagMotion *m = &run->motion;
+    const double d = aside(run);
+    run->jumps_in_time = may_jump(run->model);
+    if (!run->jumps_in_time)
+        return total;
+    const double after = limit_of(run, m->t, m->y, d, 0);
+    if (m->t - 3 * d < run->jumps_seen)
+        return after;
+    const double before = limit_of(run, m->t, m->y, -d, 0);
+    run->jumps_in_time = fabs(after - before) > NOTHING * run->statistics.energy_stored;
+    if (!run->jumps_in_time)
+        return total;
+    const double moved = limit_of(run, m->t, m->y, 0, d) - limit_of(run, m->t, m->y, 0, -d);
+    run->jumps_in_time = fabs(moved) <= fabs(after - before) / 2;
+    return run->jumps_in_time ? before : total;
+}
+
+/* H of a row, which may stand where they jump: as the account has it by now. */
+static double total_of_row(LagRun *run, double t, const double *y, double total)
+{
+    const double d = aside(run);
+    if (!may_jump(run->model))
+        return total;
+    if (t < run->jumps_seen)
+        return limit_of(run, t, y, d, 0);
+    return run->motion.t - t < 3 * d ? limit_of(run, t, y, -d, 0) : total;
 }
 
 /* By how much the energies are uncertain by rounding of a state: what changes when each coordinate and rate is moved by the rounding
@@ -172,6 +234,10 @@ void lag_account_start(LagRun *run)
     const double before = run->statistics.energy_stored;
     run->given_energy = run->missed_energy = 0;
     run->start_energy = look(run).total;
+    if (may_jump(run->model)) {
+        run->start_energy = limit_of(run, run->motion.t, run->motion.y, aside(run), 0);
+        run->jumps_seen = run->motion.t + 3 * aside(run);
+    }
     if (run->model->n_power == 0 || run->model->n_switches + run->model->n_held > 0) /* else it is what lag_account_weigh asks for */
         run->statistics.energy_stored = before;
 }
@@ -181,7 +247,7 @@ int lag_account_misses(LagRun *run)
     double energies[3] = {0};
     const LagMotion *m = &run->motion;
     lag_energies(run, m->t, m->y, energies);
-    return is_unexplained(run, m->t, m->y, fabs(residual_of(run, m->y, energies[TOTAL])));
+    return is_unexplained(run, m->t, m->y, fabs(residual_of(run, m->y, total_of_row(run, m->t, m->y, energies[TOTAL]))));
 }
 
 void lag_account_note(LagRun *run, double t, const double *y, double *entries)
@@ -191,7 +257,7 @@ void lag_account_note(LagRun *run, double t, const double *y, double *entries)
     const int kept = run->model->n_power == 2;
     entries[DISSIPATED] = kept ? quadratures[0] : 0;
     entries[WORK] = kept ? quadratures[1] : run->given_energy;
-    const double residual = residual_of(run, y, entries[TOTAL]);
+    const double residual = residual_of(run, y, total_of_row(run, t, y, entries[TOTAL]));
     statistics->energy_residual = lag_max(fabs(residual), statistics->energy_residual);
     for (int i = 0; i < LAG_ACCOUNT_SIZE; ++i)
         statistics->energy_scale = lag_max(fabs(entries[i]), statistics->energy_scale);
@@ -322,13 +388,24 @@ double lag_account_count(LagMotion *m, double h, double error)
     return m->work_is_rough < ROUGH ? error : 0;
 }
 
-void lag_account_open(LagRun *run) { run->energy_before = look(run).total; }
-
-void lag_account_close(LagRun *run)
+static void give(LagRun *run, double jump)
 {
-    const double jump = look(run).total - run->energy_before;
     if (run->model->n_power == 2)
         run->motion.y[2 * run->model->n + 1] += jump;
     else
         run->given_energy += jump;
+}
+
+void lag_account_open(LagRun *run) { run->energy_before = look(run).total; }
+
+void lag_account_close(LagRun *run) { give(run, look(run).total - run->energy_before); }
+
+void lag_account_come(LagRun *run) { run->energy_before = total_before(run, look(run).total); }
+
+void lag_account_leave(LagRun *run)
+{
+    const LagMotion *m = &run->motion;
+    const double d = aside(run), total = look(run).total;
+    give(run, (run->jumps_in_time ? limit_of(run, m->t, m->y, d, 0) : total) - run->energy_before);
+    run->jumps_seen = m->t + 3 * d;
 }

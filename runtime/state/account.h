@@ -50,4 +50,8 @@ void lag_account_weigh(LagRun *run);
 void lag_account_open(LagRun *run);
 void lag_account_close(LagRun *run);
 
+/* The same at an event: energies that jump in time may do so a moment before or after it. */
+void lag_account_come(LagRun *run);
+void lag_account_leave(LagRun *run);
+
 #endif

@@ -108,6 +108,8 @@ struct LagRun {
     double risen_energy;  /* T of loops, as their rates rose */
     double blurred_energy; /* by what the latter was uncertain */
     double *risen;        /* n: these rates */
+    double jumps_seen;    /* up to this time jumps of energies in time are in the account */
+    int jumps_in_time;    /* whether energies may jump in time at the present event */
     double given_energy;  /* by jumps of modes, inputs and parameters, where no work is integrated */
     double deadline;      /* by lag_clock, of the call under way; infinity: none */
     unsigned ticks;       /* steps and rows, to look at the clock now and then */

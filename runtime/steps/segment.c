@@ -189,7 +189,7 @@ LagStatus lag_segment_next(LagRun *run)
 {
     const double t = run->motion.t;
     const int was_known = t == run->segment_end;
-    lag_account_open(run);
+    lag_account_come(run);
     lag_impacts_await_jump(run, t, run->motion.y);
     lag_walls_await_inputs(run, t, run->motion.y);
     const int is_new = run->inputs_version != run->inputs.version;
@@ -208,7 +208,7 @@ LagStatus lag_segment_next(LagRun *run)
         return status;
     lag_delays_look_for_kick(run);
     lag_project_present(run);
-    lag_account_close(run);
+    lag_account_leave(run);
     if (run->logged < run->most_logged)
         run->event_log[run->logged++] = t;
     ++run->statistics.events;
