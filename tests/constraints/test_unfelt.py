@@ -59,3 +59,18 @@ end S;
 """)
     with pytest.raises(LagError, match=r"L0410.*the loop world - k - j - world cannot close: its ends are half a turn"):
         Model(scene)
+
+
+def test_a_cross_whose_end_is_turned_round_has_its_angle(tmp_path: Path) -> None:
+    """Its axes are square either way: half a turn about the first is told by its own angle."""
+    scene = tmp_path / "scene.lag"
+    scene.write_text(f"""model S
+  World world(gravity = {braces(GRAVITY)});
+  Universal j(a = world);
+  Body b(m = 1, I = {{1, 1.2, 1.4}}, center = shift(j.b, {{0, 0, -1}}));
+  Universal k(a = world, b = turn(j.b, 180[deg], {{1, 0, 0}}));
+end S;
+""")
+    run = Model(scene).simulate(at=[0, TIME])
+    turned = (run["k.phi_a"] - run["j.phi_a"] + np.pi) % (2 * np.pi) - np.pi
+    assert np.abs(turned) == pytest.approx([np.pi, np.pi], abs=1e-6)

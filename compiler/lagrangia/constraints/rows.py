@@ -372,6 +372,8 @@ class _Reduction:
                 tilts.setdefault(id(row.loop), []).append(row)
         places = ca.SX(general_numbers(1, 0.3, 1.7, q.numel()))
         for rows in tilts.values():
+            if rows[0].loop is not None and rows[0].loop.kind == "cross":  # whose axes are square either way: the start tells
+                self.agreements += [(ca.SX(row.value_at_start(kinematics)), row) for row in rows]
             if len(rows) < _TILTS.get(rows[0].loop.kind if rows[0].loop else "", len(rows) + 1):
                 continue
             (turns,) = ca.substitute([ca.vertcat(*[row.value_at_start(kinematics) for row in rows])], [q], [places])
