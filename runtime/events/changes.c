@@ -5,6 +5,7 @@
 #include "events/conditions.h"
 #include "events/levels.h"
 #include "events/sliding.h"
+#include "events/standing.h"
 #include "numbers/extremes.h"
 #include "state/state.h"
 
@@ -31,7 +32,7 @@ int lag_changes_note(LagRun *run, const double *after)
         lag_conditions(run, run->motion.t, run->motion.y, s->g, s->rate);
     for (int i = 0; i < run->model->n_switches; ++i) {
         const double depth = lag_depth(s, i, s->g);
-        const int is_at_end = !s->is_idle[i] && depth <= (s->slides[i] ? END_OF_SHARE : 0);
+        const int is_at_end = !s->is_idle[i] && depth <= (s->slides[i] ? END_OF_SHARE : 0) && !lag_standing_lasts(run, i);
         const int changes = lag_is_event(run->model, i) ? has_come(run, i, depth, after) : is_at_end;
         const int has_more = lag_may_have_all(run, i) && *lag_share(run, i) > 0.5;
         s->turned[i] = !changes ? LAG_STAYS : !s->slides[i] ? LAG_CHANGES : has_more ? LAG_TO_1 : LAG_TO_0;

@@ -40,7 +40,11 @@ void lag_conditions_note_kick(LagRun *run, int i);
 /* The condition of an event that a segment finds otherwise than it is held: it comes where it is true amid a run, else it is so. */
 void lag_conditions_take(LagRun *run, int i, int is_true);
 
-/* How far condition i is from changing; negative: it has. */
-static inline double lag_depth(const LagSwitches *s, int i, const double *g) { return s->slides[i] || s->held[i] > 0 ? g[i] : -g[i]; }
+/* How far condition i is from changing; negative: it has. What is neither has on both sides. */
+static inline double lag_depth(const LagSwitches *s, int i, const double *g)
+{
+    const int is_half = s->stands[i] && s->held[i] == 0.5;
+    return (s->slides[i] || s->held[i] > 0) && !(is_half && g[i] > 0) ? g[i] : -g[i];
+}
 
 #endif

@@ -92,8 +92,9 @@ static void let_go(LagRun *run, int count)
     LagSliding *s = &run->sliding;
     for (int k = 0; k < count; ++k) {
         const double g = s->g[s->which[k]], toward = lag_states_goes(s, count, k) ? lag_candidates_rate(s, count, k, 1) : g;
+        const int stays = toward == 0 || run->switches.stands[s->which[k]];
         if (s->state[k] == LAG_GIVEN)
-            s->share[k] = s->limit[k] == INFINITY ? 0 : toward != 0 ? toward > 0 : run->switches.held[s->which[k]];
+            s->share[k] = s->limit[k] == INFINITY ? 0 : stays ? run->switches.held[s->which[k]] : toward > 0;
     }
 }
 

@@ -16,6 +16,7 @@
 #include "events/contacts.h"
 #include "events/crossing.h"
 #include "events/levels.h"
+#include "events/standing.h"
 #include "state/ends.h"
 #include "state/evaluate.h"
 #include "numbers/extremes.h"
@@ -42,6 +43,7 @@ void lag_switches_layout(LagSwitches *s, const LagModel *model, int size, LagAre
     s->turned = lag_take_ints(arena, count);
     s->slides = lag_take_ints(arena, count);
     s->is_idle = lag_take_ints(arena, count);
+    s->stands = lag_take_ints(arena, count);
     s->state = lag_take(arena, count > 0 ? (size_t)size : 0);
     s->slope = lag_take(arena, count > 0 ? (size_t)size : 0);
     s->error = lag_take(arena, count > 0 ? (size_t)size : 0);
@@ -65,6 +67,7 @@ void lag_switches_reset(LagRun *run)
     LagSwitches *s = &run->switches;
     lag_switches_start_anew(run);
     memset(s->held, 0, (size_t)run->model->n_switches * sizeof *s->held);
+    memset(s->stands, 0, (size_t)run->model->n_switches * sizeof *s->stands);
     lag_sliding_reset(run);
     lag_impacts_reset(run);
 }
@@ -73,6 +76,9 @@ void lag_switches_reset(LagRun *run)
 
 static double sign_of(double g) { return g > 0 ? 1 : g < 0 ? 0 : 0.5; }
 
+/* What switch i holds at a state of which nothing else is known. */
+static double value_of(const LagRun *run, int i, double g) { return g == 0 ? lag_standing_value(run->model, i) : sign_of(g); }
+
 void lag_switches_set(LagRun *run, double t, const double *q, const double *v)
 {
     LagSwitches *s = &run->switches;
@@ -80,7 +86,7 @@ void lag_switches_set(LagRun *run, double t, const double *q, const double *v)
     for (int pass = 0; pass < (run->model->shares_bend ? MOST_PASSES : 1); ++pass) {
         lag_conditions_by(run, t, q, v, s->slope + run->model->n, s->g_inside, s->rate_inside);
         for (int i = 0; i < lag_when(run->model, 0); ++i)
-            d[i] = sign_of(s->g_inside[i]);
+            d[i] = value_of(run, i, s->g_inside[i]);
     }
 }
 
@@ -151,8 +157,8 @@ static int turn_over(LagRun *run)
     return some;
 }
 
-/* What changes now, and what is neither, goes the way that it is going: but for events, which are to come where they are neither.
- * Returns whether something changes. */
+/* What changes now, and what is neither, goes the way that it is going, or stands: but for events, which are to come where they are
+ * neither. Returns whether something changes. */
 static int choose(LagRun *run)
 {
     LagSwitches *s = &run->switches;
@@ -162,10 +168,10 @@ static int choose(LagRun *run)
     lag_conditions(run, run->motion.t, y, s->g, s->rate);
     for (int i = 0; i < count; ++i) {
         lag_conditions_note_kick(run, i);
-        if (s->turned[i])
+        if (s->turned[i] && !(s->stands[i] && s->held[i] == 0.5))
             s->held[i] = s->turned[i] == LAG_CHANGES ? 1 - s->held[i] : s->turned[i] == LAG_TO_1;
         else if (i < first)
-            s->held[i] = sign_of(s->g[i]);
+            s->held[i] = s->stands[i] && fabs(s->g[i]) <= s->unknown[i] ? 0.5 : sign_of(s->g[i]);
         else if (!s->slides[i])
             s->held[i] = lag_contacts_is_inside(run, i, s->g[i]);
         turned |= s->turned[i];
@@ -177,7 +183,7 @@ static int choose(LagRun *run)
     lag_conditions_with_rates(run, run->motion.t, y, s->g, s->rate);
     for (int i = 0; i < first; ++i)
         if (s->held[i] == 0.5)
-            s->held[i] = s->rate[i] > 0;
+            s->held[i] = s->rate[i] != 0 || run->model->at_level[i] < 0 ? s->rate[i] > 0 : lag_standing_value(run->model, i);
     lag_switches_recall(run);
     if (undecided)
         lag_conditions_with_rates(run, run->motion.t, y, s->g, s->rate);
@@ -229,6 +235,8 @@ static int settle(LagRun *run)
         if (!turn_over(run))
             break;
     }
+    if (lag_standing_find(run) && may_slide)
+        let_slide(run);
     return turned;
 }
 
@@ -300,6 +308,7 @@ int lag_switches_resume(LagRun *run, const double *kept)
     for (int i = 0; i < run->model->n_switches; ++i) {
         s->turned[i] = isnan(kept[i]);
         s->held[i] = s->turned[i] ? 0.5 : kept[i];
+        s->stands[i] = kept[i] == 0.5; /* what does holds that alone */
     }
     lag_switches_recall(run);
     run->sliding.is_lenient = run->model->n_cones > 0; /* that it holds is known */

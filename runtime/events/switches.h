@@ -29,6 +29,7 @@ typedef struct {
     int *turned;                               /* those that change at the present time */
     int *slides;                               /* n_switches: held where forces jump: see sliding.h */
     int *is_idle;                              /* n_switches: nothing depends on them before the next event */
+    int *stands;                               /* n_switches: what they compare is equal, and stays so: see standing.h */
 } LagSwitches;
 
 void lag_switches_layout(LagSwitches *switches, const LagModel *model, int size, LagArena *arena);

@@ -13,7 +13,7 @@ from lagrangia.base.diagnostics import fail
 from lagrangia.base.records import dataclass
 from lagrangia.dynamics.directions import Directions, components_of
 from lagrangia.dynamics.driven_conditions import SIDED, Pair, driven_conditions
-from lagrangia.dynamics.held_switches import JUMPS, RELATIONS, SIGNS, WHOLE, Holding, ordered, pair_of, rest_asked
+from lagrangia.dynamics.held_switches import JUMPS, RELATIONS, SIGNS, WHOLE, Holding, ordered, pair_of, rest_asked, side_on_level
 from lagrangia.dynamics.levels import EDGE, Levels, step_of
 from lagrangia.dynamics.levels import JUMPS as ALL_JUMPS
 from lagrangia.dynamics.same_conditions import bends_by, multiples
@@ -39,6 +39,7 @@ class Finding:
     equal: dict[Pair, bool] = field(default_factory=dict)  # which may be equal for a while: how these are compared
     either: set[Pair] = field(default_factory=set)  # the same, of which so far only the larger or the smaller is asked for
     squares: dict[int, Expression] = field(default_factory=dict)  # by the numbers of their roots: of lengths
+    sides: dict[Pair, set[int]] = field(default_factory=dict)  # `side_on_level` of what jumps with them
 
     def __post_init__(self) -> None:
         self.directions, self.movers = Directions(self.numbering), symbols_in(self.moving)
@@ -68,6 +69,8 @@ class Finding:
                 return
         pair = rest[0][0] if rest else pair_of(self.numbering, op, numbers)
         is_of_first = pair is not None and (op == ca.OP_LT) == (numbers[0] == pair[0])
+        if pair is not None and op in (*JUMPS, *WHOLE):
+            self.sides.setdefault(pair, set()).add(side_on_level(op, numbers[0] == pair[0]))
         if pair in self.equal and op in JUMPS and (op == ca.OP_SIGN or self.equal[pair] != is_of_first):
             _refuse_equal()
         if pair in self.either and op in JUMPS:
@@ -89,7 +92,7 @@ class Finding:
         difference, is_first = as_expression(a - b if numbers[0] == pair[0] else b - a), numbers[0] == pair[0]
         if op == ca.OP_ATAN2 or operations_in(difference).isdisjoint(ALL_JUMPS):
             return difference
-        levels = Levels(self.moving)
+        levels = Levels(self.moving, edge=EDGE)
         level = _taken_apart(levels, as_expression(a <= b if op == ca.OP_LE else a < b))
         if levels.may_rest and op == ca.OP_SIGN and self._moves(difference):
             _refuse_equal()
@@ -165,10 +168,10 @@ def _refuse_equal() -> NoReturn:
 
 def conditions_in(forces: Sequence[ca.SX], movers: ca.SX, v: ca.SX, numbering: Numbering,
                   known: tuple[ca.SX, ca.SX, ca.SX] = (_NONE, _NONE, _NONE)
-                  ) -> tuple[dict[Pair, Expression], dict[Pair, Expression], tuple[tuple[Pair, Pair], ...]]:
+                  ) -> tuple[dict[Pair, Expression], dict[Pair, Expression], tuple[tuple[Pair, Pair], ...], dict[Pair, set[int]]]:
     """Differences of what conditions in the forces compare, of those that `movers` decide (`known`: what changes at events alone,
     what does not change between events, and what goes its way whatever moves); symbols for the rates of which it is asked whether
-    they rest; and pairs of the latter that are asked about together."""
+    they rest; pairs of the latter that are asked about together; and `side_on_level` of all that jumps with each condition."""
     finding = finding_in(movers, v, numbering, known)
     rebuilt(forces, numbering, finding.note)
     found = finding.found
@@ -176,7 +179,7 @@ def conditions_in(forces: Sequence[ca.SX], movers: ca.SX, v: ca.SX, numbering: N
     found |= {pair: g for pair, g in finding.equalities.items() if pair in same and same[pair].of in found}
     rests = _rests(v, found, finding.asked)
     found = _without_unused(forces, found, rests, numbering) if rests else found
-    return found, rests, tuple(cone for cone in finding.both if all(pair in rests for pair in cone))
+    return found, rests, tuple(cone for cone in finding.both if all(pair in rests for pair in cone)), finding.sides
 
 
 def only_jumps(x: Expression, moving: ca.SX) -> bool:

@@ -20,6 +20,7 @@ _PRODUCTS = (ca.OP_MUL, ca.OP_IF_ELSE_ZERO)
 _MULTIPLES = {ca.OP_TWICE: 2.0, ca.OP_NEG: -1.0}  # products with these numbers
 _NOTHING = frozenset[int]()
 WHOLE = (ca.OP_FLOOR, ca.OP_CEIL)
+OF_WHOLE = 3  # in LagModel's at_level
 
 
 def ordered(a: int, b: int) -> Pair:
@@ -37,6 +38,14 @@ def pair_of(numbering: Numbering, op: int, numbers: list[int]) -> Pair | None:
         return None
     a, b = sorted(numbers)
     return (a, b) if a != b else None
+
+
+def side_on_level(op: int, is_first: bool) -> int:
+    """Twice the switch of a pair that an operation with a jump asks for where both are equal; `is_first`: its first operand has
+    the smaller number. OF_WHOLE where that is a whole number."""
+    if op in WHOLE:
+        return OF_WHOLE
+    return 1 if op == ca.OP_SIGN else 2 * int((op == ca.OP_LT) == is_first)
 
 
 def rest_asked(numbering: Numbering, op: int, numbers: list[int]) -> tuple[tuple[Pair, ...], bool] | None:
@@ -85,11 +94,14 @@ def _without_factors(numbering: Numbering, number: int) -> int:
 
 class Holding:
     """`places`: the symbols of switches; `shares`: the hashes of those that may be between 0 and 1; `rests`: symbols that are 1
-    where both of a pair are held equal, and 0 elsewhere; `nothing`: whether both are 0, of those whose factor may be."""
+    where both of a pair are held equal, and 0 elsewhere; `nothing`: whether both are 0, of those whose factor may be; `halves`:
+    those that are no shares and 0.5 where both are equal."""
 
     def __init__(self, places: Mapping[Pair, Expression], shares: frozenset[int], rests: Mapping[Pair, Expression],
-                 numbering: Numbering, nothing: Mapping[Pair, Expression] = MappingProxyType({})) -> None:
+                 numbering: Numbering, nothing: Mapping[Pair, Expression] = MappingProxyType({}),
+                 halves: frozenset[Pair] = frozenset()) -> None:
         self.places, self.shares, self.rests, self.numbering, self.nothing = places, shares, rests, numbering, nothing
+        self.halves = halves
         self.symbols = {s.__hash__(): s for s in places.values() if s.is_symbolic()}
         self.has_sides = any(map(is_of_one_side, places))
         self.jumps = dict[int, tuple[Expression, frozenset[int]]]()  # of expressions by their hashes: the shares they jump with
@@ -140,7 +152,9 @@ class Holding:
     def _switched(self, op: int, numbers: list[int], operands: list[Expression], pair: Pair) -> Expression:
         is_positive = self.places[pair]  # a > b, where a has the smaller number
         if op in WHOLE:
-            return self._whole(op, operands[0], is_positive)
+            whole = self._whole(op, operands[0], is_positive)
+            raw = operate(op, operands)
+            return as_expression(ca.if_else(is_positive * (1 - is_positive), raw, whole)) if pair in self.halves else whole
         if op not in JUMPS:
             is_positive = self._bounded(is_positive)
         if op == ca.OP_SIGN:
@@ -149,9 +163,13 @@ class Holding:
             return self._angle(op, operands, is_positive if numbers[0] == pair[0] else as_expression(1.0 - is_positive))
         if op == ca.OP_FABS:
             return as_expression((2 * is_positive - 1 if numbers[0] == pair[0] else 1 - 2 * is_positive) * operands[0])
-        is_less = is_positive if numbers[1] == pair[0] else self._opposite(is_positive)
+        is_half = pair in self.halves
+        opposite = as_expression(1.0 - is_positive) if is_half else self._opposite(is_positive)
+        is_less = is_positive if numbers[1] == pair[0] else opposite
         if pair in self.nothing:
             is_less = as_expression(ca.if_else(self.nothing[pair], 0.0 if op == ca.OP_LT else 1.0, is_less))
+        if op in JUMPS and is_half:
+            return as_expression(is_less * (2 * is_less - 1) if op == ca.OP_LT else is_less * (3 - 2 * is_less))
         if op in JUMPS:
             return self._noted(is_less, self._shares_in(is_less))
         smaller, larger = operands if op == ca.OP_FMIN else operands[::-1]

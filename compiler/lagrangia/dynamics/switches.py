@@ -14,6 +14,7 @@ more than it rubs.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import field, replace
+from types import MappingProxyType
 
 import casadi as ca
 
@@ -23,7 +24,7 @@ from lagrangia.algebra.with_casadi import CORNERS, operations_in
 from lagrangia.base.records import dataclass
 from lagrangia.dynamics.driven_conditions import Pair, driven_conditions, is_of_one_side
 from lagrangia.dynamics.found_conditions import conditions_in, finding_in, is_rate, only_jumps
-from lagrangia.dynamics.held_switches import JUMPS, RELATIONS, SIGNS, WHOLE, Holding, pair_of
+from lagrangia.dynamics.held_switches import JUMPS, OF_WHOLE, RELATIONS, SIGNS, WHOLE, Holding, pair_of
 from lagrangia.dynamics.motion import SMOOTH, Motion
 from lagrangia.dynamics.same_conditions import Same, match, multiples
 
@@ -52,18 +53,24 @@ class Switches:
     nothing: "dict[Pair, Expression]" = field(default_factory=dict)  # of aliases, whether both sides are 0
     rubs: tuple[int, ...] = ()  # of friction that presses with the force of contacts: the switch of its slip, the event, and
     # whether the switch is in no other force
+    at_level: "dict[Pair, int]" = field(default_factory=dict)  # `side_on_level` of places and aliases with which something jumps
     edge: ca.SX = field(default_factory=lambda: ca.SX(0, 1))  # (0 or 1,): what conditions of events that may be held have beside
 
     def hold(self, expressions: Sequence[ca.SX]) -> list[ca.SX]:
         """The same with the symbols in place of what they stand for."""
         if not self.places:
             return list(expressions)
-        holding = Holding(self.places | self.aliases, self.shares, self.rests | self.rest_aliases, self.numbering, self.nothing)
+        halves = frozenset(pair for pair, side in self.at_level.items() if side in (1, OF_WHOLE) and not self._is_share(pair))
+        holding = Holding(self.places | self.aliases, self.shares, self.rests | self.rest_aliases, self.numbering, self.nothing,
+                          halves)
         return rebuilt(expressions, self.numbering, holding.made)
 
     def rates_of(self, x: ca.SX, motion: Motion) -> ca.SX:
         """Along the motion, while all is held."""
         return _rates_of(x, motion, self.slopes)
+
+    def _is_share(self, pair: Pair) -> bool:
+        return not self.shares.isdisjoint(symbols_in((self.places | self.aliases)[pair]))
 
     @property
     def rest_symbols(self) -> ca.SX:
@@ -75,7 +82,8 @@ class Switches:
         """Lists of places of LagModel: `rests`, the switch of each of them."""
         order = {pair: k for k, pair in enumerate(self.places)}
         cones = [order[pair] for cone in self.cones for pair in cone]
-        return {"rubs": self.rubs, "rests": tuple(order[pair] for pair in self.rests), "cones": tuple(cones)}
+        return {"rubs": self.rubs, "rests": tuple(order[pair] for pair in self.rests), "cones": tuple(cones),
+                "at_level": tuple(self.at_level.get(pair, -1) for pair in self.places)}
 
 
 def bends(motion: Motion) -> bool:
@@ -132,12 +140,12 @@ def find_switches(motion: Motion, late: ca.SX | None = None, bends: Sequence[ca.
     known = motion.unsolved or motion
     laws, reactions = ([known.felt.laws], known.felt.reactions) if known.felt else ([], ca.SX(0, 1))
     movers = ca.vertcat(motion.t, motion.q, motion.v, motion.u, reactions)
-    found, rests, cones = conditions_in([known.h, *laws, *others], movers, motion.v, numbering, _given(known))
+    found, rests, cones, sides = conditions_in([known.h, *laws, *others], movers, motion.v, numbering, _given(known))
     same = multiples(found, motion.v, ca.vertcat(_between_events(known), known.stepped), numbering)
     found, rests, cones = _merged(found, rests, cones, same)
     found = dict(_sided(g, numbering) for g in bends) | found
     found = found | {pair: g for pair, g in _kinks_of(motion, numbering).items() if pair not in found}
-    same |= _other_shapes(known, found, same, movers, numbering)
+    same |= _other_shapes(known, found, same, movers, numbering, sides)
     if not found and not events.numel():
         return Switches()
     found = {pair: found[pair] for pair in sorted(found, key=lambda pair: pair not in signs)}
@@ -149,8 +157,19 @@ def find_switches(motion: Motion, late: ca.SX | None = None, bends: Sequence[ca.
     lengths = sum(pair in signs for pair in found)
     rates = _rates_of(values, motion, slopes)
     switches = Switches(symbols, values, rates, slopes, places, shares, rests, cones, numbering, lengths=lengths)
-    switches = _with_aliases(replace(switches, edge=edge), same, ca.veccat(known.h, *laws))
+    at_level = _at_level(sides, {*found, *same}, same)
+    switches = _with_aliases(replace(switches, edge=edge, at_level=at_level), same, ca.veccat(known.h, *laws))
     return replace(switches, rubs=_find_rubs(motion, switches)) if motion.impacts.pressing else switches
+
+
+def _at_level(sides: Mapping[Pair, set[int]], known: set[Pair], same: Same) -> dict[Pair, int]:
+    """Of conditions with which something jumps: half of a switch, where what jumps does not ask for the same."""
+    asked = dict[Pair, set[int]]()
+    for pair, found in sides.items():
+        of, is_same = (same[pair].of, found == {1}) if pair in same else (pair, True)
+        asked.setdefault(of, set()).update(found if is_same else {0, 2})  # a factor may be negative
+    one = {pair: next(iter(found)) if len(found) == 1 else 1 for pair, found in asked.items()}
+    return {pair: one[pair] for pair in known & one.keys()} | {pair: one[x.of] for pair, x in same.items() if x.of in one}
 
 
 def _with_aliases(switches: Switches, same: Same, forces: ca.SX) -> Switches:
@@ -215,11 +234,14 @@ def _kinks_of(motion: Motion, numbering: Numbering) -> dict[Pair, Expression]:
     return found
 
 
-def _other_shapes(known: Motion, found: dict[Pair, Expression], same: Same, movers: ca.SX, numbering: Numbering) -> Same:
+def _other_shapes(known: Motion, found: dict[Pair, Expression], same: Same, movers: ca.SX, numbering: Numbering,
+                  sides: dict[Pair, set[int]]) -> Same:
     """Conditions of reactions that forces feel: those of `found`, or else they come to them."""
     if known.felt is None:
         return {}
-    others, _, _ = conditions_in([known.felt.values], movers, known.v, numbering, _given(known))
+    others, _, _, more_sides = conditions_in([known.felt.values], movers, known.v, numbering, _given(known))
+    for pair, asked in more_sides.items():
+        sides.setdefault(pair, set()).update(asked)
     aliases = match(found, {pair: g for pair, g in others.items()
                             if pair not in found and pair not in same and not is_of_one_side(pair)})
     found.update({pair: g for pair, g in others.items() if pair not in aliases and pair not in same})
@@ -302,18 +324,21 @@ def _find_rubs(motion: Motion, switches: Switches) -> tuple[int, ...]:
     return tuple(x for rub in found for x in rub)
 
 
-def live(name: str, functions: Mapping[str, ca.Function], resting: Sequence[int] = ()) -> ca.Function:
-    """`rhs` or `outputs` of the run time's functions with each switch as its condition is; `resting`: `rests` of its patterns."""
+def live(name: str, functions: Mapping[str, ca.Function],
+         patterns: Mapping[str, Sequence[int]] = MappingProxyType({})) -> ca.Function:
+    """`rhs` or `outputs` of the run time's functions with each switch as its condition is; `patterns`: those of the switches."""
     held, switches = functions[name], functions.get("switches")
     if switches is None:
         return held
     names = [held.name_in(k) for k in range(held.n_in())]
     given = {label: ca.SX.sym(label, held.size1_in(label)) for label in names}
-    told = switches.numel_out("g") + len(resting)  # which some conditions are made of
+    told = switches.numel_out("g") + len(patterns.get("rests", ()))  # which some conditions are made of
     given["d"] = ca.SX.sym("d", switches.size1_in("d") - (told if switches.size1_in("d") == held.size1_in("d") else 0))
     known = {switches.name_in(k): ca.SX.zeros(switches.size1_in(k)) for k in range(switches.n_in())}
     g = switches.call(known | {label: given[label] for label in names if label in known})["g"]
-    rests = [g[k] == 0 for k in resting]
-    found = held.call(given | {"d": ca.vertcat(given["d"], (g > 0) + 0.5 * (g == 0), *rests)})
+    rests = [g[k] == 0 for k in patterns.get("rests", ())]
+    sides = [1 if side in (-1, OF_WHOLE) else side for side in patterns.get("at_level", ())]
+    at_level = ca.DM([*sides, *[1] * (g.numel() - len(sides))]) / 2
+    found = held.call(given | {"d": ca.vertcat(given["d"], (g > 0) + at_level * (g == 0), *rests)})
     results = [held.name_out(k) for k in range(held.n_out())]
     return ca.Function(name, [given[label] for label in names], [found[label] for label in results], names, results)

@@ -89,6 +89,7 @@ class ModelMirror(c.Structure):
         ("order", Ints),
         ("rubs", Ints),
         ("rests", Ints),
+        ("at_level", Ints),
         ("cones", Ints),
         ("lookups", Ints),
         ("pieces", Ints),

@@ -192,7 +192,7 @@ class _Run:
             return np.tile(self.y[:, None], (1, len(wanted)))
         self.segment = now, target
         self._enter(now, target)
-        rhs = live("rhs", self.compilation.functions.table, self.compilation.functions.patterns.get("rests", ()))
+        rhs = live("rhs", self.compilation.functions.table, self.compilation.functions.patterns)
         t, y = ca.SX.sym("t"), ca.SX.sym("y", self.y.size)
         q, v, d, pace = self.state.split(y, self._modes(now, target))
         a, power, _ = rhs(t, q, v, self._inputs(t, now, target), d, self.c)
@@ -233,8 +233,8 @@ class _Run:
         table = self.compilation.functions.table
         now, target = getattr(self, "segment", (times[0], times[0]))
         modes = self._modes(now, target)
-        resting = self.compilation.functions.patterns.get("rests", ())
-        rhs, outputs_of, rows = live("rhs", table, resting), live("outputs", table, resting), []
+        patterns = self.compilation.functions.patterns
+        rhs, outputs_of, rows = live("rhs", table, patterns), live("outputs", table, patterns), []
         for t, y in zip(times, states.T, strict=True):
             q, v, d, _ = self.state.split(y, modes)
             e, q, v = y[self.state.size :], np.array(q).ravel(), np.array(v).ravel()

@@ -273,7 +273,7 @@ def _find_holds(motion: "Motion", energies: Energies, parts: _Parts) -> tuple[Ho
     may_hold = uses(_function_of(parts.R), CORNERS | {ca.OP_SQRT})  # v/|v| has corners in |v| alone
     signals = {state.coordinate for state in parts.free.graph.model.states.values()}
     v = ca.vertcat(_NONE, *[motion.v[k] for k, name in enumerate(parts.free.symbols.rates) if name not in signals])
-    conditions, rests, cones = conditions_in([parts.R], v, v, numbering) if may_hold else ({}, {}, ())
+    conditions, rests, cones, _ = conditions_in([parts.R], v, v, numbering) if may_hold else ({}, {}, (), {})
     order = {pair: k for k, pair in enumerate(conditions)}
     shares = ca.SX.sym("share", len(conditions))
     places = dict(zip(conditions, shares.elements(), strict=True))

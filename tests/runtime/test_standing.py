@@ -1,0 +1,58 @@
+"""Places and states that stand on a level of a condition in a force: nothing moves them to a side of it."""
+
+from collections.abc import Callable
+
+import pytest
+
+import lagrangia as lag
+from lagrangia.native.build import find_compiler
+
+pytestmark = pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
+Write = Callable[[str], lag.Model]
+SOLVERS = ("auto", "erk", "implicit")
+SCENE = """model M parameter Real k = 2; World world(gravity = {0, 0});
+    Block a(m = 1, base = world, along = {1, 0}, s(start = 1)%s);
+    Block c(m = 1, base = world, along = {0, 1}, v(start = 1)); Real x = a.s/1[m]; energy work -0.2*(%s)*1[N] on c.s; %s end M;"""
+
+LAWS: dict[str, tuple[float, float, float]] = {  # below the level, on it, and above
+    "if x > 1 then 1 else 0": (0, 0, 1), "if x >= 1 then 1 else 0": (0, 1, 1), "if 1 > x then 1 else 0": (1, 0, 0),
+    "if 1 >= x then 1 else 0": (1, 1, 0), "if not k*x > k then 1 else 0": (1, 1, 0), "1 + sign(x - 1)": (0, 1, 2),
+    "if x > 1 then 1 elseif x < 1 then 0.5 else 2": (0.5, 2, 1),
+    "(if x > 1 then 1 else 0.5)*(1 + 0.5*sign(x - 1))": (0.25, 0.5, 1.5), "floor(x)": (0, 1, 1),
+}
+WAYS = {  # how a moves from 1 s on, which is below the level, on it, or above
+    "": 1, "energy work (if time > 1 then 0.3 else 0)*1[N] on a.s;": 2, "energy work -0.3*max(time - 1, 0)*1[N] on a.s;": 0,
+    "energy work ((if time > 1 then 0.9 else 0.3) - 0.6*sign(a.v))*1[N] on a.s;": 2,
+    "discrete Real n(start = 0); equation when time > 1 then n = pre(n) + 1; end when;": 1,
+    "equation when time > 1 then reinit(a.v, -0.3); end when;": 0,
+}
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_places_on_a_level(law: str, scene: Write) -> None:
+    """A force of 1 if x > 1 acted at x = 1, where sign(x - 1) was 1."""
+    for way, side in WAYS.items():
+        model, forces = scene(SCENE % ("", law, way)), LAWS[law]
+        want = 2 - 0.2 * (1.5 * forces[1] + 0.5 * forces[side])
+        for solver in SOLVERS:
+            assert model.simulate(at=[2.0], solver=solver, tolerance=1e-8)["c.s"][0] == pytest.approx(want, abs=2e-6)
+
+
+@pytest.mark.parametrize("side", [-1, 1])
+def test_a_start_on_the_level_with_a_rate(side: int, scene: Write) -> None:
+    """It is on the side to which it moves, from the start on."""
+    for law, forces in LAWS.items():
+        model = scene(SCENE % (f", v(start = {0.3 * side})", law, ""))
+        assert model.simulate(at=[2.0], tolerance=1e-8)["c.s"][0] == pytest.approx(2 - 0.4 * forces[1 + side], abs=1e-7)
+
+
+@pytest.mark.parametrize(("law", "want"), [
+    ("if x > 1 then 1 else 0", 2), ("if x >= 1 then 1 else 0", 1.6), ("1 + sign(x - 1)", 1.6)])
+def test_first_order_states_and_free_rates_on_a_level(law: str, want: float, scene: Write) -> None:
+    """sign(y) of a state that stays 0, and of the rate of a body that nothing moves, was 1."""
+    c = f"Block c(m = 1, base = world, v(start = 1)); energy work -0.2*({law})*1[N] on c.s;"
+    for x in ("Real x(start = 1, fixed = true); equation der(x) = (1 - x)*1[1/s];",
+              "Real x = 1 + a.v*1[s/m]; Block a(m = 1, base = world);"):
+        model = scene(f"model M World world(gravity = {{0, 0}}); {c} {x} end M;")
+        for solver in (*SOLVERS, "taylor"):
+            assert model.simulate(at=[2.0], solver=solver, tolerance=1e-8)["c.s"][0] == pytest.approx(want, abs=1e-7)
