@@ -54,3 +54,26 @@ def test_functions_of_time_that_stay_on_a_level(law: str, scene: Write) -> None:
     for solver in SOLVERS:
         run = model.simulate(at=[0.0, 0.5, 1.0, 5.0], solver=solver, tolerance=1e-6)
         assert run["b.s"][1:] == pytest.approx([0.4375, 0.8125, 1.375], abs=1e-5), solver
+
+
+@pytest.mark.parametrize(("law", "sign"), [
+    ("sign(u*b.v)", np.sign), ("if -2*b.v*u >= 0 then 1 else 0", lambda u: u <= 0),
+    ("if u*b.s > 0 then 1 else 0", lambda u: u > 0)])
+def test_products_of_inputs_and_rates(law: str, sign: Callable[[float], float], scene: Write) -> None:
+    """sign(u v) is 0 while u is, whichever way v goes: it was 1 (2.6 m for 3), or what it had been."""
+    model = scene(f"model M input Real u; {SLIDES % f'0.2*({law})'}")
+    for way, (first, second) in {(0.0, 0.0): (0, 0), (1.0, 0.0): (1, 0), (-1.0, 0.0): (-1, 0)}.items():
+        times, values = [0, 1, 9], [way[0], way[1], way[1]]
+        want = 2 - 0.2 * (1.5 * sign(first) + 0.5 * sign(second))
+        for solver in (*SOLVERS, "taylor"):
+            run = model.simulate(at=[0.0, 2.0], inputs=(times, {"u": values}), solver=solver, tolerance=1e-8)
+            assert run["b.s"][-1] == pytest.approx(want, abs=1e-7), (way, solver)
+
+
+def test_friction_with_a_factor_that_vanishes(scene: Write) -> None:
+    """What 0.3 sign(u v) holds against 0.1 N goes while u is 0, between 1 s and 2 s, and stops again."""
+    model = scene("model M input Real u; World world(gravity = {0, 0}); Block b(m = 1, base = world); "
+                  "energy work (0.1 - 0.3*sign(u*b.v))*1[N] on b.s; end M;")
+    for solver in SOLVERS:
+        run = model.simulate(at=[1.0, 2.0, 3.0], inputs=([0, 1, 2, 3], {"u": [1, 0, 0, 1]}), solver=solver, tolerance=1e-8)
+        assert run["b.s"] == pytest.approx([0, 0.05, 0.075], abs=1e-7)

@@ -19,6 +19,7 @@ from lagrangia.base.records import dataclass
 from lagrangia.dynamics.driven_conditions import Pair
 from lagrangia.dynamics.held_switches import ordered
 
+_NONE = ca.SX(0, 1)
 _LOOKS, _SAME = 4, 1e-9
 _SAME_DEPTH = 9  # of instructions that are compared one by one: deeper ones are the same where they are one object
 _MOST_ADDENDS = 16  # open at once, of those with a common part
@@ -32,29 +33,36 @@ class Multiple:
     bare: Expression
     factor: Expression
     may_vanish: bool = False  # whether the factor may be 0
+    signs: tuple[Pair, Pair] | None = None  # whether the factor is positive, or negative, where it changes between events
 
-    def switch(self, s: Expression) -> Expression:
+    def switch(self, places: Mapping[Pair, Expression]) -> Expression:
         """By that of the other; half of it where there is nothing to compare."""
+        s = places[self.of]
+        if self.signs is not None:
+            positive, negative = (places[pair] for pair in self.signs)
+            return as_expression(0.5 + (positive - negative) * (s - 0.5))
         found = ca.if_else(self.factor > 0, s, 1.0 - s)
-        return as_expression(ca.if_else(self.is_nothing, 0.5, found) if self.may_vanish else found)
+        return as_expression(ca.if_else(self.is_nothing(places), 0.5, found) if self.may_vanish else found)
 
-    def rests(self, rest: Expression) -> Expression:
+    def rests(self, rest: Expression, places: Mapping[Pair, Expression]) -> Expression:
         """Whether it is held at 0, by whether the other is."""
-        return as_expression(ca.logic_or(self.is_nothing, rest)) if self.may_vanish else rest
+        return as_expression(ca.logic_or(self.is_nothing(places), rest)) if self.may_vanish else rest
 
-    @property
-    def is_nothing(self) -> Expression:
+    def is_nothing(self, places: Mapping[Pair, Expression]) -> Expression:
         """Whether the factor is 0."""
+        if self.signs is not None:
+            return as_expression(1.0 - places[self.signs[0]] - places[self.signs[1]])
         return as_expression(self.factor == 0)
 
 
 Same = dict[Pair, Multiple]
 
 
-def multiples(found: Mapping[Pair, Expression], v: ca.SX, constant: ca.SX, numbering: Numbering) -> Same:
+def multiples(found: Mapping[Pair, Expression], v: ca.SX, constant: ca.SX, numbering: Numbering, driven: ca.SX = _NONE) -> Same:
     """Of conditions, those that are another one, or one that is not among them, but for a factor of what is `constant` between
-    events; where it cannot be 0, of rates alone."""
-    rates, symbols, same = symbols_in(v) - symbols_in(constant), symbols_in(constant), Same()
+    events, or `driven`; where it cannot be 0, of rates alone."""
+    rates, symbols, same = symbols_in(v) - symbols_in(constant), symbols_in(ca.vertcat(constant, driven)), Same()
+    found = {pair: g for pair, g in found.items() if not symbols_in(g) <= symbols or symbols_in(g) <= symbols_in(constant)}
     apart = {pair: _without_factors(g, symbols) for pair, g in found.items()}
     vanishing = [pair for pair, (_, _, may_vanish) in apart.items() if may_vanish]
     wanted = [pair for pair, g in found.items() if vanishing or not rates.isdisjoint(symbols_in(g))]

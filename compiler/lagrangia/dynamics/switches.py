@@ -22,8 +22,8 @@ from lagrangia.algebra.numbering import Numbering, rebuilt
 from lagrangia.algebra.scalars import Expression, as_expression, symbol, symbols_in
 from lagrangia.algebra.with_casadi import CORNERS, operations_in
 from lagrangia.base.records import dataclass
-from lagrangia.dynamics.driven_conditions import Pair, driven_conditions, is_of_one_side
-from lagrangia.dynamics.found_conditions import conditions_in, finding_in, is_rate, only_jumps
+from lagrangia.dynamics.driven_conditions import Pair, driven_conditions, is_of_one_side, sides_of
+from lagrangia.dynamics.found_conditions import Finding, conditions_in, finding_in, is_rate, only_jumps
 from lagrangia.dynamics.held_switches import JUMPS, OF_WHOLE, RELATIONS, SIGNS, WHOLE, Holding, pair_of
 from lagrangia.dynamics.motion import SMOOTH, Motion
 from lagrangia.dynamics.same_conditions import Same, match, multiples
@@ -141,8 +141,10 @@ def find_switches(motion: Motion, late: ca.SX | None = None, bends: Sequence[ca.
     laws, reactions = ([known.felt.laws], known.felt.reactions) if known.felt else ([], ca.SX(0, 1))
     movers = ca.vertcat(motion.t, motion.q, motion.v, motion.u, reactions)
     found, rests, cones, sides = conditions_in([known.h, *laws, *others], movers, motion.v, numbering, _given(known))
-    same = multiples(found, motion.v, ca.vertcat(_between_events(known), known.stepped), numbering)
+    driven = ca.vertcat(known.t, known.u)
+    same = multiples(found, motion.v, ca.vertcat(_between_events(known), known.stepped), numbering, driven)
     found, rests, cones = _merged(found, rests, cones, same)
+    found |= _signs_of_factors(same, driven, finding_in(movers, motion.v, numbering, _given(known)))
     found = dict(_sided(g, numbering) for g in bends) | found
     found = found | {pair: g for pair, g in _kinks_of(motion, numbering).items() if pair not in found}
     same |= _other_shapes(known, found, same, movers, numbering, sides)
@@ -162,6 +164,17 @@ def find_switches(motion: Motion, late: ca.SX | None = None, bends: Sequence[ca.
     return replace(switches, rubs=_find_rubs(motion, switches)) if motion.impacts.pressing else switches
 
 
+def _signs_of_factors(same: Same, driven: ca.SX, finding: Finding) -> dict[Pair, Expression]:
+    """Into `same`, conditions whether factors are positive, or negative, that go their way whatever moves; and these."""
+    found = dict[Pair, Expression]()
+    for pair, x in same.items():
+        if ca.depends_on(x.factor, driven):
+            number = [finding.numbering.number(x.factor)]
+            found |= driven_conditions(finding.numbering, ca.OP_SIGN, number, [x.factor], finding.level)
+            same[pair] = replace(x, signs=sides_of(finding.numbering, ca.OP_SIGN, number))
+    return found
+
+
 def _at_level(sides: Mapping[Pair, set[int]], known: set[Pair], same: Same) -> dict[Pair, int]:
     """Of conditions with which something jumps: half of a switch, where what jumps does not ask for the same."""
     asked = dict[Pair, set[int]]()
@@ -175,12 +188,12 @@ def _at_level(sides: Mapping[Pair, set[int]], known: set[Pair], same: Same) -> d
 def _with_aliases(switches: Switches, same: Same, forces: ca.SX) -> Switches:
     """With what stands for conditions in other shapes; what is said of rates that rest is left out where it is moot."""
     places, rests, numbering = switches.places, switches.rests, switches.numbering
-    aliases = {pair: x.switch(places[x.of]) for pair, x in same.items()}
-    nothing = {pair: x.is_nothing for pair, x in same.items() if x.may_vanish}
+    aliases = {pair: x.switch(places) for pair, x in same.items()}
+    nothing = {pair: x.is_nothing(places) for pair, x in same.items() if x.may_vanish}
     held = {pair: rests[x.of] for pair, x in same.items() if x.of in rests}
     holding = Holding(places | aliases, switches.shares, rests | held, numbering, nothing)
     moot = _moot_rests(forces, holding, switches.cones)
-    held = {pair: same[pair].rests(moot.get(x, x)) for pair, x in held.items()}
+    held = {pair: same[pair].rests(moot.get(x, x), places) for pair, x in held.items()}
     return replace(switches, rests={pair: x for pair, x in rests.items() if x not in moot}, aliases=aliases, nothing=nothing,
                    rest_aliases=held | {pair: moot[x] for pair, x in rests.items() if x in moot})
 
