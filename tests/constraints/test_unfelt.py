@@ -74,3 +74,27 @@ end S;
     run = Model(scene).simulate(at=[0, TIME])
     turned = (run["k.phi_a"] - run["j.phi_a"] + np.pi) % (2 * np.pi) - np.pi
     assert np.abs(turned) == pytest.approx([np.pi, np.pi], abs=1e-6)
+
+
+def test_a_balance_gives_the_angle_that_a_cross_which_repeats_others_mentions(tmp_path: Path) -> None:
+    """A hinge beside the cross, with no mass between them: springs say how they share, and the second cross changes nothing.
+    'Free variables' of CasADi were told as a bug."""
+    found = []
+    for second in ("", "Universal k(a = r.b, b = turn(j.b, 180[deg], {1, 0, 0}));"):
+        scene = tmp_path / f"scene{len(second)}.lag"
+        scene.write_text(f"""model S
+  World world(gravity = {braces(GRAVITY)});
+  Revolute r(a = world, axis = {{1, 0, 0}});
+  Universal j(a = r.b);
+  Body b(m = 1, I = {{1, 1.2, 1.4}}, center = shift(j.b, {{0, 0, -1}}));
+  {second}
+energy
+  potential 10[N.m]*r.phi^2/2 + 20[N.m]*(j.phi_a - 0.2)^2/2;
+end S;
+""")
+        found.append(Model(scene).simulate(at=[0, TIME], tolerance=1e-10))
+    alone, beside = found
+    for name in ("r.phi", "j.phi_a", "j.phi_b"):
+        assert beside[name] == pytest.approx(alone[name], abs=1e-8)
+    assert 10 * beside["r.phi"] == pytest.approx(20 * (beside["j.phi_a"] - 0.2), abs=1e-8)
+    assert np.abs(beside["k.phi_a"] - beside["j.phi_a"]) == pytest.approx([np.pi, np.pi], abs=1e-6)

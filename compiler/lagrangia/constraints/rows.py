@@ -130,7 +130,8 @@ def reduce_further(kinematics: Kinematics, constraints: Constraints, rows: Seque
     remaining = sorted((*constraints.rows, *left), key=lambda row: not row.is_holonomic)
     return reduction.reduced(), replace(
         constraints, rows=tuple(remaining), repeated=(*constraints.repeated, *reduction.repeated),
-        agreements=(*constraints.agreements, *reduction.agreements), absorbed=(*constraints.absorbed, *reduction.absorbed),
+        agreements=(*reduction.in_those_left(constraints.agreements), *reduction.agreements),
+        absorbed=(*constraints.absorbed, *reduction.absorbed),
         givers={**constraints.givers, **{name: reduction.givers[name] for name in reduction.solved}})
 
 
@@ -404,6 +405,14 @@ class _Reduction:
         else:
             self.repeated.append(row)
             self.agreements += [(x, row) for x in vanishing if symbols_in(x)]
+
+    def in_those_left(self, agreements: Sequence[tuple[ca.SX, Row]]) -> list[tuple[ca.SX, Row]]:
+        """The same, those of coordinates that were given up meanwhile by what gave these."""
+        if not self.solved or not agreements:
+            return [*agreements]
+        given_up = [self.kinematics.symbols.positions[name] for name in self.solved]
+        values = ca.substitute([value for value, _ in agreements], given_up, [*self.solved.values()])
+        return [(value, row) for value, (_, row) in zip(values, agreements, strict=True)]
 
     def _sizes_in_time(self, values: ca.SX) -> list[float]:
         """How large functions of time become, with the parameters as they are declared, and inputs of all kinds."""
