@@ -41,6 +41,8 @@ def test_a_four_bar_in_a_tilted_plane_is_written_in_space(tmp_path: Path) -> Non
 def test_angles_of_a_ball_joint_that_closes_a_loop_are_refused(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["equations", "--angles", "zxz", str(EXAMPLES / "spatial_four_bar.lag")]) == WRONG
     assert "equations by angles of a loop that a ball joint closes ('far.S')" in capsys.readouterr().err
+    assert main(["equations", "--form", "worked", str(EXAMPLES / "spatial_four_bar.lag")]) == WRONG
+    assert "--angles" not in capsys.readouterr().err  # which is refused
 
 
 def test_a_loop_that_lies_in_a_plane_is_written_without_ones(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -107,3 +107,23 @@ def test_a_start_is_given_once_and_steps_where_there_are_any(scene: Callable[[st
     for solver, limit in (("linear", limits[0]), (casadi, limits[0]), (casadi, limits[1])):
         with pytest.raises(lag.LagError, match="has no effect: "):
             model.simulate(solver=solver, inputs={"u": 0}, **limit)
+
+
+def test_inertias_that_are_given_and_no_body_has_are_told(scene: Callable[[str], lag.Model], capsys: pytest.CaptureFixture[str],
+                                                          monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """As those that are declared so; by what they follow from, too."""
+    monkeypatch.chdir(tmp_path)
+    text = ("model M parameter Inertia J = 1; World world(gravity = {0, 0, -9.81}); Universal u(a = world, phi_a(start = 1)); "
+            "Body b(m = 1, I = {1, 1, J}, center = u.b), c(m = 1, I = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, center = u.b); "
+            "annotation(experiment(StopTime = 0.1)%s); end M;")
+    allowing, model = (scene(text % allowed) for allowed in (', allow = "L0746"', ""))
+    for name, value, told in [("b.I[1]", 5, "'b.I': about x it is 5 kg.m2"), ("J", 3, "'b.I': about z it is 3 kg.m2"),
+                              ("J", 2, ""), ("c.I[2,2]", 3, "'c.I': about y it is 3 kg.m2"), ("b.m", 2, "")]:
+        with warnings.catch_warnings(record=True) as found:
+            warnings.simplefilter("always")
+            model.simulate(parameters={name: value})
+            allowing.simulate(parameters={name: value})
+        texts = [str(warning.message) for warning in found]
+        assert len(texts) == (told != "") and all(told in text and text.endswith("(L0746)") for text in texts), name
+        assert main(["modes", str(model.path), "-p", f"{name}={value}", "--strict"]) == (2 if told else 0)
+        assert f"warning[L0746]: no rigid body has the inertia {told}" in capsys.readouterr().err or not told

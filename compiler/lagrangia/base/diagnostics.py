@@ -162,7 +162,7 @@ class Interrupted(KeyboardInterrupt):
 
 class InputWarning(UserWarning):
     """An input has no value (L0708), a table of inputs ends before the run does (L0709), a parameter is given in vain (L0747), a
-    range does not meet its end (L0748). `message` has the code."""
+    range does not meet its end (L0748), an inertia that is given is of no rigid body (L0746). `message` has the code."""
 
 
 class RunWarning(UserWarning):

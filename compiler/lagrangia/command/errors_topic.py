@@ -13,8 +13,8 @@ _WARNINGS = """\
 warning[L0224]: nothing reads the parameter 'd', with file, line and caret. What is meant is allowed by its code: in the model
 annotation(allow = "L0224, L0741"), on the command line --allow L0224,L0741; --strict takes warnings for errors (exit code 2).
 L08xx are told by lag lint alone. In Python, model.warnings; InputWarning for values that a run is asked for (L0708, L0709,
-L0747, L0748), run.warnings for L0610, RunWarning for rows that are no motion of the scene (exit code 1 of the command), which
-warnings.simplefilter("error", lagrangia.RunWarning) makes an error, and for the cache (L0742) a line on standard error.
+L0746, L0747, L0748), run.warnings for L0610, RunWarning for rows that are no motion of the scene (exit code 1 of the command),
+which warnings.simplefilter("error", lagrangia.RunWarning) makes an error, and for the cache (L0742) a line on standard error.
 
 """
 TOLD = {

@@ -229,11 +229,13 @@ def compile_energies(path: Path, model: str | None = None, structural: Mapping[s
         refuse_delays(flat, "written equations")
         refuse_felt_reactions(flat, "written equations")
         kinematics, constraints = _kinematics(flat, is_general=False)
+        cut = next((cut for cut in kinematics.graph.closures if cut.kind == "ball"), None)
         if not (has_angles or has_quaternions):
-            refuse_attitudes(kinematics.graph.attitudes, "these written equations", "lag equations --angles zxz writes it by "
-                             "Euler's angles: about z, x and z, which move along; any of the twelve sequences",
+            by_angles = () if cut else ("lag equations --angles zxz writes it by Euler's angles: about z, x and z, which move "
+                                        "along; any of the twelve sequences",)
+            refuse_attitudes(kinematics.graph.attitudes, "these written equations", *by_angles,
                              "the forms lagrange, energies, matrix and first-order have Euler's equations for it")
-        elif has_angles and (cut := next((cut for cut in kinematics.graph.closures if cut.kind == "ball"), None)) is not None:
+        elif has_angles and cut:
             fail("L0901", f"not supported yet: equations by angles of a loop that a ball joint closes ('{cut.kept}')", cut.span,
                  "without --angles it has quaternions, in the forms lagrange, energies, matrix and first-order")
         elif has_angles and not kinematics.graph.attitudes:

@@ -16,7 +16,7 @@ from lagrangia.compile.hoisted_tapes import tapes_of
 from lagrangia.compile.instructions import count_operations, tape_of
 from lagrangia.compile.requirements import find_requirements
 from lagrangia.constraints.initial import InitialConditions, find_idle_starts
-from lagrangia.constraints.parameters import find_odd_inertias, scalars
+from lagrangia.constraints.parameters import find_odd_inertias, places_of_inertias, scalars
 from lagrangia.constraints.rows import Constraints
 from lagrangia.constraints.several_starts import find_several_starts
 from lagrangia.constraints.virtual_forces import find_idle_displacements
@@ -320,6 +320,7 @@ def _told(kinematics: Kinematics, constraints: Constraints, initial: InitialCond
                 "held": [held.name for sampler in model.samplers for held in sampler.held]} if model.samplers else {}),
             **({"delays": [str(delay.span) for delay in model.delays]} if model.delays else {}),
             **({"requirements": required} if required else {}),
+            **({"inertias": inertias} if (inertias := places_of_inertias(kinematics)) else {}),
             "attitudes": {name: parts_of(name) for name in kinematics.symbols.attitudes},
             "readers": find_readers(model) if len(model.variables) <= _MANY_VARIABLES else None,
             "signals": {state.coordinate: name for name, state in model.states.items()},

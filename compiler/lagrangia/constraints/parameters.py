@@ -15,6 +15,7 @@ from lagrangia.algebra.orthogonal import general_numbers
 from lagrangia.algebra.scalars import apply, cells, column
 from lagrangia.base.checked_values import misfit
 from lagrangia.base.diagnostics import LagError, Report, Span, fail
+from lagrangia.base.inertias import ROUNDING, axis_words, principal, told_beyond_others
 from lagrangia.frames.alike import evaluate_alike
 from lagrangia.frames.arrays import map_scalars
 from lagrangia.frames.elements import whole
@@ -25,7 +26,6 @@ from lagrangia.language.flat import FlatModel, Variable
 from lagrangia.language.folding import numbers_of
 from lagrangia.language.tree import Number
 
-_ROUNDING = 1e-12  # relative, of moments of inertia
 _NO_LENGTH = "the direction '{}' has no length: all its parts are 0"
 
 
@@ -124,29 +124,43 @@ def require_possible(kinematics: Kinematics) -> None:
 def find_odd_inertias(kinematics: Kinematics) -> Report:
     """Of inertias about three axes: L0605 for those that are negative or not symmetric; a warning, L0746, for those of no rigid
     body, where one is more than the other two together: measured ones often are."""
-    report, model = Report(), kinematics.graph.model
-    if not model.space.is_spatial:
-        return report
-    values = iter(default_parameters(kinematics)[1].elements())
-    for variable in (v for v in model.variables.values() if v.kind == "parameter"):
-        own = np.array([float(next(values)) for _ in variable.elements()]).reshape(variable.shape)
-        if not variable.is_inertia or not np.isfinite(own).all():
-            continue
+    report = Report()
+    for variable, _, own in _inertias(kinematics):
         matrix = np.diag(own) if own.ndim == 1 else own
-        if np.abs(matrix - matrix.T).max() > _ROUNDING * np.abs(matrix).max():
+        if np.abs(matrix - matrix.T).max() > ROUNDING * np.abs(matrix).max():
             report.error("L0605", f"the inertia '{variable.name}' is not symmetric", variable.span,
                          "write {{Ixx, Ixy, Ixz}, {Ixy, Iyy, Iyz}, {Ixz, Iyz, Izz}}")
             continue
-        moments, axes = np.linalg.eigh(matrix) if own.ndim == 2 else (own, np.eye(3))
-        k, margin = int(np.argmax(moments)), _ROUNDING * np.abs(moments).max()
-        if moments.min() < -margin:
-            report.error("L0605", f"the inertia '{variable.name}' is negative about {_axis(axes[:, int(np.argmin(moments))])}: "
-                         f"{moments.min():g} kg.m2", variable.span)
-        elif 2 * moments[k] > moments.sum() + margin:
-            report.warning("L0746", f"no rigid body has the inertia '{variable.name}': about {_axis(axes[:, k])} it is "
-                           f"{moments[k]:g} kg.m2, more than about the other two together, {moments.sum() - moments[k]:g}",
-                           variable.span)
+        moments, axes = principal(own)
+        if moments.min() < -ROUNDING * np.abs(moments).max():
+            axis = axis_words(axes[:, int(np.argmin(moments))])
+            report.error("L0605", f"the inertia '{variable.name}' is negative about {axis}: {moments.min():g} kg.m2",
+                         variable.span)
+        elif told := told_beyond_others(variable.name, own):
+            report.warning("L0746", told, variable.span)
     return report
+
+
+def places_of_inertias(kinematics: Kinematics) -> list[tuple[str, int, list[int]]]:
+    """Of inertias about three axes that a rigid body may have as they are declared: the name, the place of the first element
+    among all parameters, the shape."""
+    return [(variable.name, first, [*variable.shape]) for variable, first, own in _inertias(kinematics)
+            if not told_beyond_others(variable.name, own)]
+
+
+def _inertias(kinematics: Kinematics) -> Iterator[tuple[Variable, int, NDArray[np.float64]]]:
+    """Of each about three axes that is finite, the place of its first element among all parameters, and its value."""
+    model = kinematics.graph.model
+    if not model.space.is_spatial:
+        return
+    values, first = default_parameters(kinematics)[1].elements(), 0
+    for variable in (v for v in model.variables.values() if v.kind == "parameter"):
+        count = prod(variable.shape)
+        if variable.is_inertia:
+            own = np.array(values[first : first + count], float).reshape(variable.shape)
+            if np.isfinite(own).all():
+                yield variable, first, own
+        first += count
 
 
 def lengths_of_directions(kinematics: Kinematics) -> Iterator[tuple[ca.SX, str, Span]]:
@@ -167,14 +181,9 @@ def possible_inertias(kinematics: Kinematics) -> Iterator[tuple[ca.SX, str, Span
         apart = reduce(ca.fmax, map(ca.fabs, (b - d, c - g, f - h)))
         minors = ([a, e, i], [a * e - b * b, a * i - c * c, e * i - f * f],
                   [a * (e * i - f * f) - b * (b * i - f * c) + c * (b * f - e * c)])
-        yield apart <= _ROUNDING * size, f"the inertia '{v.name}' is not symmetric", v.span
-        yield (reduce(ca.logic_and, (reduce(ca.fmin, of_size) >= -_ROUNDING * size**k for k, of_size in enumerate(minors, 1))),
+        yield apart <= ROUNDING * size, f"the inertia '{v.name}' is not symmetric", v.span
+        yield (reduce(ca.logic_and, (reduce(ca.fmin, of_size) >= -ROUNDING * size**k for k, of_size in enumerate(minors, 1))),
                f"the inertia '{v.name}' is negative about an axis", v.span)
-
-
-def _axis(direction: NDArray[np.float64]) -> str:
-    along = np.flatnonzero(direction)
-    return "xyz"[along[0]] if len(along) == 1 else "the axis {" + ", ".join(f"{x:.3g}" for x in direction) + "}"
 
 
 def usual_parameters(kinematics: Kinematics) -> tuple[ca.SX, NDArray[np.float64]]:

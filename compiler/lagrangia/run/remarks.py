@@ -1,5 +1,5 @@
 """What a run does that nobody asked for: inputs that nothing is given for, tables of inputs that end before it does, parameters
-that change nothing beside others that are given; and rows that are no motion of the scene."""
+that change nothing beside others that are given, or make an inertia of no body; and rows that are no motion of the scene."""
 
 import sys
 import warnings
@@ -47,11 +47,18 @@ def input_remarks(scene: Scene, experiment: Experiment, given: Any, later: Colle
 
 
 def given_remarks(model: Told, request: Request, more: Iterable[str] = ()) -> list[str]:
-    """The same of parameters that change nothing beside others; `more` are names of what each run of a sweep has its own of."""
+    """The same of parameters that change nothing beside others, or make an inertia that no rigid body has; `more` are names of
+    what each run of a sweep has its own of."""
     several = list(more)
     parameters, initial = all_names(request.parameters, several), all_names(request.initial, several)
     is_asked = may_be_overridden(parameters, all_names(request.initial))
-    return overridden_remarks(model.scene, model.readers, parameters, initial) if is_asked else []
+    vain = overridden_remarks(model.scene, model.readers, parameters, initial) if is_asked else []
+    given = by_name("parameters", request.parameters)
+    if not given or "inertias" not in model.scene.notes:
+        return vain
+    from lagrangia.run.odd_inertias import odd_inertia_remarks
+
+    return [*vain, *odd_inertia_remarks(model.scene, given)]
 
 
 def warn_of_given(model: Told, request: Request, more: Iterable[str] = (), later: Collection[str] = (),
