@@ -225,3 +225,14 @@ end Truss;""")
     assert "neutral" not in out
     code, out, _ = run("modes", "truss.lag")
     assert (code, out.strip()) == (0, "Truss: modes about a.phi = 0, b.phi = 2.094395: none, nothing can move")
+
+
+def test_columns_of_matrices_stay_apart(run: Lag) -> None:
+    """1.00012-0.000123456 was two columns of twelve characters."""
+    Path("soft.lag").write_text("model Soft Block a(m = 1, base = world), b(m = 1, base = world); Spring left(k = 1, "
+                                "stretch = a.s), right(k = 1, stretch = b.s), between(k = 0.000123456, stretch = b.s - a.s); "
+                                "end Soft;")
+    code, out, _ = run("linearize", "soft.lag")
+    assert code == 0
+    assert [[*map(float, line.split()[1:])] for line in out.partition("\nK\n")[2].splitlines()[1:3]] == [
+        [1.00012, -0.000123456], [-0.000123456, 1.00012]]

@@ -134,15 +134,17 @@ def _matrix(table: Matrix, rows: Sequence[str], columns: Sequence[str]) -> list[
     """With the names of rows and columns; of a large one its corner."""
     largest = float(np.abs(table).max(initial=0.0))
     left = max((len(x) for x in rows[:_MOST_ROWS]), default=0) + 2
-    widths = [max(12, len(name) + 2) for name in columns]
+    columns = columns[: _WIDEST // 12]
+    cells = [[f"{0.0 if abs(x) <= _NEGLIGIBLE * largest else x:.6g}" for x in row] for row in table[:_MOST_ROWS, : len(columns)]]
+    widths = [max(12, len(name) + 2, *(len(cell) + 1 for cell in column))
+              for name, column in zip(columns, zip(*cells, strict=True) if cells else [()] * len(columns), strict=True)]
     shown = len(widths)
     while shown > 1 and left + sum(widths[:shown]) > _WIDEST:
         shown -= 1
     head = "".join(f"{name:>{w}}" for name, w in zip(columns[:shown], widths, strict=False))
     lines = [" " * left + head] if any(columns) else []
-    for name, row in list(zip(rows, table, strict=True))[:_MOST_ROWS]:
-        cells = [0.0 if abs(x) <= _NEGLIGIBLE * largest else x for x in row[:shown]]
-        lines.append(f"{name:{left}}" + "".join(f"{x:>{w}.6g}" for x, w in zip(cells, widths, strict=False)))
+    for name, row in zip(rows, cells, strict=False):
+        lines.append(f"{name:{left}}" + "".join(f"{cell:>{w}}" for cell, w in zip(row[:shown], widths, strict=False)))
     if shown < table.shape[1] or len(rows) > _MOST_ROWS:
         lines.append(f"  ... of {table.shape[0]} x {table.shape[1]}; -o FILE.json or FILE.mat has all of it")
     return lines
