@@ -293,6 +293,32 @@ def test_places_where_forces_bend_are_told(what: str, is_told: bool, scene: Writ
         assert any("L0743" in note for note in notes) == is_told
 
 
+RATCHET = "when b.v < 0 then reinit(b.v, 0); end when;"
+
+
+@pytest.mark.parametrize(("events", "c", "stability", "kind"), [
+    ("", 0, "stable", "oscillation"), (RATCHET, 0, "one-sided", "one way"), (RATCHET, 0.3, "one-sided", "one way"),
+    ("when b.s < 0 then reinit(b.v, -0.5*pre(b.v)); end when;", 0, "one-sided", "one way"),
+    ("when b.s < -1 then reinit(b.v, -0.5*pre(b.v)); end when;", 0, "stable", "oscillation"),
+])
+def test_what_just_touches_lets_nothing_swing_through(events: str, c: float, stability: str, kind: str, scene: Write) -> None:
+    """A block that may go one way ends where the spring draws it to, and stays there: no frequency is that of an oscillation."""
+    model = scene(f"""model Ratchet World world(gravity = {{0, 0}}); Block b(m = 1, base = world, v(start = 1));
+      Spring s(k = 1, stretch = b.s); Damper d(c = {c}, rate = b.v); equation {events} end Ratchet;""")
+    found, modes = model.equilibrium()[0], model.modes()
+    assert found.stability == stability and found.is_stable and bool(found.eigenvalues) == (stability == "stable")
+    assert modes[0].kind == kind and modes[0].omega == pytest.approx(1)
+    assert any("L0743" in note for note in modes.notes) == (kind == "one way")
+
+
+def test_what_touches_across_the_motion_changes_nothing(scene: Write) -> None:
+    """A table that presses on nothing beside a spring along it."""
+    model = scene("""model Beside World world(gravity = {0, 0}); Block x(m = 1, base = world); Block y(m = 1, base = world);
+      Spring s(k = 4, stretch = x.s); Spring r(k = 9, stretch = y.s);
+      equation when y.s < 0 then reinit(y.v, 0); end when; end Beside;""")
+    assert [(mode.kind, mode.omega) for mode in model.modes()] == [("oscillation", 2), ("one way", 3)]
+
+
 # ---------------------------------------------------------------- time
 
 

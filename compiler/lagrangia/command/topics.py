@@ -451,7 +451,8 @@ there were none, where it then holds without force. Small motion goes along cont
 
 Where coefficients of small motion change with time (a pivot that shakes up and down, a load along a pendulum), warning L0740 says
 so, and whether time stands still or goes on: stability and frequencies are those of that moment.
-Where it rests just where forces bend (a spring that acts one way, play), warning L0743: frequencies are of neither side.
+Where it rests just where forces bend (a spring that acts one way, play), warning L0743: frequencies are of neither side. So it
+is told where something that just touches (a pawl, a wall) bars the way back: such modes are "one way", the rest "one-sided".
 
 From Python: model.equilibrium(), model.linearize(excitations=["road.y"], outputs=["car.s"]), model.modes(), model.response(...)
 with parameters=, initial=, inputs=, time=, about=. A linearisation has .M, .C, .K, .A, .B, .output, .D, .save(path) and

@@ -13,7 +13,7 @@ from lagrangia.constraints.singular_positions import told
 from lagrangia.dynamics.equilibrium import Rest, find_all, find_rest
 from lagrangia.dynamics.freedom import repeated_rows
 from lagrangia.frames.joints import all_reactions, reaction_ports
-from lagrangia.language.dimensions import unit_of
+from lagrangia.language.dimensions import units_of
 from lagrangia.language.observables import observe
 from lagrangia.study.contacts_at_rest import Grip, find_all_held, find_held
 from lagrangia.study.equilibria import Equilibria, Equilibrium
@@ -113,8 +113,8 @@ class AtRest(MotionNumbers):
             notes += [x for x in self.timely(next(iter(linears.values())), e).notes if x.startswith("warning")]
         units = {name: (rate if name != own.name else own).unit for name, own, rate in
                  zip(self.signals.names, self.scene.coordinates, self.scene.rates, strict=True)}
-        along = [name for name in asked if name in graph.model.variables]
-        units |= {name: unit_of(graph.model, observe(graph.model, name)) for name in (*outputs, *along)}
+        told = [*outputs, *(name for name in asked if name in graph.model.variables)]
+        units |= dict(zip(told, units_of(graph.model, [observe(graph.model, name) for name in told]), strict=True))
         units |= {c.name: "" for c in self.scene.told_positions if c.name not in units}  # quaternions
         return Equilibria(self.scene.name, self.time, tuple(self._told(full, *x, pace, len(outputs)) for x in found),
                           is_reached, units, tuple(notes), reaction_ports(graph))
@@ -128,7 +128,7 @@ class AtRest(MotionNumbers):
         linears, untold = self._linears_told(e, rest, grip, pace)
         kind, growth = ("unknown" if untold else "singular", math.nan) if linears is None else \
             stability_of_ways(list(linears.values()))
-        eigenvalues = [complex(x) for linear in (linears or {}).values() for x in linear.eigenvalues]
+        eigenvalues = [complex(x) for linear in (linears or {}).values() if linear.barred is None for x in linear.eigenvalues]
         R = self.call(e.static, rest.q, rest.multipliers, pace, self.signals.steady(rest.q))[0]
         ways = tuple(name for name in linears or () if name)
         reactions = {} if rest.ways is not None and rest.ways.is_rigid else reactions  # these have no bound

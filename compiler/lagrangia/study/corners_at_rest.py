@@ -15,6 +15,8 @@ Slopes = Callable[[Vector, bool], list[Vector]]  # of a displacement, m or rad, 
 
 BENT = ("warning[L0743]: forces bend just here: stiffness or damping is another one to either side, as of a spring that acts one "
         "way, and frequencies, damping and stability are of neither; lag simulate has the motion itself")
+BARRED = ("warning[L0743]: something that just touches bars the way back: what moves it does not swing through, and frequencies "
+          "and damping are of the motion away from it; lag simulate has the motion itself")
 _ASIDE = 1e-6  # of how far coordinates reach
 _JUMP, _NOTHING = 10.0, 1e-7  # between both sides, by the changes beyond them; relative
 _WAYS = 3

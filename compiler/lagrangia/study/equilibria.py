@@ -12,7 +12,8 @@ from lagrangia.language.frame_attributes import REACTIONS, WRENCH_HEADINGS
 @dataclass(frozen=True)
 class Equilibrium:
     """`position`: all coordinates, those that constraints give too, m and rad. `stability` after the linearised motion:
-    asymptotically stable, stable (it oscillates without damping), neutral (some motion costs nothing), unstable; fixed, where
+    asymptotically stable, stable (it oscillates without damping), one-sided (what is near stays near, but what just touches lets
+    nothing swing through), neutral (some motion costs nothing), unstable; fixed, where
     nothing can move; singular, where constraints are less independent than elsewhere and the linearised motion says nothing;
     unknown, where there is no linearised motion, as where motion moves no mass: `holding` says why.
     Where ways of moving meet it is that of the least stable one."""
@@ -33,7 +34,7 @@ class Equilibrium:
     @property
     def is_stable(self) -> bool:
         """Whether motion from nearby stays nearby, for all that the linearised motion can tell."""
-        return self.stability in ("stable", "asymptotically stable", "fixed")
+        return self.stability in ("one-sided", "stable", "asymptotically stable", "fixed")
 
 
 @dataclass(frozen=True)

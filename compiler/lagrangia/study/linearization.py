@@ -54,6 +54,7 @@ class TangentParts:
     """dR/da, dR/dv, dR/dq (n, n), dPhi/dq (m_h, n), d rate/dv (m, n), dR/ds, ds', ds'' (n, k), dPhi/ds (m_h, k).
 
     `pulls`: what multipliers do, (m, n), where that is not what the rates say, as where friction has its limit from a contact.
+    `grazed`: (g, n), of gaps that are closed without force.
     """
 
     M: Matrix
@@ -64,6 +65,7 @@ class TangentParts:
     E: tuple[Matrix, Matrix, Matrix]
     pushed: Matrix
     pulls: Matrix | None = None
+    grazed: Matrix | None = None
 
 
 def tangent_of(x: TangentParts, is_preferred: Sequence[bool], reach: Matrix, plane: Matrix | None = None,
@@ -113,6 +115,14 @@ def lengths_of_rows(rows: Matrix) -> Matrix:
     """In natural sizes, (m,); 0 of what is rounding beside the longest, which holds nothing."""
     lengths = np.linalg.norm(rows, axis=1)
     return np.where(lengths > _NO_ROW * lengths.max(initial=0.0), lengths, 0.0)
+
+
+def barred_by(grazed: Matrix, t: Tangent) -> Matrix | None:
+    """Of the free rates, (g, w): the rows of the gaps that they would pass; None where they pass none."""
+    free = t.N @ t.W
+    rows = grazed @ free
+    passed = np.abs(rows) > _RANK * (np.abs(grazed) @ np.abs(free))
+    return rows * passed if passed.any() else None
 
 
 def _null_space(A: Matrix) -> Matrix:
@@ -172,6 +182,7 @@ class Linearization:
     tangent: Tangent
     notes: tuple[str, ...] = ()  # what holds at the point beside constraints, and what it is only for
     sampled: Sampled | None = None  # where values are held between instants
+    barred: Matrix | None = None  # (g, w): rates at which gaps that are just closed would be passed, by those that are free
     free_rates: tuple[str, ...] = ()  # z of M z' + C z + K x = F u, which holds about a state that moves and is held (moving.py)
 
     @property

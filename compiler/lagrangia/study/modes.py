@@ -26,13 +26,13 @@ class Mode:
 
     omega2: float
     shape: Mapping[str, float]
-    kind: str  # "oscillation", "rigid body", "divergence"
+    kind: str  # "oscillation", "one way" (something that just touches bars the way back), "rigid body", "divergence"
     way: str = ""  # where several ways of moving meet: the one that it belongs to
 
     @property
     def omega(self) -> float:
         """rad/s; 0 for rigid-body motion, and for motion that runs away, whose rate is `growth`."""
-        return float(np.sqrt(self.omega2)) if self.kind == "oscillation" else 0.0
+        return float(np.sqrt(self.omega2)) if self.kind in ("oscillation", "one way") else 0.0
 
     @property
     def frequency(self) -> float:
@@ -51,7 +51,8 @@ class Mode:
             return "rigid body, 0 Hz"
         if self.kind == "divergence":
             return f"runs away, exp({self.growth:.4g} t)"
-        return f"{self.frequency:.4g} Hz, {self.omega:.4g} rad/s"
+        told = f"{self.frequency:.4g} Hz, {self.omega:.4g} rad/s"
+        return f"{told}, one way" if self.kind == "one way" else told
 
 
 @dataclass(frozen=True)
@@ -217,8 +218,9 @@ def find_modes(linear: Linearization, names: tuple[str, ...], kept: Sequence[int
     scale = float(np.abs(omega2).max(initial=0.0))
     full = np.delete(t.N @ t.W @ shapes, kept, axis=0)
     modes = []
-    for w2, column in zip(omega2, full.T, strict=True):
-        kind = "rigid body" if abs(w2) <= _ROUNDING * scale or w2 == 0 else "oscillation" if w2 > 0 else "divergence"
+    for w2, column, own in zip(omega2, full.T, shapes.T, strict=True):
+        swing = "one way" if _is_barred(linear.barred, own) else "oscillation"
+        kind = "rigid body" if abs(w2) <= _ROUNDING * scale or w2 == 0 else swing if w2 > 0 else "divergence"
         largest = column[int(np.abs(column).argmax())] if column.size else 1.0
         scaled = (column * np.sign(largest) if mass_normalised else column / largest) + 0.0
         modes.append(Mode(float(w2), dict(zip(coordinates, map(float, scaled), strict=True)), kind))
@@ -258,7 +260,12 @@ def damped_modes(linear: Linearization, has_rigid: bool) -> tuple[DampedMode, ..
     return tuple(DampedMode(x) for x in sorted((x for x in found if x.imag >= 0), key=abs))
 
 
-_WORST = ("unstable", "neutral", "stable", "asymptotically stable", "fixed")
+def _is_barred(barred: Matrix | None, shape: Matrix) -> bool:
+    """Whether motion of this shape, of the free rates, passes a gap that is just closed."""
+    return barred is not None and bool((np.abs(barred @ shape) > _SYMMETRIC * (np.abs(barred) @ np.abs(shape))).any())
+
+
+_WORST = ("unstable", "unknown", "neutral", "one-sided", "stable", "asymptotically stable", "fixed")
 
 
 def stability_of_ways(found: Sequence[Linearization]) -> tuple[str, float]:
@@ -267,7 +274,20 @@ def stability_of_ways(found: Sequence[Linearization]) -> tuple[str, float]:
 
 
 def stability(linear: Linearization) -> tuple[str, float]:
-    """What the eigenvalues say of a position of rest, and the largest real part, 1/s."""
+    """Of a position of rest, and the largest real part of an eigenvalue, 1/s. Where something just touches that free motion would
+    pass, eigenvalues know of no way back; what is near stays near where all forces take energy, or keep it in a potential."""
+    kind, growth = _by_eigenvalues(linear)
+    if linear.barred is None or kind not in ("stable", "asymptotically stable"):
+        return kind, growth
+    t = linear.tangent
+    C, K = (t.W.T @ A @ t.W for A in (t.C, t.K))
+    is_symmetric = np.abs(K - K.T).max() <= _SYMMETRIC * np.abs(K).max()
+    keeps = not linear.has_signals and is_symmetric and np.linalg.eigvalsh(K + K.T).min() > 0
+    takes = np.linalg.eigvalsh(C + C.T).min() >= -_SYMMETRIC * np.abs(C).max()
+    return ("one-sided" if keeps and takes else "unknown"), float("nan")
+
+
+def _by_eigenvalues(linear: Linearization) -> tuple[str, float]:
     t = linear.tangent
     if t.W.shape[1] == 0:
         return "fixed", 0.0

@@ -13,8 +13,8 @@ from lagrangia.dynamics.constrained_motion import constraint_rows
 from lagrangia.dynamics.equilibrium import onto_constraints
 from lagrangia.study.beginning import Beginning
 from lagrangia.study.contacts_at_rest import Grip
-from lagrangia.study.corners_at_rest import BENT, bends_at
-from lagrangia.study.linearization import Given, Linearization, TangentParts, linearization, tangent_of, with_signals
+from lagrangia.study.corners_at_rest import BARRED, BENT, bends_at
+from lagrangia.study.linearization import Given, Linearization, TangentParts, barred_by, linearization, tangent_of, with_signals
 from lagrangia.study.probes import Probe
 from lagrangia.study.rest_equations import Resting, told_grip
 from lagrangia.study.small_motion import DIRECTIONS, SmallMotion, build_small_motion
@@ -136,7 +136,9 @@ class MotionNumbers(Beginning):
         given = Given(self.scene.name, self.names, tuple(p.name for p in e.probes), e.outputs,
                       self.point(q, v), residual, is_equilibrium,
                       (y, yq, yv, ya, yl[:, places], *ys))
-        found = replace(linearization(tangent, given), notes=told_grip(e, grip))
+        barred = None if parts.grazed is None else barred_by(parts.grazed, tangent)
+        notes = (*told_grip(e, grip), *([] if barred is None else [BARRED]))
+        found = replace(linearization(tangent, given), notes=notes, barred=barred)
         return with_signals(found, self.scene.signals) if self.signals.states else found
 
     def timely(self, linear: Linearization, e: SmallMotion, v: Vector | None = None) -> Linearization:

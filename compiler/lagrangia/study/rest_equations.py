@@ -102,7 +102,8 @@ class Resting:
         J = np.vstack([parts.J, by["q"][3][press], by["v"][4][stick]])
         pushed = np.vstack([parts.pushed, by["s"][3][press], by["ds"][4][stick]])
         rates = np.vstack([J, parts.rates[own:]])
-        return TangentParts(parts.M, parts.C, parts.K, J, rates, parts.E, pushed, by["lambda"][0][:, places].T), places
+        return TangentParts(parts.M, parts.C, parts.K, J, rates, parts.E, pushed, by["lambda"][0][:, places].T,
+                            by["q"][3][list(grip.grazing)]), places
 
     def _rows(self, by: dict[str, list[Vector]], pressing: tuple[int, ...], sticking: tuple[int, ...]) -> Vector:
         """What multipliers do: forces of contacts need not be along their gaps."""

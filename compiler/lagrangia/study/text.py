@@ -56,6 +56,8 @@ def _verdict(item: "Equilibrium") -> str:
     if item.stability == "neutral":
         family = "one of a family: " if item.n_neutral else ""
         return f"neutral: {family}some motion costs nothing, and the linearised motion does not decide"
+    if item.stability == "one-sided":
+        return "stable, to one side: what is near stays near, but what just touches lets nothing swing through"
     if item.stability == "stable":
         return "stable: it oscillates about it, undamped"
     return f"asymptotically stable: motion dies out at least as exp({item.growth:.4g} t)"
@@ -183,6 +185,8 @@ def _undamped_rows(modes: Sequence[tuple[int, "Mode"]]) -> Iterator[str]:
     for k, mode in modes:
         if mode.kind == "oscillation":
             yield f"{k + 1:>4}{mode.frequency:>14.7g}{mode.omega:>15.7g}{1 / mode.frequency:>13.6g}"
+        elif mode.kind == "one way":
+            yield f"{k + 1:>4}{mode.frequency:>14.7g}{mode.omega:>15.7g}   one way: it does not swing through"
         elif mode.kind == "rigid body":
             yield f"{k + 1:>4}{0:>14g}{0:>15g}   rigid-body motion: nothing brings it back"
         else:
