@@ -61,6 +61,21 @@ def test_bounds_are_in_the_unit_of_what_is_measured(scene: Callable[[str], lag.M
         model.measure("settling_time(b.s, 0.1[m])")
 
 
+def test_outputs_are_in_the_unit_of_what_they_are_bound_to(scene: Callable[[str], lag.Model]) -> None:
+    model = scene("""model M
+        Block b(m = 1, base = world, v(start = 1)); Spring s(k = 4, stretch = b.s);
+        output Real y = b.s/1[m]; output Real z = 1000*b.s; output Real w = b.s; output Real e; output Real d = der(w);
+      equation e = b.s; annotation(experiment(StopTime = 1)); end M;""")
+    assert [c.unit for c in model.scene.outputs] == ["", "", "m", "m", "m/s"]
+    right = math.asin(0.6)/2
+    for bound in ("y > 0.3", "z > 300", "w > 300[mm]", "e > 30[cm]"):
+        assert model.measure(f"first_time({bound})") == {f"first_time({bound})": pytest.approx(right, abs=1e-9)}
+    for bound, why in (("y > 0.3[m]", "no unit is declared"), ("z > 300[mm]", "no unit is declared"), ("w > 1[s]", "m is wanted"),
+                       ("d > 1[m]", "m/s is wanted"), ("der(y) > 1[m/s]", "1/s is wanted")):
+        with pytest.raises(lag.LagError, match=why):
+            model.measure(f"first_time({bound})")
+
+
 # -------------------------------------------------------------------- remainders
 
 

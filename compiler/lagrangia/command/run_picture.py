@@ -48,7 +48,7 @@ def _section(text: str | None, sight: Sight) -> tuple[str, float] | None:
     if not value and sign:
         fail("L0706", f"--section {text}: a value is missing", None, "--section theta=30[deg]")
     try:
-        level = read_value(value or "0", sight.columns_of(name)[0].unit or None)
+        level = read_value(value or "0", sight.columns_of(name)[0].unit)
     except ValueError as error:
         fail("L0706", f"--section {text}: {error}")
     if isinstance(level, list):

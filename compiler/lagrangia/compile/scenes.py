@@ -36,7 +36,7 @@ from lagrangia.frames.kinematics import Kinematics
 from lagrangia.language.attitudes import parts_of
 from lagrangia.language.changes import is_before
 from lagrangia.language.consequences import place_of_felt_reactions
-from lagrangia.language.dimensions import unit_of, units_of_given
+from lagrangia.language.dimensions import units_of, units_of_given
 from lagrangia.language.events import kept_by
 from lagrangia.language.flat import FlatModel, Variable, When, rate_of
 from lagrangia.language.folding import numbers_of
@@ -65,7 +65,7 @@ def build_scene(
     coordinates = tuple(Column(c.name, c.unit, c.display_unit, c.description) for c in graph.coordinates)
     states = {state.coordinate: model.variables[name] for name, state in model.states.items()}
     rates = tuple(_rate_column(c, states.get(c.name)) for c in graph.coordinates)
-    outputs = tuple(Column(name, *_units(graph, name)) for name in functions.outputs)
+    outputs = _columns(graph, functions.outputs)
     started = (*graph.coordinates, *initial.lost)
     kinds = {unit: k + 1 for k, unit in enumerate(sorted({c.unit for c in started} - {"rad"}))} | {"rad": 0}
     slots = {c.name: k for k, c in enumerate(graph.coordinates)}
@@ -357,20 +357,28 @@ def _per_second(unit: str) -> str:
     return f"{unit}/s" if unit and unit != "1" else "1/s"
 
 
-def _units(graph: ComponentGraph, name: str) -> tuple[str, str, str]:
-    """Unit, display unit and description of an output."""
-    model, base = graph.model, name if name in graph.model.variables else name.partition("[")[0]
-    if (attitude := graph.attitudes.get(name.rpartition("[")[0])) is not None:
-        return "1", "", f"unit quaternion: {attitude.description}" if attitude.description else "unit quaternion"
-    variable = model.variables.get(base)
-    if variable is not None:
-        return variable.unit, variable.display_unit, variable.description
-    return unit_of(model, observe(model, name)), "", ""
+def _columns(graph: ComponentGraph, names: Sequence[str]) -> tuple[Column, ...]:
+    """Of outputs: their units, display units and descriptions."""
+    model = graph.model
+    attitudes = {name: graph.attitudes.get(name.rpartition("[")[0]) for name in names}
+    plain = [name for name in names if attitudes[name] is None]
+    units = dict(zip(plain, units_of(model, [observe(model, name) for name in plain]), strict=True))
+    columns = []
+    for name in names:
+        variable = model.variables.get(name if name in model.variables else name.partition("[")[0])
+        if (attitude := attitudes[name]) is not None:
+            described = f"unit quaternion: {attitude.description}" if attitude.description else "unit quaternion"
+            columns.append(Column(name, "1", "", described))
+        elif variable is not None:
+            columns.append(Column(name, units[name], variable.display_unit, variable.description))
+        else:
+            columns.append(Column(name, units[name], "", ""))
+    return tuple(columns)
 
 
 def columns_of(kinematics: Kinematics, name: str) -> tuple[Column, ...]:
     """The elements of any quantity, as columns of results. Raises LagError L0701."""
-    return tuple(Column(label, *_units(kinematics.graph, label)) for label in elements_of(kinematics, name))
+    return _columns(kinematics.graph, elements_of(kinematics, name))
 
 
 def _starts(variable: Variable, source: Flat, values: Sequence[float | None]) -> Sequence[float | None]:

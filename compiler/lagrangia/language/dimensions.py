@@ -4,7 +4,7 @@ A bare number takes the unit of its place. So a product with a bare factor is *s
 way where another one is wanted (`sin(3*time)`, `torque = 0.5*sin(2*time)`); an integer divisor, as in m*L^2/12, is a pure number.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 from fractions import Fraction
 
@@ -89,23 +89,25 @@ def units_of_given(model: FlatModel) -> Mapping[str, str]:
     return {v.name: v.unit or unit_told(checker.quantity_of(v.name)) for v in given}
 
 
-def unit_of(model: FlatModel, node: Flat) -> str:
-    """The unit of an observable as text, "" when none is known."""
+def units_of(model: FlatModel, nodes: Iterable[Flat]) -> list[str]:
+    """The units of observables as text: as declared, or that of what they are bound to; "" where any will do, or none."""
+    checker = _Checker(model)
+    return [_unit(checker, node) for node in nodes]
+
+
+def _unit(checker: "_Checker", node: Flat) -> str:
     match node:
-        case Ref(name, _, _):
-            return model.variables[name].unit
+        case Ref(name, _, _) if declared := checker.model.variables[name].unit:
+            return declared
         case FrameRef():
             return known_of(node).unit if node.attribute else ""
-        case Call("der", (inner,), _, _):
-            unit = unit_of(model, inner)
+        case Call("der", (inner,), _, _) if unit := _unit(checker, inner):
             return _rate_unit(unit)
-    return ""
+    return unit_told(checker.quantity(node))
 
 
 def _rate_unit(unit: str) -> str:
-    if unit.endswith("/s"):
-        return unit + "2"
-    return f"{unit}/s" if unit else ""
+    return f"{unit}2" if unit.endswith("/s") else f"{unit}/s"
 
 
 class _Checker:

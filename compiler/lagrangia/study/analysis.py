@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from lagrangia.base.cutting import stem
 from lagrangia.base.diagnostics import RunError, fail
 from lagrangia.dynamics.constrained_motion import constraint_rows
-from lagrangia.language.dimensions import unit_of
+from lagrangia.language.dimensions import units_of
 from lagrangia.language.observables import observe
 from lagrangia.language.tree import Ref
 from lagrangia.study.at_rest import AtRest
@@ -167,7 +167,6 @@ class Study(AtRest):
 
 def _unit(model: "FlatModel", name: str) -> str:
     """Of a variable without one, such as the `to` of a Motion, that of what an equation sets equal to it."""
-    unit = unit_of(model, observe(model, name))
     equal = [e.left for e in model.constraints if isinstance(e.right, Ref) and e.right.name == name]
     bound = [model.variables[x.name].binding for x in equal if isinstance(x, Ref)]
-    return unit or next((x for x in (unit_of(model, node) for node in (*equal, *bound) if node is not None) if x), "")
+    return next(filter(None, units_of(model, [observe(model, name), *equal, *filter(None, bound)])), "")

@@ -97,6 +97,7 @@ def _unit(path: Path, head: str, text: str, wanted: str) -> tuple[float, float]:
         unit = parse_unit(text.rstrip().removesuffix("]"))
     except ValueError as error:
         fail("L0703", f"{path}: the column '{head}': {error}")
-    if wanted and unit.dimension != parse_unit(wanted).dimension:
-        fail("L0703", f"{path}: the column '{head}' is in {spell(unit.dimension)}, but the quantity in {wanted}")
+    if unit.dimension != parse_unit(wanted or "1").dimension:
+        told = f"the quantity in {wanted}" if wanted else "no unit of the quantity is declared"
+        fail("L0703", f"{path}: the column '{head}' is in {spell(unit.dimension)}, but {told}")
     return unit.factor, unit.offset

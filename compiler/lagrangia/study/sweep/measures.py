@@ -180,7 +180,7 @@ def _reduction(scene: Scene, measure: Measure, experiment: Experiment) -> Reduct
         fail("L0711", f"'{measure.text}': the window is empty")
     rate = column + scene.n if 1 <= column <= scene.n else -1
     taken = Reduction(_PLAIN.get(kind, Kind.PERIOD), column, measure.absolute, rate=rate, start=start, end=end)
-    unit = _unit(scene, measure.quantity) or None  # an output that declares none may be bound to what has one
+    unit = _unit(scene, measure.quantity)
     if measure.relation:
         taken = replace(taken, kind=_CONDITIONS[kind][measure.relation[0] == "<"], value=_value(measure, measure.value, unit),
                         or_equal=measure.relation.endswith("="))
@@ -199,7 +199,7 @@ def _time(measure: Measure, text: str, experiment: Experiment) -> float:
     return when
 
 
-def _positive(measure: Measure, text: str, unit: str | None = "") -> float:
+def _positive(measure: Measure, text: str, unit: str = "") -> float:
     if (value := _value(measure, text, unit)) <= 0:
         fail("L0711", f"'{measure.text}': a positive number is needed, not {text}")
     return value
@@ -236,7 +236,7 @@ def _unit(scene: Scene, name: str) -> str:
     return next((c.unit for c in scene.outputs if c.name == name), "J" if name in _ENERGIES else "")
 
 
-def _value(measure: Measure, text: str, unit: str | None) -> float:
+def _value(measure: Measure, text: str, unit: str) -> float:
     try:
         value = read_value(text, unit)
     except ValueError as error:
