@@ -192,6 +192,20 @@ def test_a_support_whose_rate_jumps_is_refused(target: str, written, tmp_path: P
     assert main(["export", str(scene), "--to", target, "-o", str(tmp_path / "out")]) == 0
 
 
+@pytest.mark.parametrize(("reset", "word"), [
+    ("n = 2", "discrete variables change"), ("n = 2; reinit(b.v, 0)", "rates are reset"),
+])
+@pytest.mark.parametrize("target", ["python", "modelica"])
+def test_events_are_refused_by_what_they_set(reset: str, word: str, target: str, written, tmp_path: Path, capsys) -> None:
+    """A discrete variable alone is no rate."""
+    scene = written(f"""model Switched Block b(m = 1, base = world, v(start = 1)); discrete Real n(start = 0);
+      AppliedForce f(at = b.center, force = {{n, 0}}); equation when b.s > 0.5 then {reset}; end when; end Switched;""")
+    assert main(["export", str(scene), "--to", target, "-o", str(tmp_path / "out")]) == WRONG
+    assert f"a scene in which {word} at events" in capsys.readouterr().err
+    assert main(["explain", str(scene)]) == 0
+    assert f"1 event at which {word}" in capsys.readouterr().out
+
+
 @pytest.mark.parametrize(("law", "code"), [("0.1*ramp(time, 0.2, 0.5)", 0), ("0.1*table(time, {0, 0.2, 1}, {0, 1, 0})", 0),
                                            ("0.1*pulse(time, 0.2, 0.5)", WRONG)])
 def test_a_damper_on_a_road_that_bends_has_no_impulse(law: str, code: int, written, tmp_path: Path) -> None:

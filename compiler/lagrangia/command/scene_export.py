@@ -84,8 +84,8 @@ def require_smooth(model: "Model", target: str) -> None:
         fail("L0901", f"not supported yet: the table '{long[0].name}' of {long[0].n} points in the export to python", None,
              f"it writes tables of at most {MOST_WRITTEN} points out; --to casadi and --to fmu look up what is longer")
     if whens := [when for when in compilation.flat.whens if when.resets]:
-        fail("L0909", f"not supported yet: to export a scene to {target} whose rates are reset at events", whens[0].span,
-             "an FMU has the events: --to fmu")
+        fail("L0909", f"not supported yet: to export to {target} a scene in which {compilation.flat.set_at_events} at events",
+             whens[0].span, "an FMU has the events: --to fmu")
     if "kick" in compilation.functions.table:
         fail("L0909", f"not supported yet: to export a scene to {target} whose supports jump, or their rates",
              place_of_moving_support(compilation.kinematics), "an FMU takes the impulses into account: --to fmu",

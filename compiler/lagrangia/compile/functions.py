@@ -285,7 +285,8 @@ def _add_linear(table: dict[str, ca.Function], kinematics: Kinematics,
                 motion: Motion) -> tuple[dict[str, tuple[int, ...]], dict[str, str], Taken | None]:
     """The patterns of a linear scene, why the solver `linear` cannot run one that is none, and whether `auto` takes it."""
     if motion.impacts.conditions.numel():
-        return {}, {"linear": "rates are reset at events" if motion.impacts.places else "branches of a when end it"}, None
+        told = f"{kinematics.graph.model.set_at_events} at events"
+        return {}, {"linear": told if motion.impacts.places else "branches of a when end it"}, None
     if kinematics.symbols.attitudes:
         return {}, {"linear": "attitudes turn"}, None
     if kinematics.graph.model.delays:

@@ -222,8 +222,10 @@ def compile_energies(path: Path, model: str | None = None, structural: Mapping[s
         if flat.states:
             name, state = next(iter(flat.states.items()))
             drives = () if flat.frames.keys() - {"world"} else ("lag export --to modelica --components has them in drives",)
-            fail("L0901", f"not supported yet: written equations of scenes with first-order states ('{name}')", state.span,
-                 "lag simulate, FMUs, --to python and --to casadi have them", *drives)
+            kind = "discrete variables" if state.is_kept else "first-order states"
+            others = "lag simulate and FMUs" if state.is_kept else "lag simulate, FMUs, --to python and --to casadi"
+            fail("L0901", f"not supported yet: written equations of scenes with {kind} ('{name}')", state.span,
+                 f"{others} have them", *drives)
         _refuse_moving_inputs(flat)
         refuse_held(flat, "written equations")
         refuse_delays(flat, "written equations")

@@ -141,7 +141,7 @@ def _whole(motion: Motion, model: FlatModel, modes: Sequence[Mode]) -> tuple[str
     if motion.q.numel() > MOST_COORDINATES:
         return f"not supported yet: islands of more than {MOST_COORDINATES} coordinates", []
     if motion.impacts.conditions.numel():
-        return "not supported yet: islands of scenes with events that reset rates", []
+        return f"not supported yet: islands of scenes in which {model.set_at_events} at events", []
     if motion.felt is not None:
         return "not supported yet: islands of scenes whose forces feel reactions", []
     if model.samplers:

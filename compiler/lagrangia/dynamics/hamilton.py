@@ -38,7 +38,8 @@ def energy_flow(kinematics: Kinematics, constraints: Constraints, energies: Ener
     if delays := kinematics.graph.model.delays:
         return f"something acts late ({delays[0].span})"
     if motion.impacts.places:
-        return f"rates are reset at events ({kinematics.graph.model.whens[0].span})"
+        model = kinematics.graph.model
+        return f"{model.set_at_events} at events ({model.whens[0].span})"
     if supports:
         return f"{supports[0].child} is moved in time ({supports[0].span})"
     for name, span in moved_in_time(kinematics, constraints):

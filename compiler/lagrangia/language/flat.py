@@ -276,6 +276,12 @@ class FlatModel:
         """Of parts of the model, those that are no repeats of others."""
         return (x for x in items if id(x) not in self.repeats)
 
+    @property
+    def set_at_events(self) -> str:
+        """What events set, in words: discrete variables alone, or rates, too."""
+        resets = [reset for when in self.whens for reset in when.resets]
+        return "discrete variables change" if resets and all(reset.is_kept for reset in resets) else "rates are reset"
+
     def looks(self) -> tuple[Flat, ...]:
         """All that events, samplers, delays and guards read."""
         return tuple(x for look in (*self.whens, *self.samplers, *self.delays, *self.guards) for x in look.expressions())

@@ -301,14 +301,15 @@ def _time(parts: _Parts) -> Iterable[Need]:
 
 
 def _state_events(parts: _Parts) -> Need:
-    sizes, whens = parts.scene.sizes, [when for when in parts.kinematics.graph.model.whens if when.resets]
+    sizes, model = parts.scene.sizes, parts.kinematics.graph.model
+    whens = [when for when in model.whens if when.resets]
     conditions = sizes["n_switches"] - 3 * sizes["n_whens"]
     found = [f"{_counted(conditions, 'condition')} on the state in the forces"] if conditions else []
     corners = find_corners(parts.energies, parts.motion) if conditions and parts.scene.n <= _MOST_COUNTED else ()
     if corners:
         told = dict.fromkeys(f"{corner.component or 'a force of its own'}: {corner.decided_by}" for corner in corners)
         found[0] += f" ({_few(list(told))}), held in each step: where one changes, the run goes back to the place"
-    found += [f"{_counted(len(whens), 'event')} at which rates are reset"] if whens else []
+    found += [f"{_counted(len(whens), 'event')} at which {model.set_at_events}"] if whens else []
     place = whens[0].span if whens else corners[0].span if corners else None
     return Need("state events", bool(found), ", ".join(found) or "forces bend and jump nowhere",
                 _line(place) if place else "", saving="a look at conditions after each step, and restarts")

@@ -57,7 +57,7 @@ def casadi_refusal(compilation: Compilation) -> tuple[str, str] | None:
         return ("not supported yet: constraints that stay in the equations, with CasADi's integrators",
                 "closed loops and the like need the run time: a C compiler (pip install ziglang)")
     if "resets" in compilation.functions.table:
-        return ("not supported yet: events that reset rates, with CasADi's integrators",
+        return (f"not supported yet: a scene in which {compilation.flat.set_at_events} at events, with CasADi's integrators",
                 "the run time takes them: a C compiler (pip install ziglang)")
     if "initial" in compilation.functions.table:
         return ("not supported yet: initial equations to be solved, with CasADi's integrators",
