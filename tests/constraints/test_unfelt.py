@@ -98,3 +98,75 @@ end S;
         assert beside[name] == pytest.approx(alone[name], abs=1e-8)
     assert 10 * beside["r.phi"] == pytest.approx(20 * (beside["j.phi_a"] - 0.2), abs=1e-8)
     assert np.abs(beside["k.phi_a"] - beside["j.phi_a"]) == pytest.approx([np.pi, np.pi], abs=1e-6)
+
+
+@pytest.mark.parametrize(("kind", "way"), [("Revolute", "a"), ("Universal", "a"), ("Universal", "b")])
+def test_half_a_turn_about_an_oblique_axis_is_told_by_one_angle(kind: str, way: str, tmp_path: Path) -> None:
+    """Both stood a quarter of a turn off, that of the joint that carries the body as well."""
+    first, second, scene = braces(AXIS), "{0.7, -0.3, 0}", tmp_path / "scene.lag"
+    axes = f"axis_a = {first}, axis_b = {second}"
+    scene.write_text(f"""model S
+  World world(gravity = {braces(GRAVITY)});
+  {kind} j(a = world, {axes if kind == "Universal" else f"axis = {first}"});
+  Body b(m = 1, I = {{1, 1.2, 1.4}}, center = shift(j.b, {{0.2, 0, -1}}));
+  Universal k(a = world, b = turn(j.b, 180[deg], {first if way == "a" else second}), {axes});
+end S;
+""")
+    run = Model(scene).simulate(at=[0])
+    carrying = ["j.phi"] if kind == "Revolute" else ["j.phi_a", "j.phi_b"]
+    other = "b" if way == "a" else "a"
+    assert [run[name][0] for name in [*carrying, f"k.phi_{other}"]] == pytest.approx([0] * (len(carrying) + 1), abs=1e-9)
+    assert abs(run[f"k.phi_{way}"][0]) == pytest.approx(np.pi, abs=1e-8)
+
+
+@pytest.mark.parametrize("size", [0.001, 1.0])
+def test_a_steep_law_beside_a_loop_takes_nothing_out_of_it(size: float, tmp_path: Path) -> None:
+    """Slopes of 1e10 make those of the other loop no rounding: a slider crank, its start by the law of cosines."""
+    scene = tmp_path / "scene.lag"
+    scene.write_text(f"""model S
+  World world;
+  Prismatic p(a = world, along = {{1, 0, 0}}, s(start = 1.2[mm], fixed = true));
+  Body c(m = 1, I = {{1, 1, 1}}, center = p.b);
+  Prismatic f(a = world, along = {{0, 0, 1}});
+  Body b(m = 1, I = {{1, 1, 1}}, center = f.b);
+  Prismatic g(a = shift(p.b, {{0, 0, 1[mm]*(p.s/1[mm])^5}}), along = {{1, 0, 0}}, b = f.b);
+  Revolute crank(a = shift(world, {{0, 3, 0}}), axis = {{1, 0.2, 0.3}}, phi(start = 0.7, fixed = true));
+  Spherical s1(a = shift(crank.b, {{0, {0.2 * size!r}, 0}}));
+  Body rod(m = 1, I = {{1, 1, 1}}, center = shift(s1.b, {{0, {0.5 * size!r}, 0}}));
+  Prismatic q(a = shift(world, {{{0.1 * size!r}, 3, 0}}), along = {{0, 1, 0.1}}, s(start = {1.2 * size!r}));
+  Body slider(m = 1, I = {{1, 1, 1}}, center = q.b);
+  Universal u(a = shift(s1.b, {{0, {size!r}, 0}}), b = q.b, axis_a = {{0, 0, 1}}, axis_b = {{1, 0, 0}});
+end S;
+""")
+    run = Model(scene).simulate(at=[0])
+    axis, along = np.array([1, 0.2, 0.3]), np.array([0, 1, 0.1])
+    pin = Rotation.from_rotvec(0.7 * axis / np.linalg.norm(axis)).apply([0, 0.2, 0]) - [0.1, 0, 0]
+    there = pin @ along / np.linalg.norm(along)
+    assert run["q.s"][0] == pytest.approx(size * (there + np.sqrt(1 - pin @ pin + there**2)), rel=1e-9)
+    assert run["f.s"][0] == pytest.approx(1.2**5 * 1e-3, rel=1e-9)
+
+
+def test_turns_at_the_start_do_not_feel_rounding_either(tmp_path: Path) -> None:
+    """A plane, a screw the other way round and a cylinder about one axis, from frames that are turned: nothing moves, and all
+    joints stand at 0. The start's equations moved what only their last digits feel, and did not close."""
+    fixed, own = Rotation.from_rotvec([1.05, -0.19, -0.48]), Rotation.from_rotvec([1.35, 0.93, 0.03])
+    place = np.array([0.8, 0.2, -0.6])
+
+    def ends(x: list[float]) -> list[str]:
+        seen = own.apply(fixed.inv().apply(np.array(x) - place))
+        frames = [("world", np.array(x), fixed), ("b.center", seen, own)]
+        return [f"turn(shift({name}, {braces(at)}), {float(turn.magnitude())!r}, {braces(turn.as_rotvec())})"
+                for name, at, turn in frames]
+
+    (a, b), (c, d), (e, f) = ends([0.25, 0.43, -0.45]), ends([0.9, -0.77, 0.48]), ends([0.12, -0.18, 0.08])
+    scene = tmp_path / "scene.lag"
+    scene.write_text(f"""model S
+  World world(gravity = {braces(GRAVITY)});
+  Body b(m = 1.5, I = {{0.2, 0.19, 0.15}});
+  PlanarJoint j(a = {a}, b = {b});
+  Screw k(a = {d}, b = {c}, axis = {{0, 0, 1}}, pitch = 0.7);
+  Cylindrical l(a = {e}, b = {f}, axis = {{-0.85, -0.8, -0.29}});
+end S;
+""")
+    run = Model(scene).simulate(at=[0, TIME])
+    assert run["b.center.r"] == pytest.approx(np.array([place, place]), abs=1e-10)

@@ -191,17 +191,31 @@ def _gap_of_start(closure: Closure, k: int, kinematics: Kinematics) -> Scalar:
 
 
 def _without_rounding(kinematics: Kinematics, rows: list[Row]) -> list[Row]:
-    """The same, those of loops in space without the coordinates that they mention and do not feel."""
+    """The same, those of loops in space without the coordinates that they mention and do not feel, nor their starts."""
     loops = [row for row in rows if row.loop is not None] if kinematics.geometry.by_rates else []
     if not loops:
         return rows
     gaps, rates = ca.vertcat(*[row.value(kinematics, 0) for row in loops]), ca.vertcat(*[row.rate(kinematics) for row in loops])
     unfelt = dict(zip(map(id, loops), find_unfelt(kinematics, gaps, rates), strict=True))
-    return [replace(row, value=partial(_felt, row.value, unfelt[id(row)])) if unfelt.get(id(row)) else row for row in rows]
+    turns = [row for row in loops if row.start is not None]
+    starts = ca.vertcat(ca.SX(0, 1), *[row.value_at_start(kinematics) for row in turns])
+    unfelt_starts = dict(zip(map(id, turns), find_unfelt(kinematics, starts, ca.SX(0, 1)), strict=True))
+    return [_felt(row, unfelt.get(id(row), ()), unfelt_starts.get(id(row), ())) for row in rows]
 
 
-def _felt(value: Callable[[Kinematics, int], Scalar], unfelt: Sequence[str], kinematics: Kinematics, level: int) -> Scalar:
+def _felt(row: Row, unfelt: Sequence[str], unfelt_start: Sequence[str]) -> Row:
+    """Without these coordinates, and without those at the start."""
+    if unfelt:
+        row = replace(row, value=partial(_value_felt, row.value, unfelt))
+    return replace(row, start=partial(_start_felt, row.start, unfelt_start)) if row.start is not None and unfelt_start else row
+
+
+def _value_felt(value: Callable[[Kinematics, int], Scalar], unfelt: Sequence[str], kinematics: Kinematics, level: int) -> Scalar:
     return without_unfelt(kinematics, value(kinematics, level), unfelt)
+
+
+def _start_felt(start: Callable[[Kinematics], Scalar], unfelt: Sequence[str], kinematics: Kinematics) -> Scalar:
+    return without_unfelt(kinematics, start(kinematics), unfelt)
 
 
 def different_sizes(left: Value, right: Value) -> str:

@@ -94,7 +94,9 @@ def turned_too_far(a: Quaternion, b: Quaternion, kept: Kept, algebra: Algebra) -
     if kept.kind == "cross":
         (p, q), turns = kept.axes[:2], [(algebra.call("cos", x), algebra.call("sin", x)) for x in halves]
         before, behind = ((cos, *(times(sin, -x) for x in axis)) for axis, (cos, sin) in zip((p, q), turns, strict=True))
-        return [times(2.0, x) for x in quaternion_product(quaternion_product(before, turn), behind)[1:]]
+        left = quaternion_product(quaternion_product(before, turn), behind)[1:]
+        axes = (cross(p, q), p, q)  # as what vanishes: square to each other, turned about the first, and about the second
+        return [times(2.0, dot(left, e)) for e in axes]
     found = [times(2.0, dot(turn[1:], e)) for e in kept.axes]
     if kept.turns:
         cos, sin = algebra.call("cos", halves[-1]), algebra.call("sin", halves[-1])
