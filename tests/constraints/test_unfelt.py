@@ -170,3 +170,19 @@ end S;
 """)
     run = Model(scene).simulate(at=[0, TIME])
     assert run["b.center.r"] == pytest.approx(np.array([place, place]), abs=1e-10)
+
+
+def test_a_row_that_vanishes_wherever_a_loop_closes_holds_nothing(tmp_path: Path) -> None:
+    """Two planes in one direction and a cylinder about another: only the body between the planes moves."""
+    turn, scene = "0.7, {1, 2, -1}", tmp_path / "scene.lag"
+    scene.write_text(f"""model S
+  World world;
+  Body b(m = 1, I = {{0.2, 0.19, 0.15}});
+  Body c(m = 1, I = {{0.2, 0.19, 0.15}});
+  PlanarJoint j(a = turn(world, {turn}), b = turn(b.center, {turn}));
+  PlanarJoint k(a = turn(shift(b.center, {{0.3, 0.1, -0.2}}), {turn}), b = turn(c.center, {turn}));
+  Cylindrical l(a = turn(shift(c.center, {{0.2, 0.1, 0.5}}), {turn}), b = turn(shift(world, {{0.5, 0.2, 0.3}}), {turn}),
+    axis = {{0.45, 0.7, 0.21}});
+end S;
+""")
+    assert Model(scene).freedom["degrees_of_freedom"] == 3

@@ -29,6 +29,7 @@ from lagrangia.frames.closures import is_across
 from lagrangia.frames.kinematics import Kinematics
 
 _RANK = 1e-7
+_LEAST = 1e-5  # of a row beside the largest one, that is scaled to it: slopes of 1e-12 are what rounding, and _THERE, leave of 0
 _THERE = 1e-13  # of a position that is taken to be on the constraints, relative to the scene's size
 _SHUT = 1e-6  # what is left of a gap where another start would close it
 _NOTHING = 1e-300
@@ -176,12 +177,13 @@ class _Numbers:
         return found
 
     def scaled(self, places: list[Vector]) -> list[Vector]:
-        """The slopes at each place, columns and rows scaled by what they are at most: what vanishes at one stays small."""
+        """The slopes at each place, columns and rows scaled by what they are at most: what vanishes at one stays small, and what
+        does at all of them."""
         slopes = [self.positions.slopes(q) for q in places]
         columns = np.max([np.abs(J).max(axis=0, initial=0.0) for J in slopes], axis=0)
         slopes = [J / np.maximum(columns, _NOTHING) for J in slopes]
         rows = np.max([np.linalg.norm(J, axis=1) for J in slopes], axis=0)
-        return [J / np.maximum(rows, _NOTHING)[:, None] for J in slopes]
+        return [J / np.maximum(rows, max(_LEAST * rows.max(initial=0.0), _NOTHING))[:, None] for J in slopes]
 
 
 def _rank(J: Vector) -> int:
