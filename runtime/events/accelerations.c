@@ -23,7 +23,7 @@ static const double *bring_back(LagRun *run, double t, const double *q, double *
     return run->careful_state;
 }
 
-static void set_switches(LagRun *run, double t, const double *q, const double *v)
+static inline void set_switches(LagRun *run, double t, const double *q, const double *v)
 {
     if (run->switches.is_live)
         lag_switches_set(run, t, q, v);
@@ -50,15 +50,15 @@ static inline int whole(LagRun *run, double t, const double *q, const double *v,
 static inline int accelerations(LagRun *run, double t, const double *q, const double *v, double *a, double *power)
 {
     const LagModel *model = run->model;
+    if (!lag_present(&model->regular))
+        return whole(run, t, q, v, a, power);
     const double *in[] = {&t, q, v, run->u, run->d, run->c};
     double doubt = 0, *out[] = {a, power, &doubt};
-    if (lag_present(&model->regular)) {
-        lag_inputs_at(&run->inputs, t, run->u);
-        set_switches(run, t, q, v);
-        if (run->doubtful == 0 && evaluate(run, &model->regular, in, out) && doubt == 0)
-            return 1;
-        run->doubtful = run->doubtful == 0 ? DOUBTFUL_FOR : run->doubtful - 1;
-    }
+    lag_inputs_at(&run->inputs, t, run->u);
+    set_switches(run, t, q, v);
+    if (run->doubtful == 0 && evaluate(run, &model->regular, in, out) && doubt == 0)
+        return 1;
+    run->doubtful = run->doubtful == 0 ? DOUBTFUL_FOR : run->doubtful - 1;
     return whole(run, t, q, v, a, power);
 }
 

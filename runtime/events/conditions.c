@@ -15,7 +15,8 @@ enum { ROUNDINGS = 256 };
 void lag_conditions_at(LagRun *run, double t, const double *y, const double *a, double *g, double *rate)
 {
     lag_conditions_by(run, t, y, y + run->model->n, a, g, rate);
-    lag_edges_decide(run, t, y, a, g, rate);
+    if (run->impacts.edges.is_in_force)
+        lag_edges_decide(run, t, y, a, g, rate);
 }
 
 static void look_at(LagRun *run, double t, const double *y, double *g, double *rate)
@@ -41,7 +42,7 @@ static void set_contact(int i, int gap, int rests, double *g, double *rate)
     }
 }
 
-static void put_far(const LagSwitches *s, int i, double *g, double *rate)
+static inline void put_far(const LagSwitches *s, int i, double *g, double *rate)
 {
     g[i] = s->held[i] > 0 ? 1 : -1;
     rate[i] = 0;

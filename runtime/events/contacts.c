@@ -60,6 +60,12 @@ int lag_contacts_are_closed(const LagRun *run, int k, const double *g, double ne
     return touches && !is_inside && g[i] >= 0;
 }
 
+static inline void note_error(LagRun *run, const double *moved, int i)
+{
+    double *error = &run->sliding.error[i];
+    *error = lag_max(fabs(moved[i] - run->switches.g[i]), *error);
+}
+
 /* How much one tolerance of positions changes conditions and gaps, and one of rates what rests, for a pattern of signs. Rates may
  * jump with positions (|x|): these are left as they are for them. */
 static void note_errors(LagRun *run, int pattern)
@@ -73,13 +79,9 @@ static void note_errors(LagRun *run, int pattern)
         lag_conditions_by(run, m->t, state, m->y + m->n, slope, s->g_inside, s->rate_inside);
     lag_conditions_by(run, m->t, m->y, state + m->n, slope, s->rate_begin, s->rate_inside);
     for (int k = 0; k < model->n_whens; ++k) {
-        const int places[] = {lag_when(model, k), lag_gap(model, k), lag_contact(model, k)};
-        for (int j = 0; j < 3; ++j) {
-            const int by_rates = j == 2 || (j == 1 && run->impacts.has_contact[k] == LAG_ONE_WAY);
-            const double moved = by_rates ? s->rate_begin[places[j]] : s->g_inside[places[j]];
-            double *error = &run->sliding.error[places[j]];
-            *error = lag_max(fabs(moved - s->g_begin[places[j]]), *error);
-        }
+        note_error(run, s->g_inside, lag_when(model, k));
+        note_error(run, run->impacts.has_contact[k] == LAG_ONE_WAY ? s->rate_begin : s->g_inside, lag_gap(model, k));
+        note_error(run, s->rate_begin, lag_contact(model, k));
     }
 }
 
@@ -96,7 +98,7 @@ static void note_times(LagRun *run)
     lag_conditions_by(run, later, m->y, m->y + m->n, s->slope + m->n, s->g_inside, s->rate_inside);
     for (int k = 0; k < model->n_whens; ++k) {
         const int i = run->impacts.has_contact[k] ? lag_gap(model, k) : lag_when(model, k);
-        run->impacts.by_time[k] = fabs(s->g_inside[i] - s->g_begin[i]) / MANY;
+        run->impacts.by_time[k] = fabs(s->g_inside[i] - s->g[i]) / MANY;
     }
 }
 
@@ -141,7 +143,7 @@ static int are_known(LagRun *run)
     return is_same;
 }
 
-void lag_contacts_find_errors(LagRun *run)
+int lag_contacts_find_errors(LagRun *run)
 {
     const LagModel *model = run->model;
     const int first = lag_when(model, 0);
@@ -150,8 +152,8 @@ void lag_contacts_find_errors(LagRun *run)
     const size_t size = 3 * (size_t)model->n_whens * sizeof *error;
     const LagScale scale = run->scale;
     if (model->n_whens == 0 || !model->switches_need_acceleration)
-        return;
-    lag_conditions_of_events(run, s->g_begin, s->rate);
+        return 0;
+    lag_conditions_of_events(run, s->g, s->rate);
     note_times(run);
     run->scale.rate_rounding = run->scale.step = run->scale.reach = 0; /* a rate is known as well after a step as short as can be */
     lag_conditions_units(run, run->motion.y, 1, s->error);
@@ -160,12 +162,13 @@ void lag_contacts_find_errors(LagRun *run)
         foresee_errors(run, s->error);
     if (are_known(run)) {
         memcpy(error, run->impacts.known, size);
-        return;
+        return 1;
     }
     memset(error, 0, size);
     for (int pattern = 0; pattern < lag_conditions_patterns(2 * model->n); ++pattern)
         note_errors(run, pattern);
     memcpy(run->impacts.known, error, size);
+    return 1;
 }
 
 int lag_contacts_is_inside(LagRun *run, int i, double g)

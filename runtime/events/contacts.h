@@ -5,8 +5,8 @@
 #include "events/impacts.h"
 
 /* At the present state: into sliding.error, what one tolerance of it makes of the conditions of contacts; those found
- * last where nothing has changed. */
-void lag_contacts_find_errors(LagRun *run);
+ * last where nothing has changed. Returns whether conditions were found for it: switches.g and rate, of lag_conditions_of_events. */
+int lag_contacts_find_errors(LagRun *run);
 
 /* How many numbers say where that was: the time, the state, its units, and all modes, switches and shares. */
 int lag_contacts_key(const LagModel *model);

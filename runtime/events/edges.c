@@ -93,7 +93,7 @@ void lag_edges_decide(LagRun *run, double t, const double *y, const double *a, d
 {
     LagEdges *s = &run->impacts.edges;
     const LagModel *model = run->model;
-    if (!s->is_in_force || (run->sliding.count > 0 && !lag_held_ways_last(run)) || !put(run, y, g))
+    if ((run->sliding.count > 0 && !lag_held_ways_last(run)) || !put(run, y, g))
         return;
     run->u_slope[LAG_N_U(model)] = EDGE;
     lag_conditions_by(run, t, s->state, s->state + model->n, a, s->g, s->rate);

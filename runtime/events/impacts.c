@@ -224,13 +224,14 @@ static int has_become_true(const LagRun *run, int k)
 
 /* At an instant: conditions that have come true by themselves. Contacts that are passed already, where the rest of the condition comes
  * true, are so from then on: a place where both come true is closed. */
-static void begin(LagRun *run)
+static void begin(LagRun *run, int is_seen)
 {
     LagImpacts *s = &run->impacts;
     LagSwitches *switches = &run->switches;
     const LagModel *model = run->model;
     memset(s->is_plastic, 0, (size_t)model->n_whens * sizeof *s->is_plastic);
-    lag_conditions_of_events(run, switches->g, switches->rate);
+    if (!is_seen)
+        lag_conditions_of_events(run, switches->g, switches->rate);
     for (int k = 0; k < model->n_whens; ++k) {
         lag_walls_let_go(run, k);
         const int i = lag_when(model, k), turned = switches->turned[i];
@@ -281,17 +282,17 @@ static void leave_to_first(LagRun *run)
 }
 
 /* Events of a rank whose conditions have come true, and contacts that are closed and approach; `is_new`: nothing has been reset or
- * sampled at this instant since these were looked at. Returns whether there are some. */
-static int find_events(LagRun *run, int rank, int is_new)
+ * sampled at this instant since these were looked at; `is_seen`: it was, and they are those of now. Returns whether some come. */
+static int find_events(LagRun *run, int rank, int is_new, int is_seen)
 {
     LagImpacts *s = &run->impacts;
     LagSwitches *switches = &run->switches;
     const LagModel *model = run->model;
     int found = 0;
-    if (!is_new) {
+    if (!is_new && !is_seen)
         lag_conditions_of_events(run, switches->g, switches->rate);
+    if (!is_new)
         find_met(run);
-    }
     for (int k = 0; k < model->n_whens; ++k) {
         const int i = lag_when(model, k);
         s->fires[k] = 0;
@@ -346,7 +347,7 @@ static void note_time(LagRun *run)
 
 /* All that comes at once, rank by rank: each event reads what those of lower ranks set, and what is held of its own (held values of
  * rank 0 were taken before). Returns whether there is some. */
-static int find_round(LagRun *run, int is_new)
+static int find_round(LagRun *run, int is_new, int is_seen)
 {
     LagImpacts *s = &run->impacts;
     const LagModel *model = run->model;
@@ -356,7 +357,7 @@ static int find_round(LagRun *run, int is_new)
     memset(s->at_once, 0, (size_t)model->n_whens * sizeof *s->at_once);
     for (int rank = 0; rank <= last; ++rank) {
         is_changed |= is_new && rank > 0 && lag_sampling_take(run, run->motion.t, run->motion.y, rank);
-        const int comes = find_events(run, rank, !is_changed);
+        const int comes = find_events(run, rank, !is_changed, is_seen && rank == 0);
         some |= comes;
         is_changed |= comes;
         if (last > 0)
@@ -424,24 +425,23 @@ LagStatus lag_impacts_strike(LagRun *run)
 {
     LagImpacts *s = &run->impacts;
     const int sliding = run->sliding.count;
-    int rounds = 0, is_found = 1, is_known = 1, latest = 0;
+    int rounds = 0, is_found = 1, is_known = 1, latest = 0, is_seen;
     if (run->model->n_whens == 0)
         return LAG_OK;
     run->sliding.count = 0; /* accelerations as the shares say: forces that hold give no impulses but by events of their own */
-    lag_contacts_find_errors(run);
+    is_seen = lag_contacts_find_errors(run);
     s->onward = 0;
     memset(s->rounding, 0, 2 * (size_t)run->model->n * sizeof *s->rounding);
-    begin(run);
-    int fire = find_round(run, 1);
+    begin(run, is_seen);
+    int fire = find_round(run, 1, 0);
     if (fire)
         lag_sliding_note_impact(run, run->switches.g);
     for (; fire && is_found && rounds < MOST_ROUNDS; ++rounds) {
         latest = lag_impacts_striking(run);
         is_known = is_known && are_known(run);
         is_found = lag_impulses_reset(run, 0);
-        if ((rounds & (rounds + 1)) == 0) /* now and then: what was at rest has a speed now */
-            lag_contacts_find_errors(run);
-        fire = find_round(run, 0);
+        is_seen = (rounds & (rounds + 1)) == 0 && lag_contacts_find_errors(run); /* what was at rest has a speed now */
+        fire = find_round(run, 0, is_seen);
     }
     if (rounds > 0) {
         s->struck = is_known ? run->motion.t : NAN;

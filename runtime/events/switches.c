@@ -129,13 +129,14 @@ void lag_switches_recall(LagRun *run)
     memcpy(run->d + run->model->n_modes, run->switches.held, (size_t)run->model->n_switches * sizeof *run->d);
 }
 
-static void find_unknown(LagRun *run)
+/* Returns whether accelerations were found with it. */
+static int find_unknown(LagRun *run)
 {
     LagSwitches *s = &run->switches;
     lag_conditions_find_unknown(run, run->motion.t, run->motion.y);
     for (int i = 0; i < run->model->n_switches && run->model->switches_need_acceleration; ++i)
         run->sliding.error[i] = lag_conditions_error(run, s->unknown[i]);
-    lag_contacts_find_errors(run);
+    return lag_contacts_find_errors(run);
 }
 
 /* Forces that feel reactions ask for their signs, which follow from what all forces do: those that have come out otherwise than they
@@ -158,15 +159,17 @@ static int turn_over(LagRun *run)
 }
 
 /* What changes now, and what is neither, goes the way that it is going, or stands: but for events, which are to come where they are
- * neither. Returns whether something changes. */
-static int choose(LagRun *run)
+ * neither. `is_seen`: the latest accelerations are those of the present. Returns whether something changes. */
+static int choose(LagRun *run, int is_seen)
 {
     LagSwitches *s = &run->switches;
     const int count = run->model->n_switches, first = lag_when(run->model, 0);
     const double *y = run->motion.y;
-    int turned = 0, undecided = 0;
+    const double *was = run->d + run->model->n_modes;
+    int turned = 0, undecided = 0, stays = is_seen && !s->is_live && !run->model->shares_bend; /* conditions, too, then */
     lag_conditions(run, run->motion.t, y, s->g, s->rate);
     for (int i = 0; i < count; ++i) {
+        const double held = s->held[i];
         lag_conditions_note_kick(run, i);
         if (s->turned[i] && !(s->stands[i] && s->held[i] == 0.5))
             s->held[i] = s->turned[i] == LAG_CHANGES ? 1 - s->held[i] : s->turned[i] == LAG_TO_1;
@@ -175,12 +178,14 @@ static int choose(LagRun *run)
         else if (!s->slides[i])
             s->held[i] = lag_contacts_is_inside(run, i, s->g[i]);
         turned |= s->turned[i];
+        stays = stays && s->held[i] == held && was[i] == held;
         undecided |= i < first && s->held[i] == 0.5;
     }
     lag_switches_recall(run);
     for (int pass = 0; pass < MOST_PASSES && turn_over(run); ++pass)
         ;
-    lag_conditions_with_rates(run, run->motion.t, y, s->g, s->rate);
+    if (!stays)
+        lag_conditions_with_rates(run, run->motion.t, y, s->g, s->rate);
     for (int i = 0; i < first; ++i)
         if (s->held[i] == 0.5)
             s->held[i] = s->rate[i] != 0 || run->model->at_level[i] < 0 ? s->rate[i] > 0 : lag_standing_value(run->model, i);
@@ -225,8 +230,7 @@ static int settle(LagRun *run)
     if (run->sliding.count > 0) /* what is torn off begins to move from rest */
         lag_sliding_stop(run);
     run->sliding.count = 0;
-    find_unknown(run);
-    const int turned = choose(run);
+    const int turned = choose(run, find_unknown(run));
     if (s->is_live)
         lag_sliding_end(run);
     const int may_slide = (!s->is_live || run->model->n_whens > 0) && run->model->switches_need_acceleration;

@@ -188,7 +188,7 @@ static int build(LagRun *run, LagTaylor *s, int order)
 }
 
 /* The integral of a series from 0 to h, in two chains. */
-static double integral(const double *c, int pitch, int order, double h)
+LAG_UNROLLED double integral(const double *c, int pitch, int order, double h)
 {
     const double square = h * h;
     double even = 0, odd = 0;
@@ -199,22 +199,37 @@ static double integral(const double *c, int pitch, int order, double h)
     return (even + odd * h) * h;
 }
 
-/* What a step of length h adds to the state. */
-static void displacement(const LagTaylor *s, const LagModel *model, double *jets, int order, double h, double *step)
+LAG_UNROLLED void integrate_powers(const LagModel *model, double *jets, int order, double h, double *step)
+{
+    for (int i = 0; i < model->n_power; ++i)
+        step[2 * model->n + i] = integral(power_jet(model, jets, i), model->jet_pitch, order, h);
+}
+
+/* What a step of length h adds to a short state, but for what is turned. */
+LAG_UNROLLED void sum_up(const LagModel *model, double *jets, int order, double h, double *step)
 {
     const int n = model->n, pitch = model->jet_pitch;
-    if (model->is_long_state)
-        lag_long_displacement(model, jets, order, h, step, s->share);
-    else if (pitch > 1) /* apart from the next loop, whose pitch is a constant: 4 % of a small scene's time */
+    integrate_powers(model, jets, order, h, step);
+    if (pitch > 1) /* apart from the next loop, whose pitch is a constant: 4 % of a small scene's time */
         for (int i = 0; i < 2 * n; ++i)
             step[i] = lag_jet_value(jets + pitch + 1 + i, pitch, order - 1, h) * h;
     else
         for (int i = 0; i < 2 * n; ++i)
             if (!lag_taylor_is_turned(model, i))
                 step[i] = lag_jet_value(jets + (1 + i) * LAG_JET_STRIDE + 1, 1, order - 1, h) * h;
+}
+
+/* What a step of length h adds to the state; beyond `order` nothing is left of the series. */
+static void displacement(const LagTaylor *s, const LagModel *model, double *jets, int order, double h, double *step)
+{
+    if (model->is_long_state) {
+        lag_long_displacement(model, jets, order, h, step, s->share);
+        integrate_powers(model, jets, order, h, step);
+    } else if (order <= LEAST_ORDER) /* a throw's: its sums are short, and of a length that is known */
+        sum_up(model, jets, LEAST_ORDER, h, step);
+    else
+        sum_up(model, jets, order, h, step);
     lag_taylor_turn(model, jets, order, h, step);
-    for (int i = 0; i < model->n_power; ++i)
-        step[2 * n + i] = integral(power_jet(model, jets, i), pitch, order, h);
 }
 
 /* A state near the end of the planned step, which units are taken for: that before the latest one serves as well, if there is one
@@ -354,6 +369,9 @@ static int needs_live_switches(const LagRun *run, int in_vain, double wrong)
     return run->switches.is_live || (in_vain >= PATIENCE && !(wrong < INFINITY) && run->model->n_switches > 0);
 }
 
+/* Whether a coefficient and the three before it are 0. */
+static inline int are_zero(const double *c, int k) { return fabs(c[0]) + fabs(c[-k]) + fabs(c[-2 * k]) + fabs(c[-3 * k]) == 0; }
+
 /* The order from which on nothing is left of a series: digits are the same without. */
 static int top_of(const LagTaylor *s, const LagModel *model, double *jets)
 {
@@ -364,6 +382,8 @@ static int top_of(const LagTaylor *s, const LagModel *model, double *jets)
         const int is_power = i >= 2 * n; /* whose integral counts, of an order more */
         const double *c = is_power ? power_jet(model, jets, i - 2 * n) : lag_taylor_jet(model, jets, 1 + i);
         int k = s->order;
+        while (k - 3 > top && are_zero(c + (k - is_power) * pitch, pitch))
+            k -= 4;
         while (k > top && c[(k - is_power) * pitch] == 0)
             --k;
         top = k > top ? k : top;
