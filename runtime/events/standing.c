@@ -5,6 +5,7 @@
 
 #include "events/conditions.h"
 #include "events/sliding.h"
+#include "events/switches.h"
 #include "numbers/extremes.h"
 #include "state/evaluate.h"
 #include "state/state.h"
@@ -14,8 +15,8 @@ static const double MOMENT = 1e-3, SOME_TIME = 1e-6; /* of a step; s, where no s
 
 double lag_standing_value(const LagModel *model, int i)
 {
-    const int twice = i < lag_when(model, 0) ? model->at_level[i] : -1;
-    return twice < 0 || twice == LAG_WHOLE ? 0.5 : 0.5 * twice;
+    const int level = i < lag_when(model, 0) ? model->at_level[i] : LAG_LEVEL_EITHER;
+    return level == LAG_LEVEL_EITHER || level == LAG_LEVEL_WHOLE ? 0.5 : 0.5 * level;
 }
 
 /* What is held has no rate but rounding. */
@@ -27,8 +28,9 @@ static int is_still(const LagRun *run, int i, double rate)
 static int is_candidate(const LagRun *run, int i)
 {
     const LagSwitches *s = &run->switches;
-    const double known = run->model->at_level[i] == LAG_WHOLE ? lag_max(OF_SINE, s->unknown[i]) : s->unknown[i];
-    return run->model->at_level[i] >= 0 && !s->slides[i] && !s->is_idle[i] && fabs(s->g[i]) <= known;
+    const int level = run->model->at_level[i];
+    const double known = level == LAG_LEVEL_WHOLE ? lag_max(OF_SINE, s->unknown[i]) : s->unknown[i];
+    return level != LAG_LEVEL_EITHER && !s->slides[i] && !s->is_idle[i] && fabs(s->g[i]) <= known;
 }
 
 /* The rates of all conditions a moment later, into switches.rate_inside. */
@@ -69,7 +71,7 @@ int lag_standing_find(LagRun *run)
             s->unknown[i] = lag_max(fabs(s->g[i]), s->unknown[i]);
     }
     if (changes)
-        memcpy(run->d + run->model->n_modes, s->held, (size_t)first * sizeof *s->held);
+        lag_switches_recall(run);
     return changes;
 }
 

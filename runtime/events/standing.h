@@ -5,7 +5,9 @@
 #include "model/model.h"
 #include "state/settings.h"
 
-enum { LAG_WHOLE = 3 }; /* in at_level of the model: of whole numbers, which are what they are */
+/* In at_level of the model, what a switch holds where what it compares is and stays equal: either, as nothing jumps with it; 0, a half
+ * or 1, twice that; or a half of whole numbers, which are what they are. held_switches.py has the same. */
+enum { LAG_LEVEL_EITHER = -1, LAG_LEVEL_ZERO = 0, LAG_LEVEL_HALF = 1, LAG_LEVEL_ONE = 2, LAG_LEVEL_WHOLE = 3 };
 
 /* What switch i holds where what it compares is equal: 0.5 where no force jumps with it. */
 double lag_standing_value(const LagModel *model, int i);

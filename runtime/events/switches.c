@@ -188,7 +188,7 @@ static int choose(LagRun *run, int is_seen)
         lag_conditions_with_rates(run, run->motion.t, y, s->g, s->rate);
     for (int i = 0; i < first; ++i)
         if (s->held[i] == 0.5)
-            s->held[i] = s->rate[i] != 0 || run->model->at_level[i] < 0 ? s->rate[i] > 0 : lag_standing_value(run->model, i);
+            s->held[i] = s->rate[i] != 0 || run->model->at_level[i] == LAG_LEVEL_EITHER ? s->rate[i] > 0 : lag_standing_value(run->model, i);
     lag_switches_recall(run);
     if (undecided)
         lag_conditions_with_rates(run, run->motion.t, y, s->g, s->rate);
@@ -312,7 +312,7 @@ int lag_switches_resume(LagRun *run, const double *kept)
     for (int i = 0; i < run->model->n_switches; ++i) {
         s->turned[i] = isnan(kept[i]);
         s->held[i] = s->turned[i] ? 0.5 : kept[i];
-        s->stands[i] = kept[i] == 0.5; /* what does holds that alone */
+        s->stands[i] = kept[i] == 0.5; /* nothing else holds that; others that stand are found at the next event */
     }
     lag_switches_recall(run);
     run->sliding.is_lenient = run->model->n_cones > 0; /* that it holds is known */

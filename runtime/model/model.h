@@ -125,8 +125,7 @@ struct LagModel {
                                  * read nothing of each other */
     const int *rubs;            /* 3 n_rubs: the switch of its slip, the event of the contact, whether no other force has the switch */
     const int *rests;           /* n_rests: the switch of each */
-    const int *at_level;        /* n_switches but those of events: twice what each holds where what it compares is and stays equal;
-                                 * 3: of whole numbers; -1: either */
+    const int *at_level;        /* n_switches but those of events: LAG_LEVEL_... of each, in standing.h */
     const int *cones;           /* 2 n_cones: the switches of both components */
     const int *lookups;         /* 2 n_lookups: the event whose argument a table is asked for, and the first of its modes */
     const int *pieces;          /* 4 n_pieces: the input, those that are its first two rates (-1: none), the first of its modes */

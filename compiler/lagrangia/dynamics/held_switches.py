@@ -20,7 +20,7 @@ _PRODUCTS = (ca.OP_MUL, ca.OP_IF_ELSE_ZERO)
 _MULTIPLES = {ca.OP_TWICE: 2.0, ca.OP_NEG: -1.0}  # products with these numbers
 _NOTHING = frozenset[int]()
 WHOLE = (ca.OP_FLOOR, ca.OP_CEIL)
-OF_WHOLE = 3  # in LagModel's at_level
+EITHER, ZERO, HALF, ONE, OF_WHOLE = -1, 0, 1, 2, 3  # in LagModel's at_level: LAG_LEVEL_... of standing.h
 
 
 def ordered(a: int, b: int) -> Pair:
@@ -41,11 +41,16 @@ def pair_of(numbering: Numbering, op: int, numbers: list[int]) -> Pair | None:
 
 
 def side_on_level(op: int, is_first: bool) -> int:
-    """Twice the switch of a pair that an operation with a jump asks for where both are equal; `is_first`: its first operand has
-    the smaller number. OF_WHOLE where that is a whole number."""
+    """The switch of a pair that an operation with a jump asks for where both are equal, as in `at_level`; `is_first`: its first
+    operand has the smaller number."""
     if op in WHOLE:
         return OF_WHOLE
-    return 1 if op == ca.OP_SIGN else 2 * int((op == ca.OP_LT) == is_first)
+    return HALF if op == ca.OP_SIGN else ONE if (op == ca.OP_LT) == is_first else ZERO
+
+
+def value_on_level(side: int) -> float:
+    """What a switch holds that is so on its level."""
+    return 0.5 if side in (EITHER, OF_WHOLE) else 0.5 * side
 
 
 def rest_asked(numbering: Numbering, op: int, numbers: list[int]) -> tuple[tuple[Pair, ...], bool] | None:

@@ -24,13 +24,15 @@ from lagrangia.algebra.with_casadi import CORNERS, operations_in
 from lagrangia.base.records import dataclass
 from lagrangia.dynamics.driven_conditions import Pair, driven_conditions, is_of_one_side, sides_of
 from lagrangia.dynamics.found_conditions import Finding, conditions_in, finding_in, is_rate, only_jumps
-from lagrangia.dynamics.held_switches import JUMPS, OF_WHOLE, RELATIONS, SIGNS, WHOLE, Holding, pair_of
+from lagrangia.dynamics.held_switches import (EITHER, HALF, JUMPS, OF_WHOLE, ONE, RELATIONS, SIGNS, WHOLE, ZERO, Holding, pair_of,
+                                               value_on_level)
 from lagrangia.dynamics.motion import SMOOTH, Motion
 from lagrangia.dynamics.same_conditions import Same, match, multiples
 
 _BENT = CORNERS | {ca.OP_ATAN2}
 _NONE = ca.SX(0, 1)
 _ROOTED = frozenset({ca.OP_SQRT, ca.OP_FLOOR, ca.OP_CEIL})
+_UNKNOWN = {ZERO, ONE}  # on which side a condition is of which a factor may be negative: as if both were asked
 
 
 @dataclass(frozen=True)
@@ -60,7 +62,7 @@ class Switches:
         """The same with the symbols in place of what they stand for."""
         if not self.places:
             return list(expressions)
-        halves = frozenset(pair for pair, side in self.at_level.items() if side in (1, OF_WHOLE) and not self._is_share(pair))
+        halves = frozenset(pair for pair, side in self.at_level.items() if side in (HALF, OF_WHOLE) and not self._is_share(pair))
         holding = Holding(self.places | self.aliases, self.shares, self.rests | self.rest_aliases, self.numbering, self.nothing,
                           halves)
         return rebuilt(expressions, self.numbering, holding.made)
@@ -83,7 +85,7 @@ class Switches:
         order = {pair: k for k, pair in enumerate(self.places)}
         cones = [order[pair] for cone in self.cones for pair in cone]
         return {"rubs": self.rubs, "rests": tuple(order[pair] for pair in self.rests), "cones": tuple(cones),
-                "at_level": tuple(self.at_level.get(pair, -1) for pair in self.places)}
+                "at_level": tuple(self.at_level.get(pair, EITHER) for pair in self.places)}
 
 
 def bends(motion: Motion) -> bool:
@@ -179,9 +181,9 @@ def _at_level(sides: Mapping[Pair, set[int]], known: set[Pair], same: Same) -> d
     """Of conditions with which something jumps: half of a switch, where what jumps does not ask for the same."""
     asked = dict[Pair, set[int]]()
     for pair, found in sides.items():
-        of, is_same = (same[pair].of, found == {1}) if pair in same else (pair, True)
-        asked.setdefault(of, set()).update(found if is_same else {0, 2})  # a factor may be negative
-    one = {pair: next(iter(found)) if len(found) == 1 else 1 for pair, found in asked.items()}
+        of, is_same = (same[pair].of, found == {HALF}) if pair in same else (pair, True)
+        asked.setdefault(of, set()).update(found if is_same else _UNKNOWN)
+    one = {pair: next(iter(found)) if len(found) == 1 else HALF for pair, found in asked.items()}
     return {pair: one[pair] for pair in known & one.keys()} | {pair: one[x.of] for pair, x in same.items() if x.of in one}
 
 
@@ -350,8 +352,8 @@ def live(name: str, functions: Mapping[str, ca.Function],
     known = {switches.name_in(k): ca.SX.zeros(switches.size1_in(k)) for k in range(switches.n_in())}
     g = switches.call(known | {label: given[label] for label in names if label in known})["g"]
     rests = [g[k] == 0 for k in patterns.get("rests", ())]
-    sides = [1 if side in (-1, OF_WHOLE) else side for side in patterns.get("at_level", ())]
-    at_level = ca.DM([*sides, *[1] * (g.numel() - len(sides))]) / 2
+    values = [value_on_level(side) for side in patterns.get("at_level", ())]
+    at_level = ca.DM([*values, *[0.5] * (g.numel() - len(values))])
     found = held.call(given | {"d": ca.vertcat(given["d"], (g > 0) + at_level * (g == 0), *rests)})
     results = [held.name_out(k) for k in range(held.n_out())]
     return ca.Function(name, [given[label] for label in names], [found[label] for label in results], names, results)
