@@ -58,7 +58,8 @@ def test_functions_of_time_that_stay_on_a_level(law: str, scene: Write) -> None:
 
 @pytest.mark.parametrize(("law", "sign"), [
     ("sign(u*b.v)", np.sign), ("if -2*b.v*u >= 0 then 1 else 0", lambda u: u <= 0),
-    ("if u*b.s > 0 then 1 else 0", lambda u: u > 0)])
+    ("if u*b.s > 0 then 1 else 0", lambda u: u > 0), ("sign(sign(u)*b.v)", np.sign),
+    ("sign(floor(u)*b.v)", lambda u: min(u, 0)), ("sign((if u > 0 then 1 else -1)*b.v)", lambda u: 1 if u > 0 else -1)])
 def test_products_of_inputs_and_rates(law: str, sign: Callable[[float], float], scene: Write) -> None:
     """sign(u v) is 0 while u is, whichever way v goes: it was 1 (2.6 m for 3), or what it had been."""
     model = scene(f"model M input Real u; {SLIDES % f'0.2*({law})'}")

@@ -16,7 +16,7 @@ from lagrangia.dynamics.driven_conditions import SIDED, Pair, driven_conditions
 from lagrangia.dynamics.held_switches import JUMPS, RELATIONS, SIGNS, WHOLE, Holding, ordered, pair_of, rest_asked, side_on_level
 from lagrangia.dynamics.levels import EDGE, Levels, step_of
 from lagrangia.dynamics.levels import JUMPS as ALL_JUMPS
-from lagrangia.dynamics.same_conditions import bends_by, multiples
+from lagrangia.dynamics.same_conditions import bends_by, multiples, without_factors
 
 _NONE = ca.SX(0, 1)
 
@@ -90,7 +90,7 @@ class Finding:
             return as_expression(ca.sin(ca.pi * operands[0]))
         a, b = (operands[0], as_expression(0.0)) if op in SIGNS or op == ca.OP_ATAN2 else operands
         difference, is_first = as_expression(a - b if numbers[0] == pair[0] else b - a), numbers[0] == pair[0]
-        if op == ca.OP_ATAN2 or operations_in(difference).isdisjoint(ALL_JUMPS):
+        if op == ca.OP_ATAN2 or operations_in(self._bare(difference)).isdisjoint(ALL_JUMPS):
             return difference
         levels = Levels(self.moving, edge=EDGE)
         level = _taken_apart(levels, as_expression(a <= b if op == ca.OP_LE else a < b))
@@ -106,7 +106,7 @@ class Finding:
         """Of a < b, which nothing that answers to forces decides: on it, a is not less."""
         difference = as_expression(b - a)
         if bends_by(ALL_JUMPS, difference, self.constant | self.stepped, self.numbering):
-            return _taken_apart(Levels(self.moving, edge=EDGE), as_expression(a < b))
+            return _taken_apart(Levels(self.moving, edge=EDGE, may_stay=True), as_expression(a < b))
         is_step = symbols_in(difference).isdisjoint(self.driven)  # no error of it tells more than its side
         return step_of(difference, -EDGE) if is_step else as_expression(difference - EDGE)
 
@@ -117,6 +117,11 @@ class Finding:
         moving = self.movers & symbols_in(ca.veccat(*operands))
         is_told = moving.isdisjoint(self.driven) and (op not in JUMPS or not moving)  # what stands between events is as it is
         return not is_told and moving <= self.driven | self.stepped
+
+    def _bare(self, difference: Expression) -> Expression:
+        """Without what goes its way whatever moves and is a factor of it: that has conditions of its own, as in `multiples`."""
+        known = self.constant | self.stepped | self.driven
+        return without_factors(difference, known)[0] if self._moves(difference) else difference
 
     def _moves(self, x: Expression) -> bool:
         return not self.movers.isdisjoint(symbols_in(x))

@@ -41,7 +41,7 @@ class _TooManyCasesError(Exception):
     """A condition that cannot be taken apart."""
 
 
-_Known = dict[int, tuple[float, float]]  # between what numbers values lie, by their own numbers
+_Known = dict[int, tuple[float, float]]  # by their numbers, from what on values are, and below what they stay
 _Threshold = tuple[int, float, bool]
 
 
@@ -68,6 +68,7 @@ class Levels:
     cases: int = 0
     may_rest: bool = False  # whether both sides of a comparison may be equal for a while
     edge: float = 0.0  # the level where both sides of <= are equal; where both sides of < are, its opposite
+    may_stay: bool = False  # whether what moves may stay on levels: knowing x <= k is not knowing x < k then
     beside: Edge | None = None  # and what goes beside it
 
     def of(self, truth: ca.SX) -> ca.SX | None:
@@ -130,6 +131,7 @@ class Levels:
         if self._moves(d):
             x, place, is_above = _line(d)
             low, high = self._range(x, known)
+            place = self._beyond(place) if is_above != is_true_at_0 else place
             return d + self._edge_of(d) * (1 if is_true_at_0 else -1) if low < place < high else (low >= place) == is_above
         return as_expression(_FAR * (2 * (d >= 0 if is_true_at_0 else d > 0) - 1))
 
@@ -168,7 +170,11 @@ class Levels:
     def _range(self, x: ca.SX, known: _Known) -> tuple[float, float]:
         """Between what numbers x is known to be."""
         low, high = known.get(self.numbering.number(as_expression(-x)), (-np.inf, np.inf))
-        return known.get(self.numbering.number(x), (-high, -low))
+        return known.get(self.numbering.number(x), (self._beyond(-high), self._beyond(-low)))
+
+    def _beyond(self, k: float) -> float:
+        """The next larger number, from which on x > k; k where nothing stays on it."""
+        return float(np.nextafter(k, np.inf)) if self.may_stay and np.isfinite(k) else k
 
     # ------------------------------------------------------------ what jumps in them
 
@@ -215,13 +221,12 @@ class Levels:
         return as_expression(rebuilt([d], self.numbering, make)[0])
 
     def _threshold(self, atom: ca.SX) -> _Threshold:
-        """Of x < k or k < x with a number k, as x - y < 0 is: the number of x, k, and whether it is true below."""
-        a, b = atom.dep(0), atom.dep(1)
-        if b.is_constant() and not a.is_constant():
-            return self.numbering.number(a), float(b), True
+        """Of x < k or k <= x with a number k, as x - y < 0 is: the number of x, k, and whether it is true below."""
+        a, b, is_inclusive = atom.dep(0), atom.dep(1), atom.op() == ca.OP_LE
         if a.is_constant() and not b.is_constant():
-            return self.numbering.number(b), float(a), False
-        return self.numbering.number(as_expression(a - b)), 0.0, True
+            return self.numbering.number(b), float(a) if is_inclusive else self._beyond(float(a)), False
+        x, k = (a, float(b)) if b.is_constant() and not a.is_constant() else (as_expression(a - b), 0.0)
+        return self.numbering.number(x), self._beyond(k) if is_inclusive else k, True
 
     def _learnt(self, atom: ca.SX, is_true: bool, known: _Known) -> _Known:
         x, k, is_below = self._threshold(atom)

@@ -63,7 +63,7 @@ def multiples(found: Mapping[Pair, Expression], v: ca.SX, constant: ca.SX, numbe
     events, or `driven`; where it cannot be 0, of rates alone."""
     rates, symbols, same = symbols_in(v) - symbols_in(constant), symbols_in(ca.vertcat(constant, driven)), Same()
     found = {pair: g for pair, g in found.items() if not symbols_in(g) <= symbols or symbols_in(g) <= symbols_in(constant)}
-    apart = {pair: _without_factors(g, symbols) for pair, g in found.items()}
+    apart = {pair: without_factors(g, symbols) for pair, g in found.items()}
     vanishing = [pair for pair, (_, _, may_vanish) in apart.items() if may_vanish]
     wanted = [pair for pair, g in found.items() if vanishing or not rates.isdisjoint(symbols_in(g))]
     first = dict[tuple[int, ...], tuple[Pair, Expression]]()
@@ -80,7 +80,7 @@ def multiples(found: Mapping[Pair, Expression], v: ca.SX, constant: ca.SX, numbe
     return same
 
 
-def _without_factors(g: Expression, constant: frozenset[int], of_sums: bool = True) -> tuple[Expression, Expression, bool]:
+def without_factors(g: Expression, constant: frozenset[int], of_sums: bool = True) -> tuple[Expression, Expression, bool]:
     """g but for a factor, that factor, and whether it may be 0."""
     factor, may_vanish = as_expression(1.0), False
     while g.n_dep():
@@ -112,7 +112,7 @@ def _common_part(g: ca.SX, constant: frozenset[int]) -> tuple[Expression, Expres
             if len(addends) > _MOST_ADDENDS:
                 return None
             continue
-        x, factor, _ = _without_factors(as_expression(g), constant, False)
+        x, factor, _ = without_factors(as_expression(g), constant, False)
         if symbols_in(x) <= constant or not (found.is_zero() or ca.is_equal(x, found, _SAME_DEPTH)):
             return None
         found, total = x, as_expression(total + sign * factor)

@@ -24,8 +24,20 @@ from lagrangia.algebra.with_casadi import CORNERS, operations_in
 from lagrangia.base.records import dataclass
 from lagrangia.dynamics.driven_conditions import Pair, driven_conditions, is_of_one_side, sides_of
 from lagrangia.dynamics.found_conditions import Finding, conditions_in, finding_in, is_rate, only_jumps
-from lagrangia.dynamics.held_switches import (EITHER, HALF, JUMPS, OF_WHOLE, ONE, RELATIONS, SIGNS, WHOLE, ZERO, Holding, pair_of,
-                                               value_on_level)
+from lagrangia.dynamics.held_switches import (
+    EITHER,
+    HALF,
+    JUMPS,
+    OF_WHOLE,
+    ONE,
+    RELATIONS,
+    SIGNS,
+    WHOLE,
+    ZERO,
+    Holding,
+    pair_of,
+    value_on_level,
+)
 from lagrangia.dynamics.motion import SMOOTH, Motion
 from lagrangia.dynamics.same_conditions import Same, match, multiples
 
