@@ -1,5 +1,6 @@
 #include "events/accelerations.h"
 
+#include <math.h>
 #include <string.h>
 
 #include "model/function.h"
@@ -7,6 +8,8 @@
 #include "events/rest.h"
 #include "numbers/wide.h"
 #include "model/wide_tape.h"
+
+static const double MOMENT = 1e-11; /* s beside an event, where whole numbers of inputs are looked at: dynamics/impulses.py */
 
 enum { DOUBTFUL_FOR = 100 }; /* evaluations */
 
@@ -202,12 +205,15 @@ int lag_kick(LagRun *run, double t, double *y)
     const LagModel *model = run->model;
     const double *in[] = {&t, y, y + model->n, run->u, run->d, run->c, run->d_before};
     double *dv = run->acceleration;
-    if (!lag_present(&model->kick) || memcmp(run->d, run->d_before, (size_t)model->n_modes * sizeof *run->d) == 0)
-        return 0;
+    int is_kicked = memcmp(run->d, run->d_before, (size_t)model->n_modes * sizeof *run->d) != 0;
+    if (!lag_present(&model->kick) || (!is_kicked && t - run->motion.t_old <= MOMENT * (1 + fabs(t))))
+        return 0; /* the event before looked past this one: an input that comes to a whole number and turns back there is on none */
     lag_inputs_at(&run->inputs, t, run->u);
     if (lag_call(&model->kick, in, &dv, run->work) != 0 || !lag_all_finite(dv, model->n))
         return 0;
-    for (int i = 0; i < model->n; ++i)
+    for (int i = 0; i < model->n; ++i) {
         y[model->n + i] += dv[i];
-    return 1;
+        is_kicked |= dv[i] != 0; /* by whole numbers of inputs, which no mode tells */
+    }
+    return is_kicked;
 }

@@ -10,7 +10,7 @@ damping: they add nothing here.
 """
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 
 import casadi as ca
 import numpy as np
@@ -19,11 +19,13 @@ from numpy.typing import NDArray
 from lagrangia.algebra.modes import RELATIONS, Mode
 from lagrangia.algebra.numbering import rebuilt
 from lagrangia.algebra.scalars import Expression, as_expression
+from lagrangia.algebra.with_casadi import operations_in
 from lagrangia.base.diagnostics import fail
 from lagrangia.base.records import dataclass
 from lagrangia.constraints.parameters import usual_parameters
 from lagrangia.constraints.rows import Constraints
 from lagrangia.dynamics.energies import evaluate_energies, generalised_force
+from lagrangia.dynamics.held_switches import WHOLE
 from lagrangia.dynamics.kkt import factor
 from lagrangia.dynamics.motion import Motion, mass_matrix, solve_mass
 from lagrangia.frames.kinematics import Kinematics
@@ -33,6 +35,7 @@ _BESIDE = 1e-9  # s
 _DRAWS, _PARABOLA = 8, (2.0, 1.0, 0.2, 0.0)  # coefficients of inputs, of as many tries
 _HORIZON = 20.0  # s: of runs that do not say when they end
 _ROUNDING = 1e-14  # of the largest of what is carried
+_MOMENT, _LAST_PLACES = 1e-11, 1e-15  # s beside an event, and relative: its time is known to less
 _NOTHING = 1e-6  # of the size of its terms: an impulse that is rounding
 
 
@@ -46,13 +49,15 @@ class Kick:
 
 def rates_jump(kinematics: Kinematics, constraints: Constraints) -> bool:
     """Whether there are kicks, of scenes that are not compiled as a whole."""
-    if not kinematics.algebra.modes and not _may_bend_in_time(kinematics):
+    if not kinematics.algebra.modes and not _may_change_in_time(kinematics):
         return False
     energies = evaluate_energies(kinematics)
     q, v = (ca.vertcat(*values.values()) for values in (kinematics.symbols.positions, kinematics.symbols.rates))
     momentum = ca.gradient(energies.total(energies.kinetic), v)
     momentum, rows = _by_arms(kinematics, momentum, ca.vertcat(ca.SX(0, 1), *(row.rate(kinematics) for row in constraints.rows)))
     modes, before = _jumping(kinematics), ca.SX.sym("before", len(kinematics.algebra.modes))
+    if _counts_in_time(kinematics, momentum, rows):
+        return True
     if modes.numel() == 0:
         return False
     return bool(ca.depends_on(ca.vertcat(momentum, rows), modes)
@@ -61,6 +66,36 @@ def rates_jump(kinematics: Kinematics, constraints: Constraints) -> bool:
 
 def _may_bend_in_time(kinematics: Kinematics) -> bool:
     return kinematics.algebra.may_bend and "time" in kinematics.symbols.asked
+
+
+def _may_change_in_time(kinematics: Kinematics) -> bool:
+    return _may_bend_in_time(kinematics) or not kinematics.algebra.index.asked.isdisjoint(("floor", "ceil"))
+
+
+def _counts_in_time(kinematics: Kinematics, *moved: ca.SX) -> bool:
+    """Whether whole numbers of what goes its way in time stand in these: they jump at events that no mode tells."""
+    counted = _counted(kinematics, moved, 1)
+    return any(x is not y for x, y in zip(counted, moved, strict=True))
+
+
+def _counted(kinematics: Kinematics, expressions: Sequence[ca.SX], side: int) -> list[ca.SX]:
+    """The same, with whole numbers of what goes its way in time as they are a moment after (1) or before (-1) the present time:
+    an event that was found lies on one side of its jump."""
+    algebra, time, found = kinematics.algebra, kinematics.symbols.time, list[int]()
+
+    def made(op: int, _: list[int], operands: list[Expression]) -> Expression | None:
+        x = as_expression(operands[0]) if op in WHOLE else None
+        if x is None or not ca.depends_on(x, time) or ca.depends_on(x, algebra.state):
+            return None
+        found.append(op)
+        slope = ca.jacobian(x, time)
+        aside = _MOMENT * (1 + ca.fabs(time)) * slope + _LAST_PLACES * ca.fabs(x) * ca.sign(slope)
+        return as_expression((ca.floor if op == ca.OP_FLOOR else ca.ceil)(x + side * aside))
+
+    if all(operations_in(x).isdisjoint(WHOLE) for x in expressions):
+        return list(expressions)
+    results = rebuilt(expressions, algebra.index.numbering, made)
+    return results if found else list(expressions)
 
 
 def _by_arms(kinematics: Kinematics, momentum: ca.SX, rows: ca.SX) -> list[ca.SX]:
@@ -142,24 +177,30 @@ def _jumping(kinematics: Kinematics) -> ca.SX:
 def find_kick(kinematics: Kinematics, motion: Motion) -> Kick:
     """How rates jump where supports and prescribed coordinates jump in theirs."""
     held = motion.constrained
-    if all(mode.of_attitude for mode in kinematics.algebra.modes) and not _may_bend_in_time(kinematics):
+    if all(mode.of_attitude for mode in kinematics.algebra.modes) and not _may_change_in_time(kinematics):
         return Kick(ca.SX(0, 1), ca.SX.sym("before", len(kinematics.algebra.modes)))
     momentum, rows = _by_arms(kinematics, motion.momentum, held.rows.rate if held else ca.SX(0, 1))
     _refuse_untold(kinematics, momentum, rows)
-    modes = kinematics.algebra.mode_symbols
-    before = ca.vertcat(*[ca.SX.sym(f"before_{k}") for k in range(modes.numel())])
-    if all(mode.of_attitude for mode in kinematics.algebra.modes):
+    modes = ca.vertcat(ca.SX(0, 1), kinematics.algebra.mode_symbols)
+    before = ca.vertcat(ca.SX(0, 1), *[ca.SX.sym(f"before_{k}") for k in range(modes.numel())])
+    counts = _counts_in_time(kinematics, momentum, rows)
+    if all(mode.of_attitude for mode in kinematics.algebra.modes) and not counts:
         return Kick(ca.SX(0, 1), before)
     impulse = _impulse_of_dampers(kinematics, motion.q, motion.v, modes, before)
     jumping, earlier = _jumping(kinematics), [before[k] for k, mode in enumerate(kinematics.algebra.modes) if mode.jumps]
-    if impulse is None and not ca.depends_on(ca.vertcat(momentum, rows), jumping):
+    if impulse is None and not ca.depends_on(ca.vertcat(momentum, rows), jumping) and not counts:
         return Kick(ca.SX(0, 1), before)
-    gained = momentum - ca.substitute(momentum, jumping, ca.vertcat(ca.SX(0, 1), *earlier))
-    gained -= 0 if impulse is None else impulse
+    carried, rows = _counted(kinematics, [momentum, rows], 1)
+    (gone,) = ca.substitute(_counted(kinematics, [momentum], -1), [jumping], [ca.vertcat(ca.SX(0, 1), *earlier)])
+    gained = carried - gone - (0 if impulse is None else impulse)
+    known = [ca.SX.sym("gained", gained.numel()), ca.SX.sym("rows", rows.numel())]
     if held is None:
-        return Kick(ca.densify(solve_mass(kinematics, motion, -gained)), before)
-    rates, _ = factor(mass_matrix(motion), held.J, True).solve(-gained, -rows, refine=False)
-    return Kick(ca.densify(rates), before)
+        rates = solve_mass(kinematics, motion, -known[0])
+    else:
+        rates, _ = factor(mass_matrix(motion), held.J, True).solve(-known[0], -known[1], refine=False)
+    rates = _counted(kinematics, _by_arms(kinematics, ca.densify(rates), ca.SX(0, 1))[:1], 1)[0]
+    is_struck = ca.logic_or(ca.sumsqr(modes - before) > 0, ca.sumsqr(gained) > 0)
+    return Kick(ca.densify(ca.substitute(rates, ca.vertcat(*known), ca.vertcat(gained, rows * is_struck))), before)
 
 
 def bends_by_inputs(kinematics: Kinematics) -> list[ca.SX]:

@@ -43,6 +43,7 @@ from lagrangia.dynamics.same_conditions import Same, match, multiples
 
 _BENT = CORNERS | {ca.OP_ATAN2}
 _NONE = ca.SX(0, 1)
+_JUMPING = frozenset({*JUMPS, *WHOLE})
 _ROOTED = frozenset({ca.OP_SQRT, ca.OP_FLOOR, ca.OP_CEIL})
 _UNKNOWN = {ZERO, ONE}  # on which side a condition is of which a factor may be negative: as if both were asked
 
@@ -148,7 +149,8 @@ def find_switches(motion: Motion, late: ca.SX | None = None, bends: Sequence[ca.
     numbering, events = Numbering(), motion.impacts.conditions
     others = _bent_rows(motion) + ([late] if late is not None and late.numel() else [])
     may_have = not motion.operations.union(*map(operations_in, others)).isdisjoint(_BENT | {ca.OP_SQRT})
-    if not may_have and not events.numel() and not bends:
+    unfelt = _unfelt(motion.unsolved or motion, numbering)
+    if not unfelt and not may_have and not events.numel() and not bends:
         return Switches()
     signs = {sign_of(x, numbering) for x in motion.lengths}
     known = motion.unsolved or motion
@@ -159,7 +161,7 @@ def find_switches(motion: Motion, late: ca.SX | None = None, bends: Sequence[ca.
     same = multiples(found, motion.v, ca.vertcat(_between_events(known), known.stepped), numbering, driven)
     found, rests, cones = _merged(found, rests, cones, same)
     found |= _signs_of_factors(same, driven, finding_in(movers, motion.v, numbering, _given(known)))
-    found = dict(_sided(g, numbering) for g in bends) | found
+    found = unfelt | dict(_sided(g, numbering) for g in bends) | found
     found = found | {pair: g for pair, g in _kinks_of(motion, numbering).items() if pair not in found}
     same |= _other_shapes(known, found, same, movers, numbering, sides)
     if not found and not events.numel():
@@ -176,6 +178,26 @@ def find_switches(motion: Motion, late: ca.SX | None = None, bends: Sequence[ca.
     at_level = _at_level(sides, {*found, *same}, same)
     switches = _with_aliases(replace(switches, edge=edge, at_level=at_level), same, ca.veccat(known.h, *laws))
     return replace(switches, rubs=_find_rubs(motion, switches)) if motion.impacts.pressing else switches
+
+
+def _unfelt(motion: Motion, numbering: Numbering) -> dict[Pair, Expression]:
+    """Conditions on what goes its way whatever moves, with which a potential or an inertia jumps, felt by forces or not: what the
+    jump of energy is, and that of rates, is looked at there. Comparisons in inertias are modes, whose times are known."""
+    if motion.asked <= SMOOTH:
+        return {}
+    counted = not operations_in(motion.momentum).isdisjoint(WHOLE)
+    asked = [motion.V] * (not operations_in(motion.V).isdisjoint(_JUMPING)) + [motion.momentum] * counted
+    if not asked:
+        return {}
+    driven, moving = ca.vertcat(motion.t, motion.u), symbols_in(ca.vertcat(motion.q, motion.v))
+    finding = finding_in(driven, motion.v, numbering, _given(motion))
+
+    def note(op: int, numbers: list[int], operands: list[Expression]) -> None:
+        if op in _JUMPING and moving.isdisjoint(symbols_in(ca.vertcat(*operands))):
+            finding.note(op, numbers, operands)
+
+    rebuilt(asked, numbering, note)
+    return finding.found
 
 
 def _signs_of_factors(same: Same, driven: ca.SX, finding: Finding) -> dict[Pair, Expression]:
