@@ -44,8 +44,8 @@ class Platform:
 
 
 PLATFORMS: Mapping[str, Platform] = {
-    "x86_64-linux": Platform("linux64", "x86_64-linux", ".so", "x86_64-linux-gnu.2.17", ("-fPIC", "-Wl,-s")),
-    "aarch64-linux": Platform("aarch64-linux", "aarch64-linux", ".so", "aarch64-linux-gnu.2.17", ("-fPIC", "-Wl,-s")),
+    "x86_64-linux": Platform("linux64", "x86_64-linux", ".so", "x86_64-linux-gnu.2.17", ("-fPIC", "-Wl,-s,-z,defs")),
+    "aarch64-linux": Platform("aarch64-linux", "aarch64-linux", ".so", "aarch64-linux-gnu.2.17", ("-fPIC", "-Wl,-s,-z,defs")),
     "x86_64-windows": Platform("win64", "x86_64-windows", ".dll", "x86_64-windows-gnu"),
     "x86_64-darwin": Platform("darwin64", "x86_64-darwin", ".dylib", "x86_64-macos", ("-fPIC",)),
     "aarch64-darwin": Platform("aarch64-darwin", "aarch64-darwin", ".dylib", "aarch64-macos.11.0", ("-fPIC",)),
@@ -115,7 +115,9 @@ def _command(target: str) -> tuple[list[str], str]:
     if find_spec("ziglang") is not None:
         from importlib.metadata import version
 
-        return [sys.executable, "-m", "ziglang", "cc", "-target", PLATFORMS[target].target], f"zig {version('ziglang')}"
+        # Nothing of zig's own library is called but on Windows: it would be compiled, for 3 to 5 s of the first binary.
+        own = [] if PLATFORMS[target].suffix == ".dll" else ["-rtlib=none"]
+        return [sys.executable, "-m", "ziglang", "cc", "-target", PLATFORMS[target].target, *own], f"zig {version('ziglang')}"
     compiler = find_compiler() if target == host_platform() else None
     if compiler is None:
         fail("L0721", f"there is no compiler for {target}", None, 'pip install "lagrangia[fmu]" brings one for all platforms')
