@@ -96,18 +96,27 @@ def test_a_worker_that_is_killed_costs_no_run(cluster: Cluster) -> None:
     assert cluster.workers[victim].wait() == -signal.SIGKILL
 
 
-def test_a_scheduler_that_is_killed_is_told_and_the_sweep_goes_on(cluster: Cluster) -> None:
-    command = [sys.executable, "-m", "lagrangia", "sweep", *SWEEP, "-o", "x.csv"]
+IMPATIENT = """import sys
+from lagrangia.command.cli import main
+from lagrangia.study.sweep import dask_cluster
+dask_cluster._SILENT = 2
+sys.exit(main(sys.argv[1:]))
+"""
+
+
+@pytest.mark.parametrize(("by", "what"), [(signal.SIGKILL, "has gone away"), (signal.SIGSTOP, "does not answer")])
+def test_a_scheduler_that_is_lost_is_told_and_the_sweep_goes_on(by: signal.Signals, what: str, cluster: Cluster) -> None:
+    command = [sys.executable, "-c", IMPATIENT, "sweep", *SWEEP, "-o", "x.csv"]
     pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
     with subprocess.Popen([*command, "--dask", cluster.address], cwd=cluster.folder, **pipes) as process:
         begin = time.monotonic()
         while not ((part := cluster.folder / "x.csv.part").exists() and part.stat().st_size > 20_000):
             assert time.monotonic() - begin < 60 and process.poll() is None
             time.sleep(0.02)
-        cluster.scheduler.kill()
+        cluster.scheduler.send_signal(by)
         out, said = process.communicate(timeout=120)
     assert process.returncode == 1, (out, said)
-    assert "has gone away" in said and "goes on" in said and "bug:" not in said
+    assert what in said and "goes on" in said and "bug:" not in said
     done = subprocess.run(command, cwd=cluster.folder, capture_output=True, text=True, check=False)
     assert done.returncode == 0 and "goes on with x.csv.part" in done.stderr
     assert len((cluster.folder / "x.csv").read_text().splitlines()) == 4001

@@ -8,7 +8,7 @@ import json
 import threading
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import asdict
 from functools import lru_cache
 from typing import Any
@@ -29,6 +29,7 @@ _PIECE = 1.0  # s, on few threads
 _PIECE_A_THREAD = 0.01  # s: a task costs the scheduler a millisecond, so that it is busy for a tenth of its time at most
 _GONE = ("CommClosedError", "CancelledError", "FutureCancelledError", "StreamClosedError", "TimeoutError")
 _TIMEOUT = 15  # s, to reach the scheduler and the first worker
+_SILENT = 60  # s without an answer of the scheduler: it hangs, or its machine does, as the connection stays
 _AHEAD = 2  # tasks for each thread of the cluster
 _RETRIES = 2
 
@@ -98,8 +99,6 @@ def run_on_dask(job: Job, address: str, ledger: Ledger, watch: Watch | None = No
                     watch(ledger)
         except KeyboardInterrupt:
             return False
-        finally:
-            tasks.cancel()
     return True
 
 
@@ -112,7 +111,8 @@ def _there(client: Any, address: str, ledger: Ledger) -> "Iterator[None]":
         is_ours = isinstance(error, Error | KeyboardInterrupt)
         if is_ours or (type(error).__name__ not in _GONE and client.status == "running"):
             raise
-        raise RunError(f"the Dask scheduler at '{address}' has gone away: {ledger.entered} of {len(ledger.outcomes)} runs are "
+        what = "does not answer" if type(error).__name__ == "TimeoutError" else "has gone away"
+        raise RunError(f"the Dask scheduler at '{address}' {what}: {ledger.entered} of {len(ledger.outcomes)} runs are "
                        "done; the same command goes on with the others") from None
 
 
@@ -129,12 +129,22 @@ def _connected(address: str) -> "Iterator[Any]":
     except (OSError, ValueError, TypeError) as error:
         fail("L0716", f"there is no Dask scheduler at '{address}': {str(error) or type(error).__name__}", None,
              "`dask scheduler` starts one, and says its address: tcp://host:8786")
-    with _silence(), client, client.as_current():  # `wait` looks for the current one
+    with _silence(), _closed(client), client.as_current():  # `wait` looks for the current one
         try:
             client.wait_for_workers(1, timeout=_TIMEOUT)
         except TimeoutError:
             fail("L0716", f"the Dask scheduler at '{address}' has no workers", None, f"`dask worker {address}` starts one")
         yield client
+
+
+@contextmanager
+def _closed(client: Any) -> "Iterator[None]":
+    """Closes the client at last, by which the scheduler drops its tasks; one that hangs hears of it when it goes on."""
+    try:
+        yield
+    finally:
+        with suppress(TimeoutError):
+            client.close()
 
 
 @contextmanager
@@ -167,7 +177,7 @@ class _Tasks:
         self.flying: dict[Any, tuple[int, int]] = {}
 
     def _threads(self) -> int:
-        threads: int = sum(self.client.nthreads().values())
+        threads: int = sum(self.client.nthreads(callback_timeout=_SILENT).values())
         return max(1, threads)
 
     def submit(self) -> bool:
@@ -203,13 +213,9 @@ class _Tasks:
 
     def _result(self, future: Any) -> Answer:
         if future.status == "error":
-            error = future.exception()
+            error = future.exception(timeout=_SILENT)
             raise RunError(f"the workers cannot run it: {type(error).__name__}: {error}") from None
         if future.status != "finished":
             raise RunError("the Dask cluster has gone away; the same command continues the sweep")
-        found: Answer = future.result()
+        found: Answer = future.result(timeout=_SILENT)
         return found
-
-    def cancel(self) -> None:
-        if self.flying:
-            self.client.cancel(list(self.flying))
