@@ -189,8 +189,8 @@ class Model(Analysed, Swept):
     def start(self, *, parameters: Given = None, initial: Given = None, inputs: Given = None, start: float | None = None,
               tolerance: float | None = None, solver: str = "auto", max_step: float = 0.0) -> SteppedRun:
         """A run that the caller makes step by step, setting inputs on the way. Raises LagError, RunError."""
-        request = Request(start, tolerance=tolerance, solver=solver, max_step=max_step)
-        experiment = plan(self.scene, request)
+        warn_of_vain(self, parameters)
+        experiment = plan(self.scene, Request(start, tolerance=tolerance, solver=solver, max_step=max_step))
         suited = self.fitting(parameters).completed()
         values = check_values(suited.scene, parameters, initial, inputs)
         if (engine := suited.engine_for(experiment.solver)) is None:

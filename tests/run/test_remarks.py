@@ -127,3 +127,28 @@ def test_inertias_that_are_given_and_no_body_has_are_told(scene: Callable[[str],
         assert len(texts) == (told != "") and all(told in text and text.endswith("(L0746)") for text in texts), name
         assert main(["modes", str(model.path), "-p", f"{name}={value}", "--strict"]) == (2 if told else 0)
         assert f"warning[L0746]: no rigid body has the inertia {told}" in capsys.readouterr().err or not told
+
+
+def test_inertias_that_runs_of_a_sweep_make_are_told(scene: Callable[[str], lag.Model], capsys: pytest.CaptureFixture[str],
+                                                     tmp_path: Path) -> None:
+    """Of sweeps, rollouts and prepared runs, which were silent; those that are negative are refused, and not told twice."""
+    model = scene("model M parameter Inertia J = 1; parameter Inertia K = 0; World world(gravity = {0, 0, -9.81}); "
+                  "Universal u(a = world, phi_a(start = 1)); Body b(m = 1, I = {1, 1, J}, center = u.b), "
+                  "c(m = 1, I = {{1, K, 0}, {K, 1, 0}, {0, 0, 1}}, center = u.b); annotation(experiment(StopTime = 0.1)); end M;")
+    run = model.prepare(parameters={"J": 1, "K": 0}, at=[0, 0.1])
+    of_b = "no rigid body has the inertia 'b.I': about z it is 3 kg.m2, more than about the other two together, 2"
+    for ask, told in (
+            (lambda: model.simulate_many(parameters={"J": [1.5, 3, 4], "K": [0, 0.4]}), f"{of_b}: the first of 4 of 6 sets"),
+            (lambda: model.simulate_many(parameters={"J": [1.5, 2]}, initial={"u.phi_b": [0, 0.1]}), ""),
+            (lambda: model.rollout(p={"J": [1, 3, 1]}, times=[0, 0.1]), f"{of_b}: the first of 1 of 3 sets"),
+            (lambda: model.rollout(p={"K": [0, 2]}, times=[0, 0.1]), ""),  # negative: that run fails
+            (lambda: run([], [3, 0]), of_b), (lambda: run([], [3, 0]), ""), (lambda: run([], [1, 0]), ""),
+            (lambda: model.start(parameters={"J": 3}), of_b)):
+        with warnings.catch_warnings(record=True) as found:
+            warnings.simplefilter("always")
+            ask()
+        texts = [str(warning.message) for warning in found]
+        assert len(texts) == (told != "") and all(text.startswith(told) and text.endswith("(L0746)") for text in texts), texts
+        assert all(warning.filename == __file__ for warning in found)
+    assert main(["sweep", str(model.path), "-p", "J=1:3:1", "-o", str(tmp_path / "o.csv"), "--strict"]) == 2
+    assert f"warning[L0746]: {of_b}: the first of 1 of 3 sets of parameters" in capsys.readouterr().err

@@ -17,10 +17,17 @@ def told_beyond_others(name: str, own: NDArray[np.float64]) -> str:
     moments, axes = principal(own)
     k = int(np.argmax(moments))
     rest = moments.sum() - moments[k]
-    if moments[k] <= rest + ROUNDING * np.abs(moments).max():
+    if not are_beyond_others(moments):
         return ""
     return (f"no rigid body has the inertia '{name}': about {axis_words(axes[:, k])} it is {moments[k]:g} kg.m2, more than about "
             f"the other two together, {rest:g}")
+
+
+def are_beyond_others(moments: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """Of many inertias by their moments, (..., 3): (...). What is negative is no such inertia: it is refused."""
+    rounding = ROUNDING * np.abs(moments).max(-1)
+    found: NDArray[np.bool_] = (2 * moments.max(-1) > moments.sum(-1) + rounding) & (moments.min(-1) >= -rounding)
+    return found
 
 
 def axis_words(direction: NDArray[np.float64]) -> str:

@@ -115,7 +115,7 @@ def _finish(options: Namespace, model: Model, sweep: Sweep, target: str, journal
         sweep.plot(options.plot)
     if not options.quiet:
         _summarise(sweep, target, entered - (journal.found if journal is not None else 0), options.stats)
-    tell(options, model, [warning.render() for warning in sweep.broken()])
+    tell(options, model, [*sweep.odd_inertias(), *(warning.render() for warning in sweep.broken())])
     if not sweep.ok.any():
         print("error: no run went well" + "".join(f"\n   = {count} runs: {what}" for what, count in sweep.common_failures()),
               file=sys.stderr)

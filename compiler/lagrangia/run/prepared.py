@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, NoReturn
 
 from lagrangia.base.diagnostics import RunError, fail
 from lagrangia.run.engines import Engine
-from lagrangia.run.remarks import warn_of_loss
+from lagrangia.run.remarks import warn_of_loss, warn_of_text
 from lagrangia.run.request import Experiment, Values, check_parameters
 from lagrangia.run.runtime import Statistics, Status
 from lagrangia.run.scene import Scene
@@ -56,6 +56,8 @@ class PreparedRun:
         self._limits = tuple((c_double * len(side))(*side) for side in scene.limits)
         self._counts = self._run.counts  # what C counts of the latest run
         self._asks_loss = min(scene.notes["thresholds"], default=math.inf) < experiment.tolerance
+        self._inertias = [(first, math.prod(shape)) for _, first, shape in scene.notes.get("inertias", ())]
+        self._seen = self._own_inertias()  # when they were last looked at
         self._is_over = False  # terminate(...) has ended the latest run
         self._seconds = self._untold = 0.0  # of the latest run, and what the engine does not know of yet
         self._told = time.thread_time()  # when it last was
@@ -132,6 +134,15 @@ class PreparedRun:
         self._library.lag_run_set_parameters(self._handle, given, self._mask)
         if self._library.lag_run_wrong_parameter(self._handle, *self._limits) >= 0:
             check_parameters(self.scene, self._found[:])
+        if self._inertias and (own := self._own_inertias()) != self._seen:
+            from lagrangia.run.odd_inertias import told_odd_inertias
+
+            self._seen = own
+            for text in told_odd_inertias(self.scene, self._found[:]):
+                warn_of_text(self.scene, text)
+
+    def _own_inertias(self) -> list[list[float]]:
+        return [self._found[first : first + size] for first, size in self._inertias]
 
     def _advance(self, place: int) -> int:
         """Rows to where they belong; how many."""

@@ -54,8 +54,8 @@ def given_remarks(model: Told, request: Request, more: Iterable[str] = ()) -> li
     is_asked = may_be_overridden(parameters, all_names(request.initial))
     vain = overridden_remarks(model.scene, model.readers, parameters, initial) if is_asked else []
     given = by_name("parameters", request.parameters)
-    if not given or "inertias" not in model.scene.notes:
-        return vain
+    if not given or "inertias" not in model.scene.notes or {p.name for p in model.scene.parameters} & {*several}:
+        return vain  # the sweep tells of its runs
     from lagrangia.run.odd_inertias import odd_inertia_remarks
 
     return [*vain, *odd_inertia_remarks(model.scene, given)]
@@ -83,9 +83,14 @@ def warn_of_vain(model: Told, parameters: Any) -> None:
 
 def _warn(scene: Scene, texts: Iterable[str]) -> None:
     for text in texts:
-        head, _, message = text.partition("\n")[0].partition(": ")
-        if head.removeprefix("warning[").removesuffix("]") not in scene.notes["allowed"]:
-            warnings.warn(f"{message} ({head[8:13]})", InputWarning, stacklevel=4)
+        warn_of_text(scene, text)
+
+
+def warn_of_text(scene: Scene, text: str) -> None:
+    """An InputWarning that `lag` would print, but where the model allows it."""
+    head, _, message = text.partition("\n")[0].partition(": ")
+    if head.removeprefix("warning[").removesuffix("]") not in scene.notes["allowed"]:
+        warn_of_run(f"{message} ({head[8:13]})", InputWarning)
 
 
 def warn_of_loss(progress: Progress) -> None:
@@ -94,9 +99,9 @@ def warn_of_loss(progress: Progress) -> None:
         warn_of_run(why)
 
 
-def warn_of_run(why: str) -> None:
-    """A RunWarning at the line that called what belongs to this package."""
+def warn_of_run(why: str, kind: type[Warning] = RunWarning) -> None:
+    """A warning at the line that called what belongs to this package."""
     frame, level = sys._getframe(), 1
     while frame.f_back is not None and frame.f_globals.get("__name__", "").startswith(_OWN):
         frame, level = frame.f_back, level + 1
-    warnings.warn(why, RunWarning, stacklevel=level)
+    warnings.warn(why, kind, stacklevel=level)

@@ -81,6 +81,12 @@ class Job:
         """How many there are."""
         return self.variations.runs
 
+    @property
+    def varied_parameters(self) -> Variations:
+        """The factors that have parameters."""
+        n = len(self.scene.parameters)
+        return Variations(tuple(f for f in self.variations.factors if any(place < n for place in f.places)))
+
     def first(self, runs: int) -> "Job":
         """So many of its runs, of one factor."""
         (factor,) = self.variations.factors
@@ -88,8 +94,7 @@ class Job:
 
     def parameter_sets(self) -> "Iterator[tuple[list[np.ndarray | float], list[float]]]":
         """The parameters of all runs, each combination once, in portions: arrays (sets,) of what varies, and which are given."""
-        n = len(self.scene.parameters)
-        varied = Variations(tuple(f for f in self.variations.factors if any(place < n for place in f.places)))
+        n, varied = len(self.scene.parameters), self.varied_parameters
         for first in range(0, varied.runs, _PORTION):
             given: list[np.ndarray | float] = list(self.sweep.given)
             mask = list(self.sweep.mask)

@@ -15,7 +15,7 @@ from lagrangia.base.records import dataclass
 from lagrangia.base.result_files import Target, cells, quoted, require_parquet
 from lagrangia.run.batch import GUARD_BITS, Ending
 from lagrangia.run.guards import broken_in_general, guard_in_general
-from lagrangia.run.remarks import warn_of_run
+from lagrangia.run.remarks import warn_of_run, warn_of_text
 from lagrangia.run.requirements import tell_requirement, tell_unmet
 from lagrangia.run.runtime import Failure, Status
 from lagrangia.run.scene import Scene
@@ -95,7 +95,9 @@ class Sweep:
         return explain_outcome(self.job, run, self.ledger.outcomes[run])
 
     def warn(self) -> None:
-        """A RunWarning of runs whose account is open, as others that failed have no numbers."""
+        """A RunWarning of runs whose account is open, as others that failed have no numbers; InputWarnings of odd inertias."""
+        for text in self.odd_inertias():
+            warn_of_text(self.job.scene, text)
         count = int((self.ledger.outcomes["kind"] == Ending.OPEN).sum())
         if count:
             warn_of_run(f"the energy account of {count} of {self.runs} runs misses by more than the tolerance explains: what the "
@@ -114,6 +116,16 @@ class Sweep:
         later = dict.fromkeys([GUARD_BITS - 1], ", or a later one")
         return [broken_in_general(self.job.scene, guard, f"{count} of {self.runs} runs: ", later.get(guard, ""))
                 for guard, count in enumerate(counts) if count]
+
+    def odd_inertias(self) -> list[str]:
+        """L0746: those that what is varied makes, and in how many runs, as `lag` prints them."""
+        scene = self.job.scene
+        if "inertias" not in scene.notes or not any(place < len(scene.parameters) for place in self.job.variations.places):
+            return []
+        from lagrangia.run.odd_inertias import odd_inertias_of_sets
+
+        count, told = odd_inertias_of_sets(scene, self.job.parameter_sets())
+        return [f"{text}: the first of {count} of {self.job.varied_parameters.runs} sets of parameters" for text in told]
 
     def warnings(self) -> list[str]:
         """What assertions warned of, as text."""
