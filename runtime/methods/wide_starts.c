@@ -42,6 +42,18 @@ void lag_wide_starts_place(void *self, int lane, const double *y)
     s->begins[lane] = LAG_BEGINS_UNSEEN;
 }
 
+void lag_wide_starts_hold(LagWideTaylor *s, int lane, const double *u, double stop)
+{
+    double *line = s->series.line + lag_wide_input(s) * LAG_ABREAST;
+    for (int i = 0; i < s->lanes.model->n_inputs; ++i) {
+        line[i * LAG_ABREAST + lane] = u[i];
+        s->slope[i * LAG_ABREAST + lane] = 0;
+    }
+    s->lanes.stop[lane] = stop;
+    s->lanes.is_fresh = 1;
+    s->entered[lane] = 1;
+}
+
 /* -------- of as many lanes from `lane` on as a register holds */
 
 static LagWide root_of(LagWide x)

@@ -8,6 +8,9 @@
 /* What motions that differ in their states alone have in common at their start, as that in the lane has it. */
 void lag_wide_starts_learn(LagWideTaylor *taylor, int lane);
 
+/* Inputs are held in the lane from the present time on, until `stop`: what `enter` does where nothing else happens. */
+void lag_wide_starts_hold(LagWideTaylor *taylor, int lane, const double *u, double stop);
+
 /* LagWideMethod.place and .settle. */
 void lag_wide_starts_place(void *taylor, int lane, const double *y);
 void lag_wide_starts_settle(void *taylor);

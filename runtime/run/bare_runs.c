@@ -3,8 +3,11 @@
 #include <math.h>
 #include <string.h>
 
+#include "methods/wide_orders.h"
+#include "methods/wide_starts.h"
 #include "model/function.h"
 #include "model/wide_tape.h"
+#include "run/row.h"
 #include "state/account.h"
 #include "state/state.h"
 
@@ -20,7 +23,15 @@ static int asks_for_ends(const LagBatch *batch)
         if (what->kind != LAG_REDUCE_AT || what->value != batch->sweep.t_stop || what->column > 2 * batch->model->n)
             return 0;
     }
-    return batch->sweep.n_rows == 0;
+    return 1;
+}
+
+/* No rows, or such as begin and end with the run. */
+static int keeps_states(const LagBatch *batch)
+{
+    const LagSweep *sweep = &batch->sweep;
+    const int rows = sweep->n_rows, is_all = rows > 0 && sweep->row_times[0] == sweep->t_start && sweep->row_times[rows - 1] == sweep->t_stop;
+    return rows == 0 || (is_all && batch->model->n_outputs == 0);
 }
 
 int lag_bare_serve(const LagBatch *batch)
@@ -29,17 +40,19 @@ int lag_bare_serve(const LagBatch *batch)
     const LagSweep *sweep = &batch->sweep;
     const int has_energies = model->wide_energies || model->energies.tape;
     return lag_run_starts_again(model) && !batch->varies_parameters && !lag_account_may_carry(model) && has_energies
-        && asks_for_ends(batch) && sweep->seconds == 0 && sweep->t_stop > sweep->t_start;
+        && asks_for_ends(batch) && keeps_states(batch) && sweep->seconds == 0 && sweep->t_stop > sweep->t_start;
 }
 
 void lag_bare_layout(LagBareRuns *s, const LagModel *model, int size, LagArena *arena)
 {
     const size_t states = 2 * (size_t)model->n * LAG_ABREAST;
+    double **const inputs[] = {&s->start_u, &s->first_u, &s->last_u, &s->pair_u};
     s->start = lag_take(arena, states);
     s->first = lag_take(arena, states);
     s->last = lag_take(arena, (size_t)size * LAG_ABREAST);
     s->pair = lag_take(arena, states);
-    s->u = lag_take(arena, (size_t)model->n_inputs * LAG_ABREAST);
+    for (size_t i = 0; i < sizeof inputs / sizeof *inputs; ++i)
+        *inputs[i] = lag_take(arena, (size_t)model->n_inputs * LAG_ABREAST);
     s->work = lag_take(arena, model->energies.n_work * LAG_ABREAST);
     s->row = lag_take(arena, 1 + 2 * (size_t)model->n);
 }
@@ -62,24 +75,76 @@ static void move(const double *from, int lane, double *into, int to, int count)
         into[i * LAG_ABREAST + to] = from[i * LAG_ABREAST + lane];
 }
 
-void lag_bare_begin(LagBareRuns *s, int lane)
+/* The present inputs of the lane, into column `to`: those that are held, or those of the one segment that is all of the run. */
+static void note_inputs(const LagBareRuns *s, int lane, double *into, int to)
+{
+    const LagWideTaylor *taylor = s->taylor;
+    const int n_inputs = s->batch->model->n_inputs;
+    if (s->batch->sweep.n_rows > 0) {
+        move(taylor->series.line + lag_wide_input(taylor) * LAG_ABREAST, lane, into, to, n_inputs);
+        return;
+    }
+    for (int i = 0; i < n_inputs; ++i)
+        into[i * LAG_ABREAST + to] = taylor->first_u[i] + taylor->first_slope[i] * (taylor->lanes.t[lane] - taylor->first_time);
+}
+
+/* -------- rows */
+
+/* The present row of run i in the lane, and what else lies there. */
+static void tell_rows(LagBareRuns *s, int lane, int64_t i)
+{
+    const LagSweep *sweep = &s->batch->sweep;
+    const LagWideSteps *steps = &s->taylor->lanes;
+    const int width = lag_run_row_width(s->batch->model), states = 2 * steps->n;
+    int *next = &s->next_row[lane];
+    for (; *next < sweep->n_rows && sweep->row_times[*next] <= steps->t[lane]; ++*next) {
+        double *row = s->batch->rows + (i * sweep->n_rows + *next) * width;
+        row[0] = sweep->row_times[*next];
+        lag_wide_take(steps->y, lane, row + 1, states);
+        for (int k = 1 + states; k < width; ++k)
+            row[k] = NAN;
+    }
+}
+
+/* The inputs from the latest row to the next. */
+static void hold(const LagBareRuns *s, int lane, int64_t i)
+{
+    const LagSweep *sweep = &s->batch->sweep;
+    const int next = s->next_row[lane];
+    const double *held = s->batch->held + (i * (sweep->n_rows - 1) + next - 1) * s->batch->model->n_inputs;
+    lag_wide_starts_hold(s->taylor, lane, held, sweep->row_times[next]);
+}
+
+void lag_bare_pass(LagBareRuns *s, int lane, int64_t i)
+{
+    tell_rows(s, lane, i);
+    hold(s, lane, i);
+}
+
+void lag_bare_place(LagBareRuns *s, int lane, int64_t i)
+{
+    s->next_row[lane] = 0;
+    if (s->batch->sweep.n_rows > 0)
+        lag_bare_pass(s, lane, i);
+}
+
+void lag_bare_begin(LagBareRuns *s, int lane, int64_t i)
 {
     s->is_bare[lane] = 1;
+    s->next_row[lane] = 0;
+    tell_rows(s, lane, i);
     move(s->taylor->lanes.y, lane, s->start, lane, 2 * s->batch->model->n);
+    note_inputs(s, lane, s->start_u, lane);
 }
 
 /* -------- their accounts */
 
-/* {T, V, H} of eight states at the times t; inputs are linear in the segment that is all of the run. */
-static void find_energies(LagBareRuns *s, const LagRun *like, const double *t, const double *y, double *energies)
+/* {T, V, H} of eight states at the times t. */
+static void find_energies(LagBareRuns *s, const LagRun *like, const double *t, const double *y, const double *u, double *energies)
 {
     const LagModel *model = s->batch->model;
-    const LagWideTaylor *taylor = s->taylor;
     double doubt[LAG_ABREAST] = {0}, *out[] = {energies, NULL, doubt};
-    const double *in[] = {t, y, y + (size_t)model->n * LAG_ABREAST, s->u, like->d, like->c};
-    for (int i = 0; i < model->n_inputs; ++i)
-        for (int k = 0; k < LAG_ABREAST; ++k)
-            s->u[i * LAG_ABREAST + k] = taylor->first_u[i] + taylor->first_slope[i] * (t[k] - taylor->first_time);
+    const double *in[] = {t, y, y + (size_t)model->n * LAG_ABREAST, u, like->d, like->c};
     if (!model->wide_energies) {
         lag_wide_tape_run(model->energies.tape, in, 1, out, s->work);
         return;
@@ -98,7 +163,9 @@ int lag_bare_closes(LagBareRuns *s, int lane, const LagRun *like)
     t[1] = steps->t[lane];
     move(s->start, lane, s->pair, 0, 2 * steps->n);
     move(steps->y, lane, s->pair, 1, 2 * steps->n);
-    find_energies(s, like, t, s->pair, energies);
+    move(s->start_u, lane, s->pair_u, 0, s->batch->model->n_inputs);
+    note_inputs(s, lane, s->pair_u, 1);
+    find_energies(s, like, t, s->pair, s->pair_u, energies);
     lag_wide_take(energies, 0, first, KINDS);
     lag_wide_take(energies, 1, last, KINDS);
     lag_wide_take(steps->y + 2 * (size_t)steps->n * LAG_ABREAST, lane, given, steps->size - 2 * steps->n);
@@ -110,11 +177,14 @@ void lag_bare_end(LagBareRuns *s, int lane, int64_t i)
     const LagSweep *sweep = &s->batch->sweep;
     const LagWideSteps *steps = &s->taylor->lanes;
     double *results = s->batch->results + i * sweep->n_reductions;
+    tell_rows(s, lane, i);
     s->is_bare[lane] = 0;
     s->ended[s->count] = i;
     s->steps[s->count] = steps->steps[lane];
     move(s->start, lane, s->first, s->count, 2 * steps->n);
+    move(s->start_u, lane, s->first_u, s->count, s->batch->model->n_inputs);
     move(steps->y, lane, s->last, s->count, steps->size);
+    note_inputs(s, lane, s->last_u, s->count);
     ++s->count;
     s->row[0] = sweep->t_stop;
     lag_wide_take(steps->y, lane, s->row + 1, 2 * steps->n);
@@ -133,8 +203,8 @@ void lag_bare_close(LagBareRuns *s, const LagRun *like, double *misses)
         begin[k] = s->taylor->first_time;
         end[k] = s->batch->sweep.t_stop;
     }
-    find_energies(s, like, begin, s->first, before);
-    find_energies(s, like, end, s->last, after);
+    find_energies(s, like, begin, s->first, s->first_u, before);
+    find_energies(s, like, end, s->last, s->last_u, after);
     for (int k = 0; k < s->count; ++k) {
         double first[KINDS], last[KINDS], given[2] = {0, 0};
         lag_wide_take(before, k, first, KINDS);

@@ -95,6 +95,13 @@ LagStatus lag_follow_hold(LagFollower *f)
     return lag_run_hold(f->run, f->held + (size_t)k * (size_t)f->model->n_inputs);
 }
 
+LagStatus lag_follow_resume(LagFollower *f, int row)
+{
+    f->next_row = row;
+    find_next(f);
+    return lag_follow_hold(f);
+}
+
 /* Whether the energy account is looked at in the row at `when`: at the end, and now and then. */
 static int has_account(const LagFollower *f, double when)
 {

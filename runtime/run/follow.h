@@ -60,6 +60,9 @@ int lag_follow_again(LagFollower *follower);
 /* The inputs until the next row, if there is one. */
 LagStatus lag_follow_hold(LagFollower *follower);
 
+/* The run that was started is where others have brought it, and all rows before this one are there. */
+LagStatus lag_follow_resume(LagFollower *follower, int row);
+
 /* The run that was started, to its end: LAG_PAUSED where its time is over. */
 LagStatus lag_follow_run(LagFollower *follower);
 

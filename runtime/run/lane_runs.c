@@ -146,12 +146,14 @@ static int begin_run(LagRunLanes *s, int lane, int64_t i)
 /* Whether a run that begins in the lane is a bare one, by what the one before has left there. */
 static int begins_bare(const LagRunLanes *s, int lane)
 {
-    return s->is_bare && s->follower[lane].starts_again && s->taylor.first_stop >= s->batch->sweep.t_stop;
+    const int is_told = s->batch->sweep.n_rows > 0 ? s->batch->held != NULL : s->taylor.first_stop >= s->batch->sweep.t_stop;
+    return s->is_bare && s->follower[lane].starts_again && is_told;
 }
 
 static void place_bare(LagRunLanes *s, int lane, int64_t i)
 {
     s->method->place(s->steps, lane, lag_bare_find_start(&s->bare, i, lag_lanes_run(s, lane)));
+    lag_bare_place(&s->bare, lane, i);
     s->job[lane] = i;
     ++s->busy;
     s->begins[lane] = s->bare.is_bare[lane] = 1;
@@ -159,7 +161,7 @@ static void place_bare(LagRunLanes *s, int lane, int64_t i)
 
 static void begin_bare(LagRunLanes *s, int lane)
 {
-    lag_bare_begin(&s->bare, lane);
+    lag_bare_begin(&s->bare, lane, s->job[lane]);
     s->glance[lane] = MOST_GLANCE;
     s->look[lane] = LOOK;
     s->due[lane] = s->steps->stop[lane];
@@ -172,7 +174,11 @@ static LagStatus recall(LagRunLanes *s, int lane)
     s->bare.is_bare[lane] = 0;
     const LagStatus status = lag_batch_begin(s->batch, f, s->job[lane]);
     f->run->scale.is_resting = 0;
-    return status == LAG_OK ? lag_follow_begin(f) : status;
+    if (status != LAG_OK || s->batch->sweep.n_rows == 0)
+        return status == LAG_OK ? lag_follow_begin(f) : status;
+    const LagStatus held = lag_follow_resume(f, s->bare.next_row[lane]);
+    lag_segment_enter(f->run);
+    return held;
 }
 
 static void tell_bare(const LagRunLanes *s, int64_t i, double steps, double missed)
@@ -207,21 +213,34 @@ int lag_lanes_conclude(LagRunLanes *s)
     return 1;
 }
 
+/* A step to a row says nothing of stability. */
+static void pass_bare(LagRunLanes *s, int lane)
+{
+    lag_bare_pass(&s->bare, lane, s->job[lane]);
+    s->due[lane] = s->steps->stop[lane];
+    ++s->look[lane];
+}
+
 /* As lag_lanes_attend, unless more is to be looked at: then the run is bare no more. */
 static int attend_bare(LagRunLanes *s, int lane)
 {
-    if (s->steps->t[lane] >= s->batch->sweep.t_stop) {
+    const double t = s->steps->t[lane], steps = s->steps->steps[lane];
+    if (t >= s->batch->sweep.t_stop) {
         lag_bare_end(&s->bare, lane, s->job[lane]);
         lag_lanes_leave(s, lane);
         return s->bare.count < LAG_ABREAST || lag_lanes_conclude(s);
     }
-    const double steps = s->steps->steps[lane];
-    if (steps >= (double)s->look[lane]) {
-        const LagStatus status = recall(s, lane);
-        return status == LAG_OK ? 1 : lag_lanes_end_run(s, lane, status);
+    if (steps >= s->glance[lane]) {
+        s->glance[lane] = steps + MOST_GLANCE;
+        if (steps < (double)s->look[lane] && !lag_bare_closes(&s->bare, lane, lag_lanes_run(s, lane)))
+            return lag_lanes_end_run(s, lane, LAG_PAUSED);
     }
-    s->glance[lane] = steps + MOST_GLANCE;
-    return lag_bare_closes(&s->bare, lane, lag_lanes_run(s, lane)) || lag_lanes_end_run(s, lane, LAG_PAUSED);
+    if (t >= s->steps->stop[lane])
+        pass_bare(s, lane);
+    if (steps < (double)s->look[lane])
+        return 1;
+    const LagStatus status = recall(s, lane);
+    return status == LAG_OK ? 1 : lag_lanes_end_run(s, lane, status);
 }
 
 /* -------- in between */

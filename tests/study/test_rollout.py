@@ -72,6 +72,25 @@ def test_rows_at_ends_of_steps_have_energies_now_and_then(scene: Scene) -> None:
     assert np.array_equal(few[:, asked], whole[:, asked]) and np.isnan(np.delete(few, asked, axis=1)[:, :, -5:]).all()
 
 
+@pytest.mark.parametrize(("times", "steps"), [(TIMES, 25), (np.linspace(0, 60, 4), 300)])
+def test_rows_of_states_alone_are_those_of_whole_rows(times: np.ndarray, steps: int, scene: Scene) -> None:
+    """Bit for bit, in any company: of runs that are nothing but their states in lanes, until they have made so many steps between
+    rows that more is looked at."""
+    model = scene(PUSHED.replace("  output Length tip = pole.b.x;\n", ""))
+    random, engine = np.random.default_rng(4), model.engine_for("auto")
+    q0, u = random.normal(size=(21, 2)), random.normal(size=(21, len(times) - 1, 1))
+    found = model.rollout(q0, u=u, times=times, tolerance=1e-9)
+    job, ledger = found.sweep.job, found.sweep.ledger
+    again = model.rollout(q0[::-1], u=u[::-1], times=times, tolerance=1e-9, jobs=1)
+    assert np.array_equal(found.rows, again.rows[::-1]) and (ledger.outcomes == again.sweep.ledger.outcomes[::-1]).all()
+    assert ledger.lanes.alone == 0 and ledger.lanes.steps >= 21 * steps
+    whole = [replace(reduction, column=6) for reduction in job.sweep.reductions]  # the kinetic energy
+    assert engine is not None
+    with Batch(engine.runtime, engine.model, replace(job.sweep, reductions=whole)) as batch:
+        rows = batch.advance(job.variations.values(0, job.runs), held=u)[2]
+    assert np.array_equal(found.rows, rows[:, :, : found.rows.shape[2]])
+
+
 def test_what_is_not_given_is_as_declared(scene: Scene) -> None:
     model = scene(PUSHED)
     alone = model.rollout(times=TIMES)
