@@ -2,6 +2,7 @@
 
 import importlib.util
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -97,6 +98,10 @@ def test_binaries_of_all_platforms() -> None:
         for folder, head in kinds.items():
             assert _is_of(folder, head), folder
         assert list(read_faults(open_fmu(path))) == []
+    with zipfile.ZipFile(archives()["2"]) as archive:
+        named = set(re.findall(rb"[\w-]+\.dll", archive.read("binaries/win64/DoublePendulum.dll")))
+    of_the_system = {f"api-ms-win-crt-{part}-l1-1-0.dll".encode() for part in ("heap", "math", "stdio", "string", "utility")}
+    assert named - {b"DoublePendulum.dll", b"KERNEL32.dll"} <= of_the_system, "nothing that is to be installed"
 
 
 def _is_of(folder: str, head: bytes) -> bool:

@@ -29,6 +29,30 @@ from lagrangia.native.prebuilt import joined
 _FLAGS = ("-std=c99", "-O2", "-ffp-contract=off", "-fno-math-errno", "-fvisibility=hidden", "-DLAG_STATIC=1",
           "-DFMI3_OVERRIDE_FUNCTION_PREFIX=1")
 _GENERATED = ("scene.c", "scene_fmu.c")
+# For Windows zig would compile mingw's whole C library (a minute and more), of which a library without constructors and variables
+# of threads needs these few functions; the others are Windows' own, and zig's mathematics.
+_FOR_WINDOWS = ("-nostdlib", "-lcompiler_rt", "-lkernel32",
+                *(f"-lapi-ms-win-crt-{part}-l1-1-0" for part in ("heap", "math", "stdio", "string", "utility")))
+_START = """#define __CRT__NO_INLINE 1
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+
+int __stdcall DllMainCRTStartup(void *instance, unsigned long why, void *reserved)
+{
+    (void)instance, (void)why, (void)reserved;
+    return 1;
+}
+
+int vsnprintf(char *text, size_t room, const char *format, va_list values)
+{
+    return __stdio_common_vsprintf(_CRT_INTERNAL_PRINTF_STANDARD_SNPRINTF_BEHAVIOR, text, room, format, NULL, values);
+}
+
+int __fpclassify(double x) { return __builtin_fpclassify(FP_NAN, FP_INFINITE, FP_NORMAL, FP_SUBNORMAL, FP_ZERO, x); }
+int __isnan(double x) { return __builtin_isnan(x); }
+int __signbit(double x) { return __builtin_signbit(x); }
+"""
 _OF_ONE_VERSION = ("fmi2", "fmi3")  # begin the names of files that only FMUs of this version have
 
 
@@ -46,7 +70,7 @@ class Platform:
 PLATFORMS: Mapping[str, Platform] = {
     "x86_64-linux": Platform("linux64", "x86_64-linux", ".so", "x86_64-linux-gnu.2.17", ("-fPIC", "-Wl,-s,-z,defs")),
     "aarch64-linux": Platform("aarch64-linux", "aarch64-linux", ".so", "aarch64-linux-gnu.2.17", ("-fPIC", "-Wl,-s,-z,defs")),
-    "x86_64-windows": Platform("win64", "x86_64-windows", ".dll", "x86_64-windows-gnu"),
+    "x86_64-windows": Platform("win64", "x86_64-windows", ".dll", "x86_64-windows-gnu", ("-U__CRT__NO_INLINE",)),
     "x86_64-darwin": Platform("darwin64", "x86_64-darwin", ".dylib", "x86_64-macos", ("-fPIC",)),
     "aarch64-darwin": Platform("aarch64-darwin", "aarch64-darwin", ".dylib", "aarch64-macos.11.0", ("-fPIC",)),
 }
@@ -139,9 +163,8 @@ def _build(identifier: str, sources: Mapping[str, str], target: str, headers: Pa
             if name in own or name.endswith(".h"):
                 (Path(folder) / name).write_text(text, encoding="utf-8")
         library = f"{identifier}{kind.suffix}"
-        files = [name for name in own if name.endswith(".c")]
         linked = sorted((str(file) for folder in objects for file in folder.glob("*.o")), key=os.path.basename)
-        compiler.run([*flags, "-shared", "-o", library, *files, *linked, *(() if kind.suffix == ".dll" else ("-lm",))], folder)
+        compiler.link(library, [name for name in own if name.endswith(".c")], [*flags, *linked], folder)
         built = (Path(folder) / library).read_bytes()
     keep("fmu", key, built)
     return built
@@ -159,9 +182,7 @@ def _objects(compiler: "_Compiler", shared: Mapping[str, str], tell: Callable[[s
         parts = [dict(shared)]
     folders = [cache_folder() / f"fmu-{compiler.platform}-{compiler.key(part)}" for part in parts]
     if tell is not None and not folders[0].is_dir():
-        is_windows = PLATFORMS[compiler.platform].suffix == ".dll"
-        tell(f"compiling the run time for {compiler.platform}, the first time"
-             + (": a minute, with the compiler's own libraries" if is_windows else ""))
+        tell(f"compiling the run time for {compiler.platform}, the first time")
     for part, folder in zip(parts, folders, strict=True):
         if not folder.is_dir():
             _compile_objects(compiler, part, folder)
@@ -175,11 +196,7 @@ def _compile_objects(compiler: "_Compiler", sources: Mapping[str, str], objects:
         for name, text in sources.items():
             (folder / name).write_text(text, encoding="utf-8")
         files = [file.name for file in joined([folder / name for name in sorted(sources) if name.endswith(".c")], folder)]
-        if PLATFORMS[compiler.platform].suffix == ".dll":  # zig would make one object of them, which it cannot
-            for name in files:
-                compiler.run(["-c", name, "-o", f"{name}.o"], str(folder))
-        else:
-            compiler.run(["-c", *files], str(folder))
+        compiler.compile(files, str(folder))
         with contextlib.suppress(OSError):  # another process was quicker
             os.rename(folder, objects)
     finally:
@@ -195,10 +212,27 @@ class _Compiler:
         self.command = [*command, *_FLAGS, *PLATFORMS[target].flags, f"-I{headers}"]
 
     def key(self, sources: Mapping[str, str], options: Sequence[str] = ()) -> str:
-        what = (sorted(sources.items()), _FLAGS, PLATFORMS[self.platform], self.identity, options)
+        what = (sorted(sources.items()), _FLAGS, PLATFORMS[self.platform], _FOR_WINDOWS, _START, self.identity, options)
         return hashlib.sha256(repr(what).encode()).hexdigest()[:32]
 
-    def run(self, arguments: Sequence[str], folder: str) -> None:
+    def compile(self, files: Sequence[str], folder: str) -> None:
+        """Objects beside the files."""
+        if PLATFORMS[self.platform].suffix == ".dll":  # zig would make one object of them, which it cannot
+            for name in files:
+                self._run(["-c", name, "-o", f"{name}.o"], folder)
+        else:
+            self._run(["-c", *files], folder)
+
+    def link(self, library: str, files: Sequence[str], others: Sequence[str], folder: str) -> None:
+        """A library of C files, objects and what flags name."""
+        libraries: tuple[str, ...] = ("-lm",)
+        if self.identity.startswith("zig") and PLATFORMS[self.platform].suffix == ".dll":
+            (Path(folder) / "start.c").write_text(_START, encoding="utf-8")
+            self.compile([*files, "start.c"], folder)  # without a library there are no headers either
+            files, libraries = [f"{name}.o" for name in (*files, "start.c")], _FOR_WINDOWS
+        self._run(["-shared", "-o", library, *files, *others, *libraries], folder)
+
+    def _run(self, arguments: Sequence[str], folder: str) -> None:
         full = [*self.command, *arguments]
         done = subprocess.run(full, cwd=folder, capture_output=True, text=True, check=False)
         if done.returncode != 0:
