@@ -74,6 +74,8 @@ def _apply(op: int, a: float, b: float) -> float:
 def _apply_to_arrays(op: int, a: Any, b: Any) -> Any:
     import numpy as np
 
+    if isinstance(a, float) and isinstance(b, float):
+        return _apply(op, a, b)
     if op in _LIKE_NUMBERS:
         return _BY_NUMBER[op](a, b)
     if op in _QUOTIENTS:

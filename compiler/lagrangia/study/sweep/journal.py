@@ -38,7 +38,7 @@ class Ledger:
 
         self.results = np.full((job.runs, len(job.measures)), np.nan)
         self.outcomes = np.zeros(job.runs, dtype=outcome_type())
-        self.outcomes["kind"] = Ending.NOT_RUN
+        self.outcomes["kind"] = int(Ending.NOT_RUN)  # NumPy asks an enum long
         self.entered = 0
         self.lanes = Lanes()  # of the runs made here and now
         self.wanted = job.runs  # the first so many
@@ -55,7 +55,7 @@ class Ledger:
         import numpy as np
 
         last = first + len(outcomes)
-        self.entered += int(np.count_nonzero(self.outcomes["kind"][first:last] == int(Ending.NOT_RUN)))  # NumPy asks an enum long
+        self.entered += int(np.count_nonzero(self.outcomes["kind"][first:last] == int(Ending.NOT_RUN)))
         self.results[first:last] = results
         whole = f"V{outcomes.itemsize}"  # NumPy copies records field by field
         self.outcomes.view(whole)[first:last] = outcomes.view(whole)
@@ -64,7 +64,9 @@ class Ledger:
         """What is still to be run of those that are wanted: first <= k < last."""
         import numpy as np
 
-        is_open = np.concatenate([[False], self.outcomes["kind"][: self.wanted] == Ending.NOT_RUN, [False]])
+        if not self.entered:
+            return [(0, self.wanted)] if self.wanted else []
+        is_open = np.concatenate([[False], self.outcomes["kind"][: self.wanted] == int(Ending.NOT_RUN), [False]])
         edges = np.flatnonzero(is_open[1:] != is_open[:-1])
         return [(int(a), int(b)) for a, b in edges.reshape(-1, 2)]
 

@@ -1,5 +1,6 @@
 """A sweep in pieces: runs that are handed out together, so many that a piece takes about the same time everywhere."""
 
+import math
 import threading
 from collections.abc import Callable, Sequence
 
@@ -8,6 +9,7 @@ from lagrangia.study.sweep.journal import Ledger
 _GROWTH = 64  # of a piece over the one before, at most: each costs as much as some fifty short runs
 _LONGEST = 100_000  # runs
 _FEWEST = 4  # times as many as go on together
+_SHARE = 0.7  # of what a worker would have of all that is left: the rest makes up for runs that take longer than others
 
 Watch = Callable[[Ledger], None]
 
@@ -33,7 +35,7 @@ class Pieces:
             if not self._missing:
                 return None
             first, last = self._missing.pop()
-            share = self._left if self._workers == 1 else -(-self._left // (2 * self._workers))
+            share = self._left if self._workers == 1 else math.ceil(_SHARE * self._left / self._workers)
             count = min(most, last - first, max(share, _FEWEST * together if together > 1 else 1))
             count -= count % together if count > together else 0
             if first + count < last:
