@@ -3,11 +3,12 @@
 #include <math.h>
 #include <string.h>
 
+#include "events/accelerations.h"
 #include "methods/wide_orders.h"
 #include "methods/wide_starts.h"
 #include "model/function.h"
 #include "model/wide_tape.h"
-#include "run/row.h"
+#include "run/stepping.h"
 #include "state/account.h"
 #include "state/state.h"
 
@@ -27,11 +28,10 @@ static int asks_for_ends(const LagBatch *batch)
 }
 
 /* No rows, or such as begin and end with the run. */
-static int keeps_states(const LagBatch *batch)
+static int keeps_whole_runs(const LagSweep *sweep)
 {
-    const LagSweep *sweep = &batch->sweep;
-    const int rows = sweep->n_rows, is_all = rows > 0 && sweep->row_times[0] == sweep->t_start && sweep->row_times[rows - 1] == sweep->t_stop;
-    return rows == 0 || (is_all && batch->model->n_outputs == 0);
+    const int rows = sweep->n_rows;
+    return rows == 0 || (sweep->row_times[0] == sweep->t_start && sweep->row_times[rows - 1] == sweep->t_stop);
 }
 
 int lag_bare_serve(const LagBatch *batch)
@@ -40,7 +40,7 @@ int lag_bare_serve(const LagBatch *batch)
     const LagSweep *sweep = &batch->sweep;
     const int has_energies = model->wide_energies || model->energies.tape;
     return lag_run_starts_again(model) && !batch->varies_parameters && !lag_account_may_carry(model) && has_energies
-        && asks_for_ends(batch) && keeps_states(batch) && sweep->seconds == 0 && sweep->t_stop > sweep->t_start;
+        && asks_for_ends(batch) && keeps_whole_runs(sweep) && sweep->seconds == 0 && sweep->t_stop > sweep->t_start;
 }
 
 void lag_bare_layout(LagBareRuns *s, const LagModel *model, int size, LagArena *arena)
@@ -90,49 +90,59 @@ static void note_inputs(const LagBareRuns *s, int lane, double *into, int to)
 
 /* -------- rows */
 
-/* The present row of run i in the lane, and what else lies there. */
-static void tell_rows(LagBareRuns *s, int lane, int64_t i)
+/* The present row of run i in the lane, and what else lies there: with what is in force as it comes there. */
+static void tell_rows(LagBareRuns *s, int lane, int64_t i, LagRun *run)
 {
     const LagSweep *sweep = &s->batch->sweep;
     const LagWideSteps *steps = &s->taylor->lanes;
-    const int width = lag_run_row_width(s->batch->model), states = 2 * steps->n;
-    int *next = &s->next_row[lane];
-    for (; *next < sweep->n_rows && sweep->row_times[*next] <= steps->t[lane]; ++*next) {
-        double *row = s->batch->rows + (i * sweep->n_rows + *next) * width;
-        row[0] = sweep->row_times[*next];
+    const int states = 2 * steps->n, outputs = steps->model->n_outputs, width = 1 + states + outputs + LAG_ACCOUNT_SIZE;
+    int next = s->next_row[lane];
+    for (double *row = s->batch->rows + (i * sweep->n_rows + next) * width;
+         next < sweep->n_rows && sweep->row_times[next] <= steps->t[lane]; ++next, row += width) {
+        double *account = row + width - LAG_ACCOUNT_SIZE;
+        row[0] = sweep->row_times[next];
         lag_wide_take(steps->y, lane, row + 1, states);
-        for (int k = 1 + states; k < width; ++k)
-            row[k] = NAN;
+        if (outputs > 0)
+            lag_outputs(run, row[0], row + 1, row + 1 + states);
+        for (int k = 0; k < LAG_ACCOUNT_SIZE; ++k)
+            account[k] = NAN;
     }
+    s->next_row[lane] = next;
 }
 
 /* The inputs from the latest row to the next. */
-static void hold(const LagBareRuns *s, int lane, int64_t i)
+static void hold(const LagBareRuns *s, int lane, int64_t i, LagRun *run)
 {
     const LagSweep *sweep = &s->batch->sweep;
+    const LagModel *model = s->batch->model;
     const int next = s->next_row[lane];
-    const double *held = s->batch->held + (i * (sweep->n_rows - 1) + next - 1) * s->batch->model->n_inputs;
+    const double *held = s->batch->held + (i * (sweep->n_rows - 1) + next - 1) * model->n_inputs;
     lag_wide_starts_hold(s->taylor, lane, held, sweep->row_times[next]);
+    if (model->n_outputs > 0 && lag_run_hold(run, held) != LAG_OK)
+        s->taylor->lanes.stop[lane] = NAN; /* there is no memory: no step gets on, and the run is made alone */
 }
 
-void lag_bare_pass(LagBareRuns *s, int lane, int64_t i)
+void lag_bare_pass(LagBareRuns *s, int lane, int64_t i, LagRun *run)
 {
-    tell_rows(s, lane, i);
-    hold(s, lane, i);
+    tell_rows(s, lane, i, run);
+    hold(s, lane, i, run);
 }
 
-void lag_bare_place(LagBareRuns *s, int lane, int64_t i)
+void lag_bare_place(LagBareRuns *s, int lane, int64_t i, LagRun *run)
 {
-    s->next_row[lane] = 0;
-    if (s->batch->sweep.n_rows > 0)
-        lag_bare_pass(s, lane, i);
+    const LagSweep *sweep = &s->batch->sweep;
+    int *next = &s->next_row[lane];
+    for (*next = 0; *next < sweep->n_rows && sweep->row_times[*next] <= sweep->t_start;)
+        ++*next;
+    if (*next > 0)
+        hold(s, lane, i, run);
 }
 
-void lag_bare_begin(LagBareRuns *s, int lane, int64_t i)
+void lag_bare_begin(LagBareRuns *s, int lane, int64_t i, LagRun *run)
 {
     s->is_bare[lane] = 1;
     s->next_row[lane] = 0;
-    tell_rows(s, lane, i);
+    tell_rows(s, lane, i, run);
     move(s->taylor->lanes.y, lane, s->start, lane, 2 * s->batch->model->n);
     note_inputs(s, lane, s->start_u, lane);
 }
@@ -172,12 +182,12 @@ int lag_bare_closes(LagBareRuns *s, int lane, const LagRun *like)
     return !isnan(lag_account_between(like, first, last, given, steps->steps[lane], 0));
 }
 
-void lag_bare_end(LagBareRuns *s, int lane, int64_t i)
+void lag_bare_end(LagBareRuns *s, int lane, int64_t i, LagRun *run)
 {
     const LagSweep *sweep = &s->batch->sweep;
     const LagWideSteps *steps = &s->taylor->lanes;
     double *results = s->batch->results + i * sweep->n_reductions;
-    tell_rows(s, lane, i);
+    tell_rows(s, lane, i, run);
     s->is_bare[lane] = 0;
     s->ended[s->count] = i;
     s->steps[s->count] = steps->steps[lane];

@@ -32,20 +32,21 @@ void lag_bare_layout(LagBareRuns *runs, const LagModel *model, int size, LagAren
 /* Where run i begins, (q, v), by the guesses of a run with the same parameters; kept by the batch. */
 const double *lag_bare_find_start(const LagBareRuns *runs, int64_t i, const LagRun *like);
 
-/* Run i has been put into the lane at its start: the inputs that it begins with. */
-void lag_bare_place(LagBareRuns *runs, int lane, int64_t i);
+/* Run i has been put into the lane at its start: the inputs that it begins with. `run`, here and below: the lane's own, of which nothing
+ * is asked but outputs at rows. */
+void lag_bare_place(LagBareRuns *runs, int lane, int64_t i, LagRun *run);
 
 /* The motion that has begun in the lane is that of the bare run i. */
-void lag_bare_begin(LagBareRuns *runs, int lane, int64_t i);
+void lag_bare_begin(LagBareRuns *runs, int lane, int64_t i, LagRun *run);
 
 /* Run i has come to a row in the lane, which is told; other inputs are held from there on. */
-void lag_bare_pass(LagBareRuns *runs, int lane, int64_t i);
+void lag_bare_pass(LagBareRuns *runs, int lane, int64_t i, LagRun *run);
 
 /* Whether its account closes so far, with energies as those of a run like it, as far as steps ask for. */
 int lag_bare_closes(LagBareRuns *runs, int lane, const LagRun *like);
 
 /* Run i has ended in the lane: its results are told. Its account is to be closed before more than LAG_ABREAST have. */
-void lag_bare_end(LagBareRuns *runs, int lane, int64_t i);
+void lag_bare_end(LagBareRuns *runs, int lane, int64_t i, LagRun *run);
 
 /* The misses of the accounts of those that have ended, relative; NaN where that is more than is explained right away. */
 void lag_bare_close(LagBareRuns *runs, const LagRun *like, double *misses);

@@ -153,7 +153,7 @@ static int begins_bare(const LagRunLanes *s, int lane)
 static void place_bare(LagRunLanes *s, int lane, int64_t i)
 {
     s->method->place(s->steps, lane, lag_bare_find_start(&s->bare, i, lag_lanes_run(s, lane)));
-    lag_bare_place(&s->bare, lane, i);
+    lag_bare_place(&s->bare, lane, i, lag_lanes_run(s, lane));
     s->job[lane] = i;
     ++s->busy;
     s->begins[lane] = s->bare.is_bare[lane] = 1;
@@ -161,7 +161,7 @@ static void place_bare(LagRunLanes *s, int lane, int64_t i)
 
 static void begin_bare(LagRunLanes *s, int lane)
 {
-    lag_bare_begin(&s->bare, lane, s->job[lane]);
+    lag_bare_begin(&s->bare, lane, s->job[lane], lag_lanes_run(s, lane));
     s->glance[lane] = MOST_GLANCE;
     s->look[lane] = LOOK;
     s->due[lane] = s->steps->stop[lane];
@@ -216,7 +216,7 @@ int lag_lanes_conclude(LagRunLanes *s)
 /* A step to a row says nothing of stability. */
 static void pass_bare(LagRunLanes *s, int lane)
 {
-    lag_bare_pass(&s->bare, lane, s->job[lane]);
+    lag_bare_pass(&s->bare, lane, s->job[lane], lag_lanes_run(s, lane));
     s->due[lane] = s->steps->stop[lane];
     ++s->look[lane];
 }
@@ -226,7 +226,7 @@ static int attend_bare(LagRunLanes *s, int lane)
 {
     const double t = s->steps->t[lane], steps = s->steps->steps[lane];
     if (t >= s->batch->sweep.t_stop) {
-        lag_bare_end(&s->bare, lane, s->job[lane]);
+        lag_bare_end(&s->bare, lane, s->job[lane], lag_lanes_run(s, lane));
         lag_lanes_leave(s, lane);
         return s->bare.count < LAG_ABREAST || lag_lanes_conclude(s);
     }

@@ -55,9 +55,9 @@ def test_loose_tolerances_take_fewer_orders(scene: Scene) -> None:
 
 def test_rows_at_ends_of_steps_have_energies_now_and_then(scene: Scene) -> None:
     """Nobody asks for them, and they take as long as all else of such a row: one in eight has them, and the last one, for the
-    account. All do where a measure asks for them."""
+    account, where parameters vary. All do where a measure asks for them."""
     model, u = scene(PUSHED), np.random.default_rng(2).normal(size=(9, 25, 1))
-    job, engine = model.rollout(u=u, times=TIMES).sweep.job, model.engine_for("auto")
+    job, engine = model.rollout(p={"m": np.linspace(0.1, 0.2, 9)}, u=u, times=TIMES).sweep.job, model.engine_for("auto")
     assert engine is not None
     known = []
     for column in (1, 6):  # a coordinate; the kinetic energy
@@ -73,10 +73,11 @@ def test_rows_at_ends_of_steps_have_energies_now_and_then(scene: Scene) -> None:
 
 
 @pytest.mark.parametrize(("times", "steps"), [(TIMES, 25), (np.linspace(0, 60, 4), 300)])
-def test_rows_of_states_alone_are_those_of_whole_rows(times: np.ndarray, steps: int, scene: Scene) -> None:
+@pytest.mark.parametrize("output", ["", "output Length tip = pole.b.x;", "output Acceleration a = der(hinge.w)*1[m] + F/1[kg];"])
+def test_rows_of_states_alone_are_those_of_whole_rows(output: str, times: np.ndarray, steps: int, scene: Scene) -> None:
     """Bit for bit, in any company: of runs that are nothing but their states in lanes, until they have made so many steps between
     rows that more is looked at."""
-    model = scene(PUSHED.replace("  output Length tip = pole.b.x;\n", ""))
+    model = scene(PUSHED.replace("output Length tip = pole.b.x;", output))
     random, engine = np.random.default_rng(4), model.engine_for("auto")
     q0, u = random.normal(size=(21, 2)), random.normal(size=(21, len(times) - 1, 1))
     found = model.rollout(q0, u=u, times=times, tolerance=1e-9)
