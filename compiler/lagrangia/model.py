@@ -12,7 +12,7 @@ from lagrangia.base import checked_values as checked
 from lagrangia.base.diagnostics import EngineWarning, Interrupted, RunError, fail
 from lagrangia.run.cache import find_scene, keep_scene
 from lagrangia.run.engines import Engine, divided, load_engine
-from lagrangia.run.formulas import AS_DECLARED, Compute, Formulas, Sets, by_masses, by_numbers, feel_masses
+from lagrangia.run.formulas import AS_DECLARED, Compute, Formulas, Sets, by_masses, by_numbers, by_varied
 from lagrangia.run.interpret import evaluate, evaluate_each
 from lagrangia.run.library import Runtime, find_runtime, has_compiler, has_runtime
 from lagrangia.run.origin import Origin, origin_of
@@ -235,16 +235,18 @@ class Model(Analysed, Swept):
         values = check_values(suited.scene, parameters, initial, asked.get("inputs"))
         if (engine := suited.engine_for(experiment.solver)) is None:
             fail("L0901", "not supported yet: prepared runs without a run time of our own: call simulate")
-        return PreparedRun(suited.scene, engine, experiment, values, tuple(initial or ()), tuple(parameters or ()))
+        uneven = replace(suited.formulas, for_any_mass=True)
+        return PreparedRun(suited.scene, engine, experiment, values, tuple(initial or ()), tuple(parameters or ()),
+                           lambda: ((other := suited._in(uneven).completed()).scene, other.engine_for(experiment.solver)))
 
     def _for_all_of(self, varied: Collection[str]) -> "Model":
-        """The model whose formulas hold whatever the values of these parameters."""
-        parameters = [parameter for parameter in self.scene.parameters if parameter.name in varied]
+        """The model whose formulas hold whatever the values of these parameters, in a large scene as long as masses are even."""
+        parameters = [p for p in self.scene.parameters if p.name in varied]
         if any(self.scene.parameters[k] in parameters for k in self.scene.notes["touching"]["parameters"]):
             fail("L0901", "not supported yet: prepared runs over parameters by which constraints only just hold: call simulate")
-        model = self.general if any(p.compiled is not None and (p in parameters or p.value is None)
-                                    for p in self.scene.parameters) else self
-        return model._in(replace(model.formulas, for_any_mass=True)) if feel_masses(model.scene, varied) else model
+        is_open = any(p.compiled is not None and (p in parameters or p.value is None) for p in self.scene.parameters)
+        model = self.general if is_open else self
+        return model._in(by_varied(model.scene, model.formulas, varied))
 
     def fitting(self, parameters: Given) -> "Model":
         """This model, or the same scene in the formulas that these parameters need: it may have other coordinates."""
@@ -267,7 +269,8 @@ class Model(Analysed, Swept):
     @property
     def general(self) -> "Model":
         """The scene with all its parameters open: no number is compiled in."""
-        return self._in(replace(self.formulas, is_general=True, massless=None)) if self._has_numbers else self
+        has_numbers = any(p.compiled is not None and not p.locked for p in self.scene.parameters)
+        return self._in(replace(self.formulas, is_general=True, massless=None)) if has_numbers else self
 
     def opened(self, parameters: Given, where: str) -> "Model":
         """In formulas that hold whatever `where` ("an FMU") sets, from these parameters on. Raises LagError L0704."""
@@ -278,10 +281,6 @@ class Model(Analysed, Swept):
             fail("L0704", f"the coordinate '{unknown[0]}' moves no mass while parameters are as declared, and {where} lets them "
                  "change", None, "write `final` before these, as PointMass knot(final m = 0), Prismatic p(final along = {1, 0})")
         return suited.completed()
-
-    @property
-    def _has_numbers(self) -> bool:
-        return any(p.compiled is not None and not p.locked for p in self.scene.parameters)
 
     def sharing_reactions(self, length: float = 1.0) -> "Model":
         """The same, reactions that the mechanics leave open by least squares, torques over this length (m)."""
@@ -297,10 +296,10 @@ class Model(Analysed, Swept):
         return self._in(replace(self.formulas, in_space=True)) if self.compilation.graph.lies_in_plane else self
 
     def _in(self, formulas: Formulas) -> "Model":
-        if formulas not in self._others:
-            self._others[formulas] = Model(self.origin, self.model, self.structural, self.outputs, formulas)
-            self._others[formulas].native = self.native
-        return self._others[formulas]
+        if formulas not in (self.formulas, *self._others):
+            other = self._others[formulas] = Model(self.origin, self.model, self.structural, self.outputs, formulas)
+            other.native = self.native
+        return self._others.get(formulas, self)
 
     def prepared_for(self, measures: "Sequence[Measure]", request: Request, design: "Design") -> "tuple[Model, Job]":
         """All runs of a sweep, and the model whose formulas hold for the parameters of each; see `suited`."""

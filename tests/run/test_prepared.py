@@ -37,23 +37,35 @@ def test_all_else_is_as_it_was_given_once() -> None:
     assert model.prepare(stop=0.5, at=[0.5])().shape == (1, len(run.columns))
 
 
-def test_masses_far_apart_get_formulas_that_bear_them() -> None:
-    model = lag.load(EXAMPLES / "four_bar.lag")
-    name = next(p for p in model.parameter_names if p.endswith(".m"))
-    run = model.prepare(parameters={name: 1.0}, stop=0.2, at=[0.2])
-    for mass in (1.0, 1e-9):
-        wanted = model.simulate(stop=0.2, at=[0.2], parameters={name: mass}).rows
-        assert run((), [mass]) == pytest.approx(wanted, rel=1e-6, abs=1e-7)
+@pytest.mark.parametrize(("scene", "mass"), [("four_bar", "coupler.m"), ("spatial_four_bar", "rod.m")])
+def test_masses_far_apart_get_formulas_that_bear_them(scene: str, mass: str) -> None:
+    """And those of one kind have in space the shorter ones of `simulate`, before and after."""
+    model = lag.load(EXAMPLES / f"{scene}.lag")
+    asked = {"stop": 0.2, "at": [0.1, 0.2], "tolerance": 1e-9}
+    run = model.prepare(parameters={mass: 1.0}, **asked)
+    steps = []
+    for value in (0.5, 1e-12, 0.7, 0.0, 1e9, 0.5):
+        wanted = model.simulate(parameters={mass: value}, **asked)
+        found = run((), [value])
+        for name in (c.name for c in wanted.scene.coordinates if c.name not in wanted.scene.turned):
+            assert found[:, run.columns.index(name)] == pytest.approx(wanted[name], rel=1e-7, abs=1e-7), (name, value)
+        assert run.warnings == []
+        steps.append(run.statistics.steps)
+    assert (run.scene.unevenness is None) == (scene == "four_bar") and steps[0] == steps[-1]
 
 
-def test_only_what_moves_masses_asks_for_formulas_that_bear_any() -> None:
-    """Weights do not, and their runs are as short as those of `simulate`; what masses are made of does."""
-    text = (EXAMPLES / "four_bar.lag").read_text(encoding="utf-8").replace("Bar crank(m = 1", "Bar crank(m = own")
-    model = lag.loads(text.replace("  Revolute O", "  parameter Mass own = 1;\n  Revolute O"))
+def test_what_bears_any_masses_is_made_when_masses_are_uneven(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Weights never ask for it; what masses are made of does. The latest run is told of, by whichever formulas it was made."""
+    monkeypatch.setattr("lagrangia.run.formulas._SHORT", 0)
+    text = (EXAMPLES / "pantograph.lag").read_text(encoding="utf-8").replace("Bar inner(m = 1", "Bar inner(m = own")
+    model = lag.loads(text.replace("  Revolute", "  parameter Mass own = 1;\n  Revolute", 1))
     run = model.prepare(parameters={"world.gravity[2]": -1.0}, stop=0.5, at=[0.25, 0.5])
     assert np.array_equal(run((), [-5.0]), model.simulate(stop=0.5, at=[0.25, 0.5], parameters={"world.gravity[2]": -5.0}).rows)
     again = model.prepare(parameters={"own": 1.0}, stop=0.5, at=[0.25, 0.5])
-    assert [prepared.scene.evenness is None for prepared in (run, again)] == [False, True]
+    for own, close in ((0.9, 0.0), (1e-12, 1e-6), (0.9, 0.0)):
+        wanted = model.simulate(stop=0.5, at=[0.25, 0.5], parameters={"own": own})
+        assert again((), [own]) == pytest.approx(wanted.rows, rel=close, abs=close)
+        assert again.statistics.rhs_evaluations == wanted.statistics.rhs_evaluations
 
 
 @pytest.mark.parametrize(("start", "values", "told"), [

@@ -85,7 +85,7 @@ def build_scene(
         name=model.name, description=model.description, structural=dict(model.structural),
         coordinates=coordinates, rates=rates, outputs=outputs, parameters=parameters, inputs=inputs, aliases=aliases,
         start=experiment.start, stop=experiment.stop, tolerance=experiment.tolerance, interval=experiment.interval,
-        sizes=sizes, patterns=functions.patterns, tapes=tapes, islands=(), evenness=_evenness(motion),
+        sizes=sizes, patterns=functions.patterns, tapes=tapes, islands=(), unevenness=_unevenness(motion),
         tables=tuple(kinematics.algebra.index.tables),
         coordinate_kind=tuple(kinds[c.unit] for c in started), fixed=tuple(map(int, initial.fixed)),
         event_kind=functions.event_kinds, initial_places=_initial_places(initial), lost=_lost_starts(model, initial),
@@ -177,7 +177,7 @@ def _island_scene(scene: Scene, kinematics: Kinematics, motion: Motion, group: t
         scene, coordinates=tuple(scene.coordinates[k] for k in group), rates=tuple(scene.rates[k] for k in group), outputs=(),
         aliases={}, sizes=sizes, coordinate_kind=tuple(scene.coordinate_kind[k] for k in group), fixed=fixed,
         event_kind=functions.event_kinds, initial_places=(), notes=_notes(motion, tapes), patterns=functions.patterns,
-        refused=functions.refused, tapes=tapes, islands=(), evenness=None, lost={},
+        refused=functions.refused, tapes=tapes, islands=(), unevenness=None, lost={},
     ))
 
 
@@ -254,11 +254,12 @@ def _lost_starts(model: FlatModel, initial: InitialConditions) -> dict[str, tupl
     return found | {v.name: rates[of] for v in model.variables.values() if (of := rate_of(v)) in rates and of is not None}
 
 
-def _evenness(motion: Motion) -> Tape | None:
+def _unevenness(motion: Motion) -> Tape | None:
+    """How many of the numbers of `evenness` are not above 1."""
     held = motion.constrained
     if held is None or not held.evenness.numel() or not ca.depends_on(held.evenness, motion.p):
         return None
-    return tape_of(ca.Function("evenness", [motion.p], [held.evenness]))
+    return tape_of(ca.Function("unevenness", [motion.p], [ca.sum1(ca.logic_not(held.evenness > 1))]))
 
 
 def _with_series(scene: Scene) -> Scene:

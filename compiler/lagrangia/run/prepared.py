@@ -4,12 +4,14 @@ import math
 import time
 import weakref
 from array import array
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from ctypes import addressof, c_char, c_double, c_void_p, cast
 from typing import TYPE_CHECKING, NoReturn
 
 from lagrangia.base.diagnostics import RunError, fail
+from lagrangia.run.called_tapes import CalledTape
 from lagrangia.run.engines import Engine
+from lagrangia.run.formulas import feel_masses
 from lagrangia.run.remarks import warn_of_loss, warn_of_text
 from lagrangia.run.request import Experiment, Values, check_parameters
 from lagrangia.run.runtime import Statistics, Status
@@ -27,8 +29,9 @@ class PreparedRun:
     """Callable: the rows from these start values, with these parameters. For one thread at a time."""
 
     def __init__(self, scene: Scene, engine: Engine, experiment: Experiment, values: Values, initial: Sequence[str],
-                 parameters: Sequence[str]) -> None:
-        """`initial` and `parameters` are the names of what each call gives. Raises LagError, RunError."""
+                 parameters: Sequence[str], any_mass: Callable[[], tuple[Scene, Engine | None]]) -> None:
+        """`initial` and `parameters` are the names of what each call gives; `any_mass`: the scene in formulas for any masses, and
+        the run time with it. Raises LagError, RunError."""
         known = {p.name: k for k, p in enumerate(scene.parameters)}
         started: list[int] = [_start_place(scene, name) for name in initial]
         varied = [known[name] for name in parameters]
@@ -53,6 +56,11 @@ class PreparedRun:
         self._starts = (self._handle, addressof(self._start), addressof(self._start) + 8 * scene.n)  # numbers pass soonest
         place = cast(self._library.lag_run_parameters(self._handle), c_void_p).value or addressof(self._given)
         self._found = (c_double * len(values.parameters)).from_address(place)  # all parameters, as C has them
+        self._unevenness = CalledTape(self._library, scene.unevenness, self._found) \
+            if scene.unevenness is not None and feel_masses(scene, parameters) else None
+        self._made = values, initial, parameters, any_mass
+        self._uneven: PreparedRun | None = None  # in formulas for any masses, from when some call needs them
+        self._latest: PreparedRun | None = None  # that one, if it made the latest run
         self._limits = tuple((c_double * len(side))(*side) for side in scene.limits)
         self._counts = self._run.counts  # what C counts of the latest run
         self._asks_loss = min(scene.notes["thresholds"], default=math.inf) < experiment.tolerance
@@ -68,7 +76,7 @@ class PreparedRun:
         Raises LagError for values the scene cannot have, RunError when the run cannot go on; of rows that are no motion of the
         scene a RunWarning tells.
         """
-        begin, self._is_over = time.perf_counter(), False
+        begin, self._is_over, self._latest = time.perf_counter(), False, None
         starts, varied = self._started, self._varied
         if len(start) != len(starts) or len(parameters) != len(varied):
             fail("L0702", f"{len(self._started)} start values and {len(self._varied)} parameters are needed, "
@@ -80,6 +88,9 @@ class PreparedRun:
             own[place] = value
         if varied:
             self._set(parameters)
+            if self._unevenness is not None and self._unevenness() != 0:
+                self._latest = self._for_any_mass()
+                return self._latest(start, parameters)
         if self._begin(*self._starts) != _OK:
             fail_start(self.scene, self._run.failure, self._run.parameters)
         rows = self._rows(self._shape)
@@ -110,17 +121,18 @@ class PreparedRun:
     @property
     def statistics(self) -> Statistics:
         """Of the latest run."""
-        return self._run.statistics
+        return (self._latest or self)._run.statistics
 
     @property
     def ended(self) -> str:
         """When terminate(...) has ended the latest run, and what it says; empty for one that went on to the end."""
-        return explain(self.scene, self._run.failure) if self._is_over else ""
+        latest = self._latest or self
+        return explain(latest.scene, latest._run.failure) if latest._is_over else ""
 
     @property
     def warnings(self) -> list[str]:
         """What kept the latest run from its tolerance, in words; empty when nothing did."""
-        progress = self._progress()
+        progress = (self._latest or self)._progress()
         return [*filter(None, [loss(progress)]), *shortcomings(progress)]
 
     def _progress(self) -> Progress:
@@ -143,6 +155,15 @@ class PreparedRun:
 
     def _own_inertias(self) -> list[list[float]]:
         return [self._found[first : first + size] for first, size in self._inertias]
+
+    def _for_any_mass(self) -> "PreparedRun":
+        if self._uneven is None:
+            values, initial, parameters, any_mass = self._made
+            scene, engine = any_mass()
+            assert engine is not None  # as there is one of this scene
+            self._uneven = PreparedRun(scene, engine, self.experiment, values, initial, parameters, any_mass)
+            self._uneven._inertias = []  # of which this one tells
+        return self._uneven
 
     def _advance(self, place: int) -> int:
         """Rows to where they belong; how many."""

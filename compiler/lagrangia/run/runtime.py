@@ -220,6 +220,7 @@ _SIGNATURES: Mapping[str, tuple[Any, tuple[Any, ...]]] = {
     "lag_read_numbers": (c.c_int64, (c.c_char_p, c.c_int, c.c_int, c.c_int, Doubles, c.c_int64)),
     "lag_table_slopes": (None, (c.POINTER(TableMirror), c.c_int, Doubles, Doubles)),
     "lag_tape_valid": (c.c_int, (c.POINTER(FunctionMirror),)),
+    "lag_tape_run": (None, (c.POINTER(TapeMirror), c.c_void_p, c.c_void_p, Doubles)),
     "lag_run_new": (_RUN, (c.POINTER(ModelMirror), c.POINTER(_Settings))),
     "lag_run_solver": (c.c_int32, (c.POINTER(ModelMirror), c.POINTER(_Settings), c.POINTER(Decision))),
     "lag_rule": (c.POINTER(Rule), (c.c_int32,)),
@@ -298,7 +299,7 @@ class Model:
         for name, places in (patterns or {}).items():
             setattr(struct, name, _ints(places))
         for name, tape in functions.items():
-            setattr(struct, name, _function_of(tape))
+            setattr(struct, name, function_of(tape))
         if tables:
             struct.tables = mirrored(tables)
         return cls(struct, tables)  # whose numbers stay where they are
@@ -330,7 +331,8 @@ class Model:
         self._kept = (self._kept, other)
 
 
-def _function_of(tape: Tape) -> FunctionMirror:
+def function_of(tape: Tape) -> FunctionMirror:
+    """As the run time has it."""
     code = bytes(memoryview(tape.code).cast("B"))
     numbers = (c.c_int32 * (len(code) // 4)).from_buffer_copy(code)
     constants = _buffer(tape.constants)

@@ -72,7 +72,7 @@ class Scene:
     refused: Mapping[str, str]  # solvers that cannot run this scene, and why
     tapes: Mapping[str, Tape]
     islands: "tuple[tuple[tuple[int, ...], Scene], ...]"  # coordinates that do not interact with others, and their scenes
-    evenness: Tape | None  # of p: above 1 all over where the formulas hold; None where they hold for all masses
+    unevenness: Tape | None  # of p: 0 where the formulas hold; None where they hold for all masses
     tables: tuple[TableData, ...]  # shared by the islands
     lost: Mapping[str, tuple[int, str]]  # place among the starts of LagModel's n_lost coordinates, then their rates, and the unit
 
@@ -182,7 +182,7 @@ class Scene:
         return self.aliases.get(name)
 
 
-_PACKED = ("tapes", "evenness", "islands", "tables")
+_PACKED = ("tapes", "unevenness", "islands", "tables")
 
 
 def to_json(scene: Scene) -> str:
@@ -193,7 +193,7 @@ def to_json(scene: Scene) -> str:
     plain["tapes"] = {name: _pack(tape) for name, tape in scene.tapes.items()}
     plain["islands"] = [(list(places), to_json(replace(island, tables=()))) for places, island in scene.islands]
     plain["tables"] = [_pack_table(table) for table in scene.tables]
-    plain["evenness"] = _pack(scene.evenness) if scene.evenness is not None else None
+    plain["unevenness"] = _pack(scene.unevenness) if scene.unevenness is not None else None
     return json.dumps(plain, separators=(",", ":"))
 
 
@@ -211,7 +211,7 @@ def from_json(text: str | bytes) -> Scene:
     plain["tables"] = tuple(map(_unpack_table, plain["tables"]))
     plain["islands"] = tuple((tuple(places), replace(from_json(island), tables=plain["tables"]))
                              for places, island in plain["islands"])
-    plain["evenness"] = _unpack(plain["evenness"]) if plain["evenness"] is not None else None
+    plain["unevenness"] = _unpack(plain["unevenness"]) if plain["unevenness"] is not None else None
     plain["lost"] = {name: (place, unit) for name, (place, unit) in plain["lost"].items()}
     return Scene(**plain)
 
