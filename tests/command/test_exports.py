@@ -310,7 +310,6 @@ def test_friction_that_cannot_stick_is_told(name: str, target: str, written, tmp
             exec(text, {})
 
 
-
 def test_equations_of_a_scene_with_events_tell_that_these_are_left_out(written, tmp_path: Path, capsys) -> None:
     scene = written("model Falls Block b(m = 2, base = world, along = {0, 1}, s(start = 1)); Stop f(gap = b.s); end Falls;")
     assert main(["export", str(scene), "--to", "sympy", "-o", str(tmp_path / "out")]) == 0
@@ -382,3 +381,21 @@ def test_starts_that_follow_parameters_are_told(target: str, written, tmp_path: 
     scene.write_text("model Free Block b(m = 2, base = world, s(start = 1)); Spring s(k = 3, stretch = b.s); end Free;")
     assert main(["export", str(scene), "--to", target, "-o", str(tmp_path / "out")]) == 0
     assert "starts are" not in capsys.readouterr().out
+
+
+def test_what_all_components_of_a_class_demand_is_told_once(written, tmp_path: Path, capsys) -> None:
+    cross = "axis_a = {1, 0, 0}, axis_b = {0, 1, 0}"
+    scene = written(f"model Two World world(gravity = {{0, 0, -9.81}}); Universal a(a = world, {cross}); "
+                    "Body b(m = 1, I = {1, 1, 1}, center = a.b); "
+                    f"Universal c(a = a.b, {cross}); "
+                    "Body d(m = 1, I = {1, 1, 1}, center = c.b); end Two;")
+    assert main(["export", str(scene), "--to", "python", "-o", str(tmp_path / "out")]) == 0
+    told = capsys.readouterr().err
+    assert told.count("warning[L0741]") == 1 and "is left out of the export to python (a, c)" in told
+
+
+def test_scenes_too_large_for_equations_are_told_of_components(written, tmp_path: Path, capsys) -> None:
+    scene = written("model Many Block b[25](each m = 1, each base = world); end Many;")
+    assert main(["export", str(scene), "--to", "modelica", "-o", str(tmp_path / "out")]) == 2
+    assert re.search("(?s)the equations of 25 coordinates.*--components has joints and bodies", capsys.readouterr().err)
+    assert main(["equations", str(scene)]) == 2 and "--components" not in capsys.readouterr().err

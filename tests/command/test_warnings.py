@@ -107,3 +107,13 @@ def test_what_environments_say_in_vain_is_told(name: str, value: str, said: str,
     assert main(["check", str(tmp_path / "M.lag")]) == DONE
     told = capsys.readouterr().err
     assert told.count("L0749") == 1 and said in told
+
+
+def test_pages_of_equations_tell_inertias_that_no_body_has(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """As other commands do: of what is declared, and of what is given."""
+    (file := tmp_path / "m.lag").write_text(f"model M {SPACE} Body b(m = 1, I = {{1, 1, 1}}); end M;")
+    assert main(["equations", str(file)]) == DONE and not capsys.readouterr().err
+    assert main(["equations", str(file), "--numbers", "-p", "b.I[3]=3"]) == DONE
+    assert "warning[L0746]: no rigid body has the inertia 'b.I'" in capsys.readouterr().err
+    file.write_text(file.read_text().replace("1, 1, 1", "1, 1, 3"))
+    assert main(["equations", str(file)]) == DONE and "warning[L0746]" in capsys.readouterr().err

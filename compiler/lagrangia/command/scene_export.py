@@ -2,7 +2,7 @@
 
 import re
 import tempfile
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -14,6 +14,7 @@ from lagrangia.base.spelling import python_text
 from lagrangia.constraints.parameters import parameters_of
 from lagrangia.dynamics.switches import bends
 from lagrangia.language.delays import refuse_delays
+from lagrangia.language.flat import Guard
 from lagrangia.language.samplers import refuse_held
 from lagrangia.needs.origins import place_of_moving_support
 from lagrangia.run.request import USUAL
@@ -98,10 +99,16 @@ def export_warnings(model: "Model", target: str) -> list[Diagnostic]:
     events = [Diagnostic("warning", "L0741", f"the event '{when.condition.span.text}' is left out of the export to {target}, "
                          "whose equations hold between events", when.span, "", ("an FMU has the events: --to fmu",))
               for when in c.flat.whens if target == "sympy" and when.resets]
-    events += [Diagnostic("warning", "L0741", f"'{guard.condition.span.text}', which ends a run or has to hold, is left out of "
-                          f"the export to {target}", guard.span, "", ("lag simulate and an FMU ask for it: --to fmu",))
-               for guard in c.flat.guards if target in ("python", "casadi", "modelica", "sympy")]
-    if target not in ("python", "casadi", "modelica", "sympy") or not bends(c.run) or not c.motion.q.numel():
+    if target not in ("python", "casadi", "modelica", "sympy"):
+        return events
+    alike: dict[str, list[Guard]] = {}  # as those of each component of a class
+    for guard in c.flat.guards:
+        alike.setdefault(guard.condition.span.text, []).append(guard)
+    events += [Diagnostic("warning", "L0741", f"'{text}', which ends a run or has to hold, is left out of the export to {target}"
+                          + (f" ({_few([guard.component for guard in guards])})" if len(guards) > 1 else ""),
+                          guards[0].span, "", ("lag simulate and an FMU ask for it: --to fmu",))
+               for text, guards in alike.items()]
+    if not bends(c.run) or not c.motion.q.numel():
         return events
     stated = [load.statement for load in c.energies.loads] + [term.statement for term in c.energies.dissipation]
     spans = {statement.component: statement.span for statement in stated if not statement.is_signal}  # no limit of a signal
@@ -148,8 +155,11 @@ def parameters_of_starts(model: "Model") -> list[str]:
 
 def _starts_told(model: "Model") -> list[str]:
     deciding = parameters_of_starts(model)
-    few = ", ".join(deciding[:_FEW]) + (", ..." if len(deciding) > _FEW else "")
-    return [f"{STARTS} {few} as declared: other values need other starts"] if deciding else []
+    return [f"{STARTS} {_few(deciding)} as declared: other values need other starts"] if deciding else []
+
+
+def _few(names: Sequence[str]) -> str:
+    return ", ".join(names[:_FEW]) + (", ..." if len(names) > _FEW else "")
 
 
 def inputs(model: "Model") -> dict[str, float]:

@@ -13,7 +13,7 @@ from lagrangia.base.checked_values import a_text
 from lagrangia.base.diagnostics import LagError, fail, suggest
 from lagrangia.base.records import dataclass
 from lagrangia.compile.pipeline import compile_energies, compile_file, deep_recursion
-from lagrangia.constraints.parameters import default_parameters
+from lagrangia.constraints.parameters import default_parameters, find_odd_inertias
 from lagrangia.dynamics.impulses import rates_jump
 from lagrangia.frames.kinematics import Kinematics
 from lagrangia.language.frame_attributes import component_named
@@ -48,6 +48,7 @@ MOST_KINETIC_TERMS = 250
 MOST_COORDINATES, MOST_FORCED_COORDINATES = 24, 60
 MOST_PRODUCTS, MOST_FORCED_PRODUCTS = 20_000, 200_000  # some 0.2 ms each
 _DIGITS = 6
+_COMPONENTS = "--components has joints and bodies of the Modelica Standard Library in the place of equations"
 _FORMS_OF_SCRIPTS = tuple(form for form in ALL_FORMS if form != "exercise")  # whose solution is not told
 
 
@@ -105,12 +106,15 @@ def write_equations(path: Path, request: Request, model: str | None = None, stru
     kinematics, constraints = compile_energies(path, model, structural, request.parameters, bool(request.angles),
                                                request.has_quaternions)
     _check_size(kinematics, request)
+    odd = find_odd_inertias(kinematics)
+    odd.raise_errors()
     with deep_recursion():
         scene = build_symbolic(kinematics, constraints, request.form == "linear", request.angles, request.format == "sympy")
         begin = cache(lambda: start_of(request.parameters, path, model, structural, request.angles))
         found = _written(kinematics, scene, request, begin, rates_jump(kinematics, constraints))
     flat = kinematics.graph.model
-    found.warnings = tuple(warning.render() for warning in flat.warnings if warning.code not in flat.allowed)
+    told = (*flat.warnings, *odd.diagnostics)
+    found.warnings = tuple(warning.render() for warning in told if warning.code not in flat.allowed)
     found.files = tuple(lookup.path for lookup in flat.lookups)
     return found
 
@@ -140,7 +144,7 @@ def written_book(path: Path, request: Request, model: str | None = None, structu
     """The equations for other writers, within the same limits; `has_quaternions`: programs, which know attitudes and signs.
     Raises LagError L0711, L0712."""
     kinematics, constraints = compile_energies(path, model, structural, request.parameters, bool(request.angles), has_quaternions)
-    _check_size(kinematics, request)
+    _check_size(kinematics, request, *([_COMPONENTS] if has_quaternions else []))
     with deep_recursion():
         scene = build_symbolic(kinematics, constraints, angles=request.angles, is_signed=has_quaternions)
         limit = MOST_FORCED_PRODUCTS if request.is_forced else MOST_PRODUCTS
@@ -148,17 +152,18 @@ def written_book(path: Path, request: Request, model: str | None = None, structu
             e = derive(scene, limit, None if request.is_forced else MOST_KINETIC_TERMS)
         except TooLarge:
             fail("L0712", "the equations are too large to be written out", scene.kinematics.graph.model.span,
-                 "--force tries longer; --to python and --to casadi take any scene")
+                 "--force tries longer; --to python and --to casadi take any scene",
+                 *([_COMPONENTS] if has_quaternions else []))
         names = name_symbols(scene, request.names)
         return Book(e, presentation_of(e, names, 20 * limit), names, (), parameter_values(kinematics), False)
 
 
-def _check_size(kinematics: Kinematics, request: Request) -> None:
+def _check_size(kinematics: Kinematics, request: Request, *more: str) -> None:
     n = len(kinematics.symbols.positions)
     if n > (MOST_FORCED_COORDINATES if request.is_forced else MOST_COORDINATES):
         fail("L0712", f"the equations of {n} coordinates are too many to read", kinematics.graph.model.span,
              f"at most {MOST_COORDINATES}; with --force {MOST_FORCED_COORDINATES}",
-             "model.functions() of the Python interface has M, h and the accelerations of any scene")
+             "model.functions() of the Python interface has M, h and the accelerations of any scene", *more)
 
 
 def _written(kinematics: Kinematics, scene: SymbolicScene, request: Request, begin: Callable[[], Begin],
