@@ -28,6 +28,9 @@ _OK, _PAUSED = int(Status.OK), int(Status.PAUSED)
 class PreparedRun:
     """Callable: the rows from these start values, with these parameters. For one thread at a time."""
 
+    _uneven: "PreparedRun | None" = None  # in formulas for any masses, from when some call needs them
+    _latest: "PreparedRun | None" = None  # that one, if it made the latest run
+
     def __init__(self, scene: Scene, engine: Engine, experiment: Experiment, values: Values, initial: Sequence[str],
                  parameters: Sequence[str], any_mass: Callable[[], tuple[Scene, Engine | None]]) -> None:
         """`initial` and `parameters` are the names of what each call gives; `any_mass`: the scene in formulas for any masses, and
@@ -59,8 +62,6 @@ class PreparedRun:
         self._unevenness = CalledTape(self._library, scene.unevenness, self._found) \
             if scene.unevenness is not None and feel_masses(scene, parameters) else None
         self._made = values, initial, parameters, any_mass
-        self._uneven: PreparedRun | None = None  # in formulas for any masses, from when some call needs them
-        self._latest: PreparedRun | None = None  # that one, if it made the latest run
         self._limits = tuple((c_double * len(side))(*side) for side in scene.limits)
         self._counts = self._run.counts  # what C counts of the latest run
         self._asks_loss = min(scene.notes["thresholds"], default=math.inf) < experiment.tolerance
