@@ -56,3 +56,16 @@ def test_first_order_states_and_free_rates_on_a_level(law: str, want: float, sce
         model = scene(f"model M World world(gravity = {{0, 0}}); {c} {x} end M;")
         for solver in (*SOLVERS, "taylor"):
             assert model.simulate(at=[2.0], solver=solver, tolerance=1e-8)["c.s"][0] == pytest.approx(want, abs=1e-7)
+
+
+@pytest.mark.parametrize(("law", "forces"), [
+    ("if x >= 0 and x <= 0 then 1 else 0", (0, 1)), ("if x > 0 or x < 0 then 1 else 0", (1, 0)), ("if x*x > 0 then 1 else 0", (1, 0)),
+    ("if abs(k*x) <= 0 then 1 else 0", (0, 1)), ("if x == 0 then 1 else 0", (0, 1)), ("if k*x <> 0 then 1 else 0", (1, 0))])
+def test_places_that_come_to_rest_where_both_sides_are_equal(law: str, forces: tuple[float, float], scene: Write) -> None:
+    """x >= 0 and x <= 0 was asked of what rounding left of 0 (2 m for 1.775)."""
+    model = scene(f"""model M parameter Real k = 2; World world(gravity = {{0, 0}}); Block c(m = 1, base = world, v(start = 1));
+        Block a(m = 1, base = world, v(start = 1)); DryFriction f(F = 2, rate = a.v); Real x = (a.s - 0.25[m])/1[m];
+        energy work -0.2*({law})*1[N] on c.s; end M;""")
+    for solver in (*SOLVERS, "taylor"):
+        found = model.simulate(at=[2.0], solver=solver, tolerance=1e-8)["c.s"][0]
+        assert found == pytest.approx(2 - 0.175 * forces[0] - 0.225 * forces[1], abs=2e-6)

@@ -13,7 +13,7 @@ from lagrangia.base.diagnostics import fail
 from lagrangia.base.records import dataclass
 from lagrangia.dynamics.directions import Directions, components_of
 from lagrangia.dynamics.driven_conditions import SIDED, Pair, driven_conditions
-from lagrangia.dynamics.held_switches import JUMPS, RELATIONS, SIGNS, WHOLE, Holding, ordered, pair_of, rest_asked, side_on_level
+from lagrangia.dynamics.held_switches import HALF, JUMPS, RELATIONS, SIGNS, WHOLE, Holding, ordered, pair_of, rest_asked, side_on_level
 from lagrangia.dynamics.levels import EDGE, Levels, step_of
 from lagrangia.dynamics.levels import JUMPS as ALL_JUMPS
 from lagrangia.dynamics.same_conditions import bends_by, multiples, without_factors
@@ -65,6 +65,7 @@ class Finding:
             if op in (ca.OP_EQ, ca.OP_NE):
                 self.equalities[ordered(*numbers)] = as_expression(operands[0] - operands[1] if numbers[0] < numbers[1]
                                                                    else operands[1] - operands[0])
+                self._note_equal(ordered(*numbers))
             if op in RELATIONS or len(rest[0]) > 1:  # of |a|, which is found by itself
                 return
         pair = rest[0][0] if rest else pair_of(self.numbering, op, numbers)
@@ -126,6 +127,12 @@ class Finding:
     def _moves(self, x: Expression) -> bool:
         return not self.movers.isdisjoint(symbols_in(x))
 
+    def _note_equal(self, pair: Pair) -> None:
+        """Of a == b: where it changes, if they are no rates and do not jump."""
+        g = self.equalities[pair]
+        if not is_rate(self.v, g) and self._moves(g) and operations_in(g).isdisjoint(ALL_JUMPS):
+            self.found.setdefault(pair, g)
+
     def _note_square(self, operands: list[Expression]) -> None:
         """Of a^2 > 0, a^4 > 0 or a^2 == 0: a."""
         root = next((x for x in operands if not x.is_constant() and x.op() == ca.OP_SQ), None)
@@ -182,8 +189,10 @@ def conditions_in(forces: Sequence[ca.SX], movers: ca.SX, v: ca.SX, numbering: N
     found = finding.found
     same = multiples(found | finding.equalities, v, known[1], numbering) if finding.equalities else {}
     found |= {pair: g for pair, g in finding.equalities.items() if pair in same and same[pair].of in found}
-    rests = _rests(v, found, finding.asked)
-    found = _without_unused(forces, found, rests, numbering) if rests else found
+    rests, equal = _rests(v, found, finding.asked), _equal(v, found, finding.asked)
+    for pair in equal:
+        finding.sides.setdefault(pair, set()).add(HALF)
+    found = _without_unused(forces, found, rests, numbering, equal) if rests or equal else found
     return found, rests, tuple(cone for cone in finding.both if all(pair in rests for pair in cone)), finding.sides
 
 
@@ -203,9 +212,17 @@ def _rests(v: ca.SX, found: Mapping[Pair, Expression], asked: Sequence[Sequence[
     return {pair: symbol(f"rest_{k}") for k, pair in enumerate(dict.fromkeys(chosen)) if pair is not None}
 
 
+def _equal(v: ca.SX, found: Mapping[Pair, Expression], asked: Sequence[Sequence[Pair]]) -> frozenset[Pair]:
+    """Places of which it is asked whether both sides are equal."""
+    known = [next((pair for pair in pairs if pair in found), None) for pairs in asked]
+    return frozenset(pair for pair in known if pair is not None and not is_rate(v, found[pair])
+                     and operations_in(found[pair]).isdisjoint(ALL_JUMPS))
+
+
 def _without_unused(forces: Sequence[ca.SX], found: Mapping[Pair, Expression], rests: Mapping[Pair, Expression],
-                    numbering: Numbering) -> dict[Pair, Expression]:
+                    numbering: Numbering, equal: frozenset[Pair]) -> dict[Pair, Expression]:
     """Those that forces still have: |v|, of which nothing was asked but whether it is 0, is none."""
     places = {pair: symbol(f"s_{k}") for k, pair in enumerate(found)}
-    used = symbols_in(ca.veccat(*rebuilt(forces, numbering, Holding(places, frozenset(), rests, numbering).made)))
+    holding = Holding(places, frozenset(), rests, numbering, halves=equal)
+    used = symbols_in(ca.veccat(*rebuilt(forces, numbering, holding.made)))
     return {pair: g for pair, g in found.items() if pair in rests or places[pair].__hash__() in used}

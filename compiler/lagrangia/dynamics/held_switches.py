@@ -150,9 +150,14 @@ class Holding:
         return value
 
     def _rests(self, op: int, numbers: list[int]) -> Expression | None:
-        asked = rest_asked(self.numbering, op, numbers) if self.rests else None
-        rest = next((self.rests[pair] for pair in asked[0] if pair in self.rests), None) if asked else None
-        return rest if rest is None or (asked and asked[1]) else as_expression(1.0 - rest)
+        asked = rest_asked(self.numbering, op, numbers) if self.rests or self.halves else None
+        if asked is None:
+            return None
+        rest = next((self.rests[pair] for pair in asked[0] if pair in self.rests), None)
+        s = next((self.places[pair] for pair in asked[0] if pair in self.halves), None) if rest is None else None
+        if s is not None:  # which is a half where both are equal
+            rest = as_expression(4 * s * (1 - s))
+        return rest if rest is None or asked[1] else as_expression(1.0 - rest)
 
     def _switched(self, op: int, numbers: list[int], operands: list[Expression], pair: Pair) -> Expression:
         is_positive = self.places[pair]  # a > b, where a has the smaller number
