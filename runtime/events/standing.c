@@ -19,10 +19,19 @@ double lag_standing_value(const LagModel *model, int i)
     return level == LAG_LEVEL_EITHER || level == LAG_LEVEL_WHOLE ? 0.5 : 0.5 * level;
 }
 
-/* What is held has no rate but rounding. */
+/* What is held has no rate but rounding, nor has what is balanced, which does not leave by it in a run. */
 static int is_still(const LagRun *run, int i, double rate)
 {
-    return fabs(rate) <= (run->sliding.count > 0 ? run->switches.unknown[i] : 0);
+    const LagSettings *settings = &run->settings;
+    const double lasts = isfinite(settings->t_stop) ? settings->t_stop - settings->t_start : lag_max(1, fabs(run->motion.t));
+    return fabs(rate) * (run->sliding.count > 0 ? 1 : lasts) <= run->switches.unknown[i];
+}
+
+/* Whether it is so a moment later, too. */
+static int stays_still(const LagRun *run, int i)
+{
+    const double rate = run->switches.rate_inside[i], change = rate - run->switches.rate[i];
+    return is_still(run, i, rate) && (run->sliding.count > 0 || fabs(change) <= fabs(run->switches.rate[i]));
 }
 
 static int is_candidate(const LagRun *run, int i)
@@ -33,6 +42,30 @@ static int is_candidate(const LagRun *run, int i)
     return level != LAG_LEVEL_EITHER && !s->slides[i] && !s->is_idle[i] && fabs(s->g[i]) <= known;
 }
 
+/* Accelerations at t, into switches.slope, of which those are none that rounding of the present state makes: forces may be balanced. */
+static void find_accelerations(LagRun *run, double t)
+{
+    LagSwitches *s = &run->switches;
+    LagMotion *m = &run->motion;
+    const LagScale scale = run->scale;
+    const int n = m->n;
+    double *a = s->slope + n, *noise = m->point;
+    lag_motion_slope(m, t, m->y, m->y + n, s->slope);
+    memcpy(noise, scale.noise, (size_t)n * sizeof *noise);
+    run->scale.rate_rounding = run->scale.step = run->scale.reach = 0; /* as in lag_conditions_find_unknown */
+    lag_conditions_units(run, m->y, lag_conditions_rounding(run, 1), s->error);
+    for (int pattern = 0; pattern < lag_conditions_patterns(2 * n); ++pattern) {
+        lag_conditions_disturb(run, m->y, s->error, pattern, s->state);
+        if (!lag_motion_slope(m, t, s->state, s->state + n, m->sum))
+            continue;
+        for (int i = 0; i < n; ++i)
+            noise[i] = lag_max(fabs(m->sum[n + i] - a[i]), noise[i]);
+    }
+    run->scale = scale;
+    for (int i = 0; i < n; ++i)
+        a[i] = fabs(a[i]) <= noise[i] ? 0 : a[i];
+}
+
 /* The rates of all conditions a moment later, into switches.rate_inside. */
 static void look_ahead(LagRun *run)
 {
@@ -40,10 +73,9 @@ static void look_ahead(LagRun *run)
     const LagMotion *m = &run->motion;
     const int n = m->n;
     const double moment = lag_min(run->step > 0 ? MOMENT * run->step : SOME_TIME, MOMENT * (run->segment_end - m->t));
-    double *a = s->slope + n;
-    lag_motion_slope(&run->motion, m->t + moment, m->y, m->y + n, s->slope);
+    const double *a = s->slope + n;
+    find_accelerations(run, m->t + moment);
     for (int i = 0; i < n; ++i) {
-        a[i] = fabs(a[i]) <= run->scale.noise[i] ? 0 : a[i];
         s->state[i] = m->y[i] + moment * (m->y[n + i] + moment * a[i] / 2);
         s->state[n + i] = m->y[n + i] + moment * a[i];
     }
@@ -63,7 +95,7 @@ int lag_standing_find(LagRun *run)
     for (int i = 0; i < first && some; ++i) {
         if (!s->stands[i])
             continue;
-        s->stands[i] = is_still(run, i, s->rate_inside[i]);
+        s->stands[i] = stays_still(run, i);
         const double held = s->stands[i] ? lag_standing_value(run->model, i) : s->rate_inside[i] > 0;
         changes |= held != s->held[i];
         s->held[i] = held;

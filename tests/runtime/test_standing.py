@@ -69,3 +69,18 @@ def test_places_that_come_to_rest_where_both_sides_are_equal(law: str, forces: t
     for solver in (*SOLVERS, "taylor"):
         found = model.simulate(at=[2.0], solver=solver, tolerance=1e-8)["c.s"][0]
         assert found == pytest.approx(2 - 0.175 * forces[0] - 0.225 * forces[1], abs=2e-6)
+
+
+@pytest.mark.parametrize(("law", "forces"), [
+    ("if x > 0 then 1 else 0", (0, 1)), ("if x >= 0 then 1 else 0", (1, 1)), ("sign(x)", (0, 1)), ("if x == 0 then 1 else 0", (1, 0))])
+@pytest.mark.parametrize("stiffness", [3, 7])
+def test_forces_that_balance_but_for_rounding(law: str, forces: tuple[float, float], stiffness: int, scene: Write) -> None:
+    """0.3 - 3*0.1 is -6e-17, which moved what rests (2 m for 1.6)."""
+    way = "discrete Real n(start = 0); equation when time > 0.4 then n = pre(n) + 1; end when;"
+    for push, side in (("0", 0), ("if time > 1 then 5 else 0", 1)):
+        model = scene(f"""model M World world(gravity = {{0, 0}}); Block c(m = 1, base = world, v(start = 1));
+            Block a(m = 1, base = world, s(start = 0.1)); Real x = a.s/1[m] - 0.1; energy potential {stiffness}*a.s^2*1[N/m]/2;
+            energy work ({push} + {stiffness}/10)*1[N] on a.s; energy work -0.2*({law})*1[N] on c.s; {way} end M;""")
+        for solver in (*SOLVERS, "taylor"):
+            found = model.simulate(at=[1.2], solver=solver, tolerance=1e-8)["c.s"][0]
+            assert found == pytest.approx(1.2 - 0.14 * forces[0] - 0.004 * forces[side], abs=2e-6)
