@@ -44,11 +44,12 @@ static int is_beyond(const LagRun *run, int i, double depth)
     return depth < (lag_is_event(run->model, i) ? 0 : -run->switches.unknown[i]);
 }
 
-/* How far condition i is from changing; negative: it has. Events have some slack, and shares of what slides, so that what is torn off has
- * more than rounding to move by. */
+/* How far condition i is from changing; negative: it has. Events have some slack, what stands has rounding, and shares of what slides, so that
+ * what is torn off has more than rounding to move by. */
 static double depth_of(const LagRun *run, int i, const double *g)
 {
-    const double share = run->switches.slides[i] ? SHARE : 0;
+    const LagSwitches *s = &run->switches;
+    const double share = s->slides[i] ? SHARE : s->stands[i] && s->held[i] == 0.5 ? s->unknown[i] : 0;
     const double slack = lag_is_event(run->model, i) ? lag_slack(run->model, &run->impacts, i) : share;
     return lag_depth(&run->switches, i, g) + slack;
 }

@@ -11,12 +11,19 @@
 #include "state/state.h"
 
 static const double OF_SINE = 1e-12; /* of pi times a number that is whole */
+static const double LEAST = 1e-290; /* where both sides are equal, levels of what jumps are less: EDGE of levels.py */
 static const double MOMENT = 1e-3, SOME_TIME = 1e-6; /* of a step; s, where no step tells of one */
 
 double lag_standing_value(const LagModel *model, int i)
 {
     const int level = i < lag_when(model, 0) ? model->at_level[i] : LAG_LEVEL_EITHER;
     return level == LAG_LEVEL_EITHER || level == LAG_LEVEL_WHOLE ? 0.5 : 0.5 * level;
+}
+
+double lag_standing_alone(const LagModel *model, int i, double g)
+{
+    const int is_sided = i < lag_when(model, 0) && model->at_level[i] != LAG_LEVEL_EITHER;
+    return fabs(g) <= (is_sided ? LEAST : 0) ? lag_standing_value(model, i) : g > 0;
 }
 
 /* What is held has no rate but rounding, nor has what is balanced, which does not leave by it in a run. */
@@ -34,12 +41,47 @@ static int stays_still(const LagRun *run, int i)
     return is_still(run, i, rate) && (run->sliding.count > 0 || fabs(change) <= fabs(run->switches.rate[i]));
 }
 
-static int is_candidate(const LagRun *run, int i)
+/* Whether switch i is on its level where its condition is g. */
+static int is_candidate(const LagRun *run, int i, double g)
 {
     const LagSwitches *s = &run->switches;
     const int level = run->model->at_level[i];
-    const double known = level == LAG_LEVEL_WHOLE ? lag_max(OF_SINE, s->unknown[i]) : s->unknown[i];
-    return level != LAG_LEVEL_EITHER && !s->slides[i] && !s->is_idle[i] && fabs(s->g[i]) <= known;
+    const double known = lag_max(level == LAG_LEVEL_WHOLE ? OF_SINE : LEAST, s->unknown[i]);
+    return level != LAG_LEVEL_EITHER && !s->slides[i] && !s->is_idle[i] && fabs(g) <= known;
+}
+
+/* A length of time that is short by that of steps. */
+static double moment_of(const LagRun *run)
+{
+    return lag_min(run->step > 0 ? MOMENT * run->step : SOME_TIME, MOMENT * (run->segment_end - run->motion.t));
+}
+
+/* What may stand: what has no rate but rounding, or has one side's where its condition has a corner, and is not off its level a moment
+ * later. Into switches.stands; returns whether there are some. */
+static int find_candidates(LagRun *run)
+{
+    LagSwitches *s = &run->switches;
+    const LagMotion *m = &run->motion;
+    const int n = m->n;
+    int some = 0, quick = 0;
+    for (int i = 0; i < lag_when(run->model, 0) && !s->is_live; ++i) {
+        const int may = is_candidate(run, i, s->g[i]);
+        s->stands[i] = may && is_still(run, i, s->rate[i]);
+        some |= s->stands[i];
+        quick |= may && !s->stands[i];
+    }
+    if (!quick)
+        return some;
+    const double moment = moment_of(run);
+    memcpy(s->state + n, m->y + n, (size_t)n * sizeof *s->state);
+    for (int i = 0; i < n; ++i)
+        s->state[i] = m->y[i] + moment * m->y[n + i];
+    lag_conditions_by(run, m->t + moment, s->state, s->state + n, s->slope + n, s->g_inside, s->rate_inside);
+    for (int i = 0; i < lag_when(run->model, 0); ++i) {
+        s->stands[i] |= is_candidate(run, i, s->g[i]) && is_candidate(run, i, s->g_inside[i]);
+        some |= s->stands[i];
+    }
+    return some;
 }
 
 /* Accelerations at t, into switches.slope, of which those are none that rounding of the present state makes: forces may be balanced. */
@@ -72,7 +114,7 @@ static void look_ahead(LagRun *run)
     LagSwitches *s = &run->switches;
     const LagMotion *m = &run->motion;
     const int n = m->n;
-    const double moment = lag_min(run->step > 0 ? MOMENT * run->step : SOME_TIME, MOMENT * (run->segment_end - m->t));
+    const double moment = moment_of(run);
     const double *a = s->slope + n;
     find_accelerations(run, m->t + moment);
     for (int i = 0; i < n; ++i) {
@@ -86,17 +128,17 @@ int lag_standing_find(LagRun *run)
 {
     LagSwitches *s = &run->switches;
     const int first = lag_when(run->model, 0);
-    int some = 0, changes = 0;
+    int changes = 0;
     memset(s->stands, 0, (size_t)run->model->n_switches * sizeof *s->stands);
-    for (int i = 0; i < first && !s->is_live; ++i)
-        some |= s->stands[i] = is_candidate(run, i) && is_still(run, i, s->rate[i]);
+    const int some = find_candidates(run);
     if (some)
         look_ahead(run);
     for (int i = 0; i < first && some; ++i) {
         if (!s->stands[i])
             continue;
         s->stands[i] = stays_still(run, i);
-        const double held = s->stands[i] ? lag_standing_value(run->model, i) : s->rate_inside[i] > 0;
+        const double goes = is_still(run, i, s->rate[i]) ? s->rate_inside[i] > 0 : s->held[i];
+        const double held = s->stands[i] ? lag_standing_value(run->model, i) : goes;
         changes |= held != s->held[i];
         s->held[i] = held;
         if (s->stands[i])
@@ -110,5 +152,5 @@ int lag_standing_find(LagRun *run)
 int lag_standing_lasts(const LagRun *run, int i)
 {
     const LagSwitches *s = &run->switches;
-    return s->stands[i] && is_candidate(run, i) && is_still(run, i, s->rate[i]);
+    return s->stands[i] && is_candidate(run, i, s->g[i]) && is_still(run, i, s->rate[i]);
 }

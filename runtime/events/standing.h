@@ -12,6 +12,9 @@ enum { LAG_LEVEL_EITHER = -1, LAG_LEVEL_ZERO = 0, LAG_LEVEL_HALF = 1, LAG_LEVEL_
 /* What switch i holds where what it compares is equal: 0.5 where no force jumps with it. */
 double lag_standing_value(const LagModel *model, int i);
 
+/* What switch i holds where its condition is g, and nothing else is known. */
+double lag_standing_alone(const LagModel *model, int i, double g);
+
 /* What slides has been chosen: those into switches.stands; what they hold, as what goes away from there a moment later. Returns whether
  * some hold anything else than before. */
 int lag_standing_find(LagRun *run);

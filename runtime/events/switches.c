@@ -76,9 +76,6 @@ void lag_switches_reset(LagRun *run)
 
 static double sign_of(double g) { return g > 0 ? 1 : g < 0 ? 0 : 0.5; }
 
-/* What switch i holds at a state of which nothing else is known. */
-static double value_of(const LagRun *run, int i, double g) { return g == 0 ? lag_standing_value(run->model, i) : sign_of(g); }
-
 void lag_switches_set(LagRun *run, double t, const double *q, const double *v)
 {
     LagSwitches *s = &run->switches;
@@ -86,7 +83,7 @@ void lag_switches_set(LagRun *run, double t, const double *q, const double *v)
     for (int pass = 0; pass < (run->model->shares_bend ? MOST_PASSES : 1); ++pass) {
         lag_conditions_by(run, t, q, v, s->slope + run->model->n, s->g_inside, s->rate_inside);
         for (int i = 0; i < lag_when(run->model, 0); ++i)
-            d[i] = value_of(run, i, s->g_inside[i]);
+            d[i] = lag_standing_alone(run->model, i, s->g_inside[i]);
     }
 }
 

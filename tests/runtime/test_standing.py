@@ -84,3 +84,18 @@ def test_forces_that_balance_but_for_rounding(law: str, forces: tuple[float, flo
         for solver in (*SOLVERS, "taylor"):
             found = model.simulate(at=[1.2], solver=solver, tolerance=1e-8)["c.s"][0]
             assert found == pytest.approx(1.2 - 0.14 * forces[0] - 0.004 * forces[side], abs=2e-6)
+
+
+@pytest.mark.parametrize("jump", ["floor(u)", "(if u >= 1 then 1 else 0)"])
+@pytest.mark.parametrize(("law", "forces"), [("sign(x - J)", (-1, 0, 1)), ("sign(J - x)", (1, 0, -1)), ("if x >= J then 1 else 0", (0, 1, 1))])
+def test_places_on_a_level_that_jumps_with_an_input(jump: str, law: str, forces: tuple[float, float, float], scene: Write) -> None:
+    """sign(x - floor(u)) was -1 at x = floor(u), and where a ramp reached the level it changed too late (2.10013 m for 2.1)."""
+    for start in (0, 1):
+        model = scene(f"""model M input Real u = 0; World world(gravity = {{0, 0}}); Block c(m = 1, base = world, v(start = 1));
+            Block a(m = 1, base = world, s(start = {start})); Real x = a.s/1[m];
+            energy work -0.2*({law.replace("J", jump)})*1[N] on c.s; end M;""")
+        want = 2 - 0.3 * forces[1 + start] - 0.1 * forces[start]
+        for given in (([0, 1, 1, 2], [0.5, 0.5, 1.5, 1.5]), ([0, 2], [0.3, 1.7])):
+            for solver in SOLVERS:
+                run = model.simulate(at=[2.0], solver=solver, tolerance=1e-8, inputs=(given[0], {"u": given[1]}))
+                assert run["c.s"][0] == pytest.approx(want, abs=2e-6)

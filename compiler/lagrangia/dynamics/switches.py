@@ -45,6 +45,7 @@ _BENT = CORNERS | {ca.OP_ATAN2}
 _NONE = ca.SX(0, 1)
 _JUMPING = frozenset({*JUMPS, *WHOLE})
 _ROOTED = frozenset({ca.OP_SQRT, ca.OP_FLOOR, ca.OP_CEIL})
+_LEAST = 1e-290  # as in standing.c
 _UNKNOWN = {ZERO, ONE}  # on which side a condition is of which a factor may be negative: as if both were asked
 
 
@@ -386,8 +387,11 @@ def live(name: str, functions: Mapping[str, ca.Function],
     known = {switches.name_in(k): ca.SX.zeros(switches.size1_in(k)) for k in range(switches.n_in())}
     g = switches.call(known | {label: given[label] for label in names if label in known})["g"]
     rests = [g[k] == 0 for k in patterns.get("rests", ())]
-    values = [value_on_level(side) for side in patterns.get("at_level", ())]
-    at_level = ca.DM([*values, *[0.5] * (g.numel() - len(values))])
-    found = held.call(given | {"d": ca.vertcat(given["d"], (g > 0) + at_level * (g == 0), *rests)})
+    sides = patterns.get("at_level", ())
+    others = g.numel() - len(sides)
+    at_level = ca.DM([*map(value_on_level, sides), *[0.5] * others])
+    least = ca.DM([*(0.0 if side == EITHER else _LEAST for side in sides), *[0.0] * others])
+    is_equal = ca.fabs(g) <= least
+    found = held.call(given | {"d": ca.vertcat(given["d"], ca.if_else(is_equal, at_level, g > 0), *rests)})
     results = [held.name_out(k) for k in range(held.n_out())]
     return ca.Function(name, [given[label] for label in names], [found[label] for label in results], names, results)
