@@ -100,7 +100,7 @@ def _without_factors(numbering: Numbering, number: int) -> int:
 class Holding:
     """`places`: the symbols of switches; `shares`: the hashes of those that may be between 0 and 1; `rests`: symbols that are 1
     where both of a pair are held equal, and 0 elsewhere; `nothing`: whether both are 0, of those whose factor may be; `halves`:
-    those that are no shares and 0.5 where both are equal."""
+    those that are no shares and 0.5 where both are equal, or x is whole."""
 
     def __init__(self, places: Mapping[Pair, Expression], shares: frozenset[int], rests: Mapping[Pair, Expression],
                  numbering: Numbering, nothing: Mapping[Pair, Expression] = MappingProxyType({}),
@@ -163,8 +163,8 @@ class Holding:
         is_positive = self.places[pair]  # a > b, where a has the smaller number
         if op in WHOLE:
             whole = self._whole(op, operands[0], is_positive)
-            raw = operate(op, operands)
-            return as_expression(ca.if_else(is_positive * (1 - is_positive), raw, whole)) if pair in self.halves else whole
+            here = operate(ca.OP_FLOOR, [as_expression(operands[0] + 0.5)])  # a whole number but for rounding
+            return as_expression(ca.if_else(is_positive * (1 - is_positive), here, whole)) if pair in self.halves else whole
         if op not in JUMPS:
             is_positive = self._bounded(is_positive)
         if op == ca.OP_SIGN:
