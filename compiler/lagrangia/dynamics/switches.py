@@ -239,7 +239,7 @@ def _values_of_events(motion: Motion, slopes: ca.SX, edge: ca.SX) -> list[ca.SX]
     """Their conditions, the gaps, and the rates of these."""
     impacts, paces = motion.impacts, _rates_of(motion.impacts.arms, motion, slopes)
     resting = [impacts.gaps[k] if impacts.one_way[k] else paces[k] for k in range(impacts.gaps.numel())]
-    return [impacts.edged if edge.numel() else impacts.conditions, impacts.gaps, *resting]
+    return [impacts.edged if edge.numel() else impacts.conditions, impacts.arms, *resting]
 
 
 def _merged(found: dict[Pair, Expression], rests: dict[Pair, Expression], cones: tuple[tuple[Pair, Pair], ...], same: Same
