@@ -26,12 +26,18 @@ double lag_standing_alone(const LagModel *model, int i, double g)
     return fabs(g) <= (is_sided ? LEAST : 0) ? lag_standing_value(model, i) : g > 0;
 }
 
+/* How far the condition of switch i may be from its level on it. */
+static double known_of(const LagRun *run, int i)
+{
+    return lag_max(run->model->at_level[i] == LAG_LEVEL_WHOLE ? OF_SINE : LEAST, run->switches.unknown[i]);
+}
+
 /* What is held has no rate but rounding, nor has what is balanced, which does not leave by it in a run. */
 static int is_still(const LagRun *run, int i, double rate)
 {
     const LagSettings *settings = &run->settings;
     const double lasts = isfinite(settings->t_stop) ? settings->t_stop - settings->t_start : lag_max(1, fabs(run->motion.t));
-    return fabs(rate) * (run->sliding.count > 0 ? 1 : lasts) <= run->switches.unknown[i];
+    return fabs(rate) * (run->sliding.count > 0 ? 1 : lasts) <= known_of(run, i);
 }
 
 /* Whether it is so a moment later, too. */
@@ -45,9 +51,7 @@ static int stays_still(const LagRun *run, int i)
 static int is_candidate(const LagRun *run, int i, double g)
 {
     const LagSwitches *s = &run->switches;
-    const int level = run->model->at_level[i];
-    const double known = lag_max(level == LAG_LEVEL_WHOLE ? OF_SINE : LEAST, s->unknown[i]);
-    return level != LAG_LEVEL_EITHER && !s->slides[i] && !s->is_idle[i] && fabs(g) <= known;
+    return run->model->at_level[i] != LAG_LEVEL_EITHER && !s->slides[i] && !s->is_idle[i] && fabs(g) <= known_of(run, i);
 }
 
 /* A length of time that is short by that of steps. */
@@ -141,8 +145,6 @@ int lag_standing_find(LagRun *run)
         const double held = s->stands[i] ? lag_standing_value(run->model, i) : goes;
         changes |= held != s->held[i];
         s->held[i] = held;
-        if (s->stands[i])
-            s->unknown[i] = lag_max(fabs(s->g[i]), s->unknown[i]);
     }
     if (changes)
         lag_switches_recall(run);

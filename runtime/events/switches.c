@@ -284,6 +284,8 @@ int lag_switches_enter(LagRun *run)
     for (int i = 0; i < run->model->n_switches; ++i)
         if (s->is_idle[i])
             s->unknown[i] = INFINITY;
+        else if (s->stands[i])
+            s->unknown[i] = lag_max(fabs(s->g[i]), s->unknown[i]);
         else if (run->sliding.is_tied[i])
             s->unknown[i] = lag_max(lag_sliding_drift(run, i), s->unknown[i]);
     lag_cones_enter(run);

@@ -99,3 +99,14 @@ def test_places_on_a_level_that_jumps_with_an_input(jump: str, law: str, forces:
             for solver in SOLVERS:
                 run = model.simulate(at=[2.0], solver=solver, tolerance=1e-8, inputs=(given[0], {"u": given[1]}))
                 assert run["c.s"][0] == pytest.approx(want, abs=2e-6)
+
+
+@pytest.mark.parametrize(("law", "forces"), [("floor(x)", (-1, 0)), ("floor(x/10 + 3)", (2, 3)), ("ceil(-x)", (1, 0)), ("floor(x + 3)", (2, 3))])
+def test_whole_numbers_of_what_sticks(law: str, forces: tuple[float, float], scene: Write) -> None:
+    """floor(x) was that of what rounding has put before 0 (2.4 m for 2.175), and floor(x + 3) of what is loaded from the start 2."""
+    for start, want in (("s(start = -0.25), v(start = 1)", 2 - 0.175 * forces[0] - 0.225 * forces[1]), ("", 2 - 0.4 * forces[1])):
+        model = scene(f"""model M World world(gravity = {{0, 0}}); Block c(m = 1, base = world, v(start = 1));
+            Block a(m = 1, base = world, {start or "s(start = 0)"}); Real x = a.s/1[m]; energy work -0.2*({law})*1[N] on c.s;
+            energy work -2*sign(a.v/1[m/s])*1[N] on a.s; energy work (if time > 0.6 then 0.7 else 0)*1[N] on a.s; end M;""")
+        for solver in SOLVERS:
+            assert model.simulate(at=[2.0], solver=solver, tolerance=1e-8)["c.s"][0] == pytest.approx(want, abs=2e-6)
