@@ -279,7 +279,8 @@ def test_walls_that_set_out_late_carry_along_what_lies_there(scene: Write, law: 
 
 
 @pytest.mark.parametrize("start", [0.3, 1.0])
-@pytest.mark.parametrize("law", ["floor(u)", "div(u, 1)", "sign(floor(u))", "(if u < 1 then 0 else 1)", "(if u > 1 then 1 else 0)"])
+@pytest.mark.parametrize("law", ["floor(u)", "div(u, 1)", "sign(floor(u))", "(if u < 1 then 0 else 1)",
+                                 "(if u > 1 then 1 else 0)"])
 def test_floors_that_inputs_let_down(scene: Write, law: str, start: float) -> None:
     """By 0.1 m at 0.8 s: what lies there falls, as inputs alone tell when (it stayed for 0.4 s, or for good)."""
     model = scene(f"""model Falling "a block on a floor"

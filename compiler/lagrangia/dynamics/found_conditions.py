@@ -13,7 +13,18 @@ from lagrangia.base.diagnostics import fail
 from lagrangia.base.records import dataclass
 from lagrangia.dynamics.directions import Directions, components_of
 from lagrangia.dynamics.driven_conditions import SIDED, Pair, driven_conditions
-from lagrangia.dynamics.held_switches import HALF, JUMPS, RELATIONS, SIGNS, WHOLE, Holding, ordered, pair_of, rest_asked, side_on_level
+from lagrangia.dynamics.held_switches import (
+    HALF,
+    JUMPS,
+    RELATIONS,
+    SIGNS,
+    WHOLE,
+    Holding,
+    ordered,
+    pair_of,
+    rest_asked,
+    side_on_level,
+)
 from lagrangia.dynamics.levels import EDGE, Levels, step_of
 from lagrangia.dynamics.levels import JUMPS as ALL_JUMPS
 from lagrangia.dynamics.same_conditions import bends_by, multiples, without_factors

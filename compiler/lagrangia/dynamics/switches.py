@@ -22,6 +22,7 @@ from lagrangia.algebra.numbering import Numbering, rebuilt
 from lagrangia.algebra.scalars import Expression, as_expression, symbol, symbols_in
 from lagrangia.algebra.with_casadi import CORNERS, operations_in
 from lagrangia.base.records import dataclass
+from lagrangia.dynamics.acting_rates import that_may_hold
 from lagrangia.dynamics.driven_conditions import Pair, driven_conditions, is_of_one_side, sides_of
 from lagrangia.dynamics.found_conditions import Finding, conditions_in, finding_in, is_rate, only_jumps
 from lagrangia.dynamics.held_switches import (
@@ -169,7 +170,9 @@ def find_switches(motion: Motion, late: ca.SX | None = None, bends: Sequence[ca.
         return Switches()
     found = {pair: found[pair] for pair in sorted(found, key=lambda pair: pair not in signs)}
     slopes, places = ca.SX.sym("du", motion.u.numel()), {pair: symbol(f"s_{k}") for k, pair in enumerate(found)}
-    shares = frozenset(places[pair].__hash__() for pair, g in found.items() if is_rate(motion.v, g))
+    free = _that_hold_nothing(known, found, places, rests, same, numbering) if not others else frozenset()
+    rests, cones = _without_free(rests, cones, free, sides)
+    shares = frozenset(places[pair].__hash__() for pair, g in found.items() if pair not in free and is_rate(motion.v, g))
     edge = motion.impacts.edge if shares or motion.impacts.may_hold else _NONE
     values = ca.vertcat(ca.SX(0, 1), *found.values(), *_values_of_events(motion, slopes, edge))
     symbols = ca.vertcat(ca.SX(0, 1), *places.values(), ca.SX.sym("event", 2 * events.numel()), motion.impacts.forces)
@@ -179,6 +182,23 @@ def find_switches(motion: Motion, late: ca.SX | None = None, bends: Sequence[ca.
     at_level = _at_level(sides, {*found, *same}, same)
     switches = _with_aliases(replace(switches, edge=edge, at_level=at_level), same, ca.veccat(known.h, *laws))
     return replace(switches, rubs=_find_rubs(motion, switches)) if motion.impacts.pressing else switches
+
+
+def _that_hold_nothing(known: Motion, found: Mapping[Pair, Expression], places: Mapping[Pair, Expression],
+                       rests: Mapping[Pair, Expression], same: Same, numbering: Numbering) -> frozenset[Pair]:
+    """Of conditions on rates, those whose forces hold none of these."""
+    rates = {pair: g for pair, g in found.items() if is_rate(known.v, g)}
+    aliases = {pair: x.switch(places) for pair, x in same.items()}
+    return frozenset(rates) - that_may_hold(known, rates, {**places, **aliases}, rests, numbering) if rates else frozenset()
+
+
+def _without_free(rests: dict[Pair, Expression], cones: tuple[tuple[Pair, Pair], ...], free: frozenset[Pair],
+                  sides: dict[Pair, set[int]]) -> tuple[dict[Pair, Expression], tuple[tuple[Pair, Pair], ...]]:
+    """What is asked of rest, without rates that nothing holds: these are equal as places are."""
+    for pair in free & rests.keys():
+        sides.setdefault(pair, set()).add(HALF)
+    return ({pair: x for pair, x in rests.items() if pair not in free},
+            tuple(cone for cone in cones if free.isdisjoint(cone)))
 
 
 def _unfelt(motion: Motion, numbering: Numbering) -> dict[Pair, Expression]:
