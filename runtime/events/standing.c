@@ -47,10 +47,12 @@ static int stays_still(const LagRun *run, int i)
     return is_still(run, i, rate) && (run->sliding.count > 0 || fabs(change) <= fabs(run->switches.rate[i]));
 }
 
-/* Whether switch i is on its level where its condition is g. */
+/* Whether switch i is on its level where its condition is g, and was not let go to one side of it. */
 static int is_candidate(const LagRun *run, int i, double g)
 {
     const LagSwitches *s = &run->switches;
+    if (s->turned[i] == LAG_TO_0 || s->turned[i] == LAG_TO_1)
+        return 0;
     return run->model->at_level[i] != LAG_LEVEL_EITHER && !s->slides[i] && !s->is_idle[i] && fabs(g) <= known_of(run, i);
 }
 
