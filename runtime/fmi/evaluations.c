@@ -1,4 +1,4 @@
-/* What follows from time, state and inputs: slopes, outputs, energies, event indicators.
+/* What follows from time, state and inputs: slopes, outputs, event indicators.
  *
  * In Model Exchange the importer integrates, and constraints of closed loops are kept by the slopes: see exchange.c. */
 #include <math.h>
@@ -11,6 +11,11 @@
 #include "events/cones.h"
 #include "model/schedule.h"
 #include "state/state.h"
+
+void lag_instance_forget(LagInstance *s)
+{
+    s->vital.slope_is_current = s->vital.outputs_are_current = s->vital.energies_are_current = 0;
+}
 
 /* The state on the constraints that equations and conditions are those of. */
 double *lag_instance_projected(LagInstance *s, double t, const double *x)
@@ -86,24 +91,6 @@ LagAnswer lag_instance_outputs(LagInstance *s)
     return LAG_ANSWER_OK;
 }
 
-LagAnswer lag_instance_energies(LagInstance *s)
-{
-    const LagVital *vital = &s->vital;
-    double of_state[3];
-    if (vital->energies_are_current || !s->run)
-        return LAG_ANSWER_OK;
-    lag_energies(s->run, vital->t, lag_instance_plain(s, s->x), of_state);
-    const double total = of_state[0] + of_state[1];
-    s->energies[LAG_ENERGY_KINETIC] = of_state[0];
-    s->energies[LAG_ENERGY_POTENTIAL] = of_state[1];
-    s->energies[LAG_ENERGY_TOTAL] = total;
-    s->energies[LAG_ENERGY_DISSIPATED] = vital->dissipated;
-    s->energies[LAG_ENERGY_WORK] = vital->work + (total - of_state[2] - vital->supports_energy);
-    s->energies[LAG_ENERGY_RESIDUAL] = of_state[2] - vital->start_energy + vital->dissipated - vital->work;
-    s->vital.energies_are_current = 1;
-    return LAG_ANSWER_OK;
-}
-
 static double slack_of(const LagInstance *s, int i)
 {
     return lag_is_event(s->model, i) ? s->slack[i - lag_when(s->model, 0)] : 0;
@@ -121,15 +108,4 @@ LagAnswer lag_instance_indicators(LagInstance *s)
         s->indicators[i] = lag_depth(switches, i, switches->g_inside) + switches->unknown[i] + slack_of(s, i);
     lag_cones_turns(run, switches->g_inside, s->indicators);
     return LAG_ANSWER_OK;
-}
-
-void lag_exchange_note(LagInstance *s)
-{
-    const size_t size = (size_t)lag_fmu_states(s->model) * sizeof *s->x;
-    s->vital.last_time = s->vital.t;
-    if (s->model->n_power == 0 || lag_instance_slope(s) != LAG_ANSWER_OK)
-        return;
-    memcpy(s->last, s->x, size);
-    memcpy(s->last_slope, s->slope, size);
-    memcpy(s->last_power, s->power, (size_t)s->model->n_power * sizeof *s->power);
 }

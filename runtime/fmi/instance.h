@@ -59,6 +59,8 @@ typedef struct {
     double t, start, stop, tolerance;
     double start_energy, supports_energy; /* H, and T + V - H, at the start */
     double dissipated, work, last_time;   /* Model Exchange: the energy account up to the last completed step */
+    double earlier_time;    /* of the step before that */
+    int known_inputs;       /* at so many of the two */
     int is_unaccounted;     /* there is a step of which it is not known, or an input has changed within one */
     double steps, energy_size, energy_miss; /* completed; the largest of its entries, and of what it misses */
 } LagVital;
@@ -94,6 +96,7 @@ struct LagInstance {
     double *outputs, *energies;
     double *power;           /* n_power */
     double *last, *last_slope, *last_power; /* at the last completed step */
+    double *last_u, *last_rate, *earlier_u, *rate; /* n_inputs: there, and at the one before; rates now: exchange_steps.c */
     double *slack;           /* n_whens: of conditions of events, near their places: exchange.c */
     double *scratch, *projected; /* not saved */
     double *plain, *told;    /* 2 n, states: the same state as the run has it, and as importers have it */
@@ -205,7 +208,20 @@ LagAnswer lag_instance_nominals(LagInstance *instance, double *nominal, size_t c
 LagAnswer lag_instance_completed_step(LagInstance *instance, int *needs_event);
 /* Also of Co-Simulation with events. */
 LagAnswer lag_instance_update_discrete(LagInstance *instance, LagEventInfo *info);
+
+/* Between completed steps of Model Exchange (exchange_steps.c). A step is completed, or an event is over: */
 void lag_exchange_note(LagInstance *instance);
+/* The run stands at a state (q, v). */
+void lag_exchange_stand_at(LagInstance *instance, double t, const double *x);
+/* Rates of inputs at the present time; and inputs have jumped where the last step ended. */
+void lag_exchange_draw_inputs(LagInstance *instance);
+void lag_exchange_jump_inputs(LagInstance *instance);
+/* Takes the last step into the account; returns whether the equations are the same after it. */
+int lag_exchange_keep_account(LagInstance *instance);
+/* Dissipated and work since the last completed step, of a state in between; 0 where that is not known. */
+int lag_exchange_account_so_far(LagInstance *instance, double *sum);
+/* A warning as long as the energy account misses more than errors of the importer's method explain; told when it begins. */
+LagAnswer lag_exchange_judge_account(LagInstance *instance);
 
 /* Co-Simulation (cosimulation.c). */
 typedef struct {

@@ -47,11 +47,6 @@ static LagAnswer check_parameters(LagInstance *s)
                             p[wrong], s->fmu->minimum[wrong], s->fmu->maximum[wrong]);
 }
 
-void lag_instance_forget(LagInstance *s)
-{
-    s->vital.slope_is_current = s->vital.outputs_are_current = s->vital.energies_are_current = 0;
-}
-
 /* Outputs, energies and state from a row of results. */
 void lag_cosimulation_take(LagInstance *s)
 {
@@ -106,7 +101,7 @@ static void take_start(LagInstance *s)
     vital->dissipated = vital->work = 0;
     vital->steps = vital->energy_miss = 0;
     vital->energy_size = s->model->n > 0 ? nominal_energy(s) : 0;
-    vital->is_unaccounted = vital->is_told_open = vital->is_told_jam = 0;
+    vital->is_unaccounted = vital->is_told_open = vital->is_told_jam = vital->known_inputs = 0;
     lag_instance_forget(s);
     if (s->kind == LAG_CO_SIMULATION) {
         lag_cosimulation_take_row(s);
@@ -178,6 +173,7 @@ static LagStatus follow_inputs(LagInstance *s)
 static LagStatus settle_exchange(LagInstance *s)
 {
     LagRun *run = s->run;
+    const int is_jump = (s->vital.mode & LAG_MODE_EVENT) != 0 || s->vital.t == s->vital.last_time; /* else it is of the step */
     const double before = total_energy(s);
     LagStatus status = LAG_OK;
     run->motion.t = s->vital.t;
@@ -193,8 +189,12 @@ static LagStatus settle_exchange(LagInstance *s)
         run->started = 1;
         if (status == LAG_OK)
             status = follow_inputs(s);
+        if (s->vital.t == s->vital.last_time && !(s->vital.mode & LAG_MODE_EVENT))
+            lag_exchange_jump_inputs(s);
+        lag_exchange_draw_inputs(s);
     }
-    s->vital.work += total_energy(s) - before;
+    if (is_jump)
+        s->vital.work += total_energy(s) - before;
     return status;
 }
 
@@ -245,6 +245,7 @@ LagAnswer lag_instance_enter_initialization(LagInstance *s)
     /* Room for a table of two rows is taken now. */
     if (!s->run || lag_run_set_inputs(s->run, s->table, s->table + 2, 2) != LAG_OK)
         return lag_instance_log(s, LAG_ANSWER_ERROR, LAG_ERROR_CATEGORY, "no memory is left");
+    s->run->inputs.rates = steps_alone ? NULL : s->rate;
     s->vital.has_started = 0;
     s->vital.mode = LAG_MODE_INITIALIZATION;
     return LAG_ANSWER_OK;

@@ -175,7 +175,7 @@ void lag_inputs_slope(const LagInputs *inputs, double *slope)
     const int n = inputs->n, left = inputs->left, is_held = left < 0 || left >= inputs->rows - 1;
     for (int i = 0; i < n; ++i) {
         const double *u0 = inputs->values + (is_held ? 0 : left * n + i);
-        slope[i] = is_held ? 0 : (u0[n] - u0[0]) / (inputs->times[left + 1] - inputs->times[left]);
+        slope[i] = is_held ? (inputs->rates ? inputs->rates[i] : 0) : (u0[n] - u0[0]) / (inputs->times[left + 1] - inputs->times[left]);
     }
     for (int k = 0; k < 4 * inputs->n_pieces; ++k) /* nobody reads what pieces say */
         if (k % 4 < 3 && inputs->pieces[k] >= 0)

@@ -38,8 +38,8 @@ PROBE = "int lag_probe(void);\nint lag_probe(void) { return 0; }\n"  # what a co
 _FOLDER = Path(__file__).with_name("prebuilt")
 _PROCESSOR = Path("/proc/cpuinfo")
 FMI_VERSIONS = ("2", "3") if sys.platform != "win32" else ()  # of FMUs for which a library comes with the package
-_FMI = ("cosimulation", "evaluations", "exchange", "image", "life", "log", "partial", "saved", "settle", "states", "stored",
-        "values")
+_FMI = ("cosimulation", "evaluations", "exchange", "exchange_steps", "image", "life", "log", "partial", "saved", "settle",
+        "states", "stored", "values")
 _OF_VERSION = ("-fvisibility=default",)  # the files of a version define the functions of the standard, and no others
 _TOGETHER = 8  # files compiled as one
 _WIDEST = ("avx512f", "avx512dq", "avx512vl")

@@ -16,8 +16,8 @@ from lagrangia.base.diagnostics import fail
 from lagrangia.base.folders import cache_folder, data_folder, is_trusted, note_use
 from lagrangia.native.prebuilt import digest, joined, sources
 
-_FILES = ("cosimulation", "evaluations", "exchange", "image", "life", "log", "partial", "play", "saved", "settle", "states",
-          "values")
+_FILES = ("cosimulation", "evaluations", "exchange", "exchange_steps", "image", "life", "log", "partial", "play", "saved",
+          "settle", "states", "values")
 # No page makes many runs, compares structures, or compiles.
 _UNUSED = ("batch", "reduce", "layout", "arrange", "hoist", "numbering")
 _CALLS = ("room", "new", "message", "reset", "inputs", "set", "begin", "step", "values", "events", "drawing")
