@@ -56,6 +56,7 @@ typedef struct {
     int is_over;            /* a guard has ended the simulation, as it was meant to */
     int is_told_jam;        /* that friction jams */
     int is_told_open;       /* that the energy account does not close */
+    int told_parameter;     /* one more than the place of what is told of parameters; 0: nothing */
     double t, start, stop, tolerance;
     double start_energy, supports_energy; /* H, and T + V - H, at the start */
     double dissipated, work, last_time;   /* Model Exchange: the energy account up to the last completed step */

@@ -34,13 +34,24 @@ static LagStatus set_inputs(LagInstance *s, double t)
     return n > 0 ? lag_run_set_inputs(s->run, s->table, s->table + 1, 1) : LAG_OK;
 }
 
+/* Told when it begins. */
+static void tell_parameters(LagInstance *s)
+{
+    const int told = lag_run_told_parameter(s->run);
+    if (told >= 0 && told + 1 != s->vital.told_parameter)
+        lag_instance_log(s, LAG_ANSWER_WARNING, "logStatusWarning", "%.600s", s->fmu->requirements[told]);
+    s->vital.told_parameter = told + 1;
+}
+
 static LagAnswer check_parameters(LagInstance *s)
 {
     const double *p = lag_run_parameters(s->run);
     const char *const *names = s->fmu->names + lag_fmu_first(s->fmu, LAG_GROUP_PARAMETER);
     const int wrong = lag_run_wrong_parameter(s->run, s->fmu->minimum, s->fmu->maximum), n = s->model->n_parameters;
-    if (wrong < 0)
+    if (wrong < 0) {
+        tell_parameters(s);
         return LAG_ANSWER_OK;
+    }
     if (wrong >= n)
         return lag_instance_log(s, LAG_ANSWER_ERROR, LAG_ERROR_CATEGORY, "%.600s", s->fmu->requirements[wrong - n]);
     return lag_instance_log(s, LAG_ANSWER_ERROR, LAG_ERROR_CATEGORY, "%.200s is %g, which is not from %g to %g", names[wrong],

@@ -202,7 +202,8 @@ struct LagModel {
     LagFunction delayed;    /* t, q, v, u, d, c -> what is read late   n_delays each */
     LagFunction before;     /* t, p             -> what that was before the start; where nothing is said, 0 */
     LagFunction guards;     /* as outputs       -> g of the guards, and what they compare   n_guards + n_seen */
-    LagFunction requirements; /* p              -> the first of what is required of parameters that is not met, or -1 */
+    LagFunction requirements; /* p              -> the first of what is required of parameters that is not met, or -1; the same of
+                               *                   what is only told */
 
     int n_jets;            /* 0: there are no series */
     int jet_pitch;         /* distance between the coefficients of a jet: 1, or n_jets and more where they lie order by order */

@@ -198,18 +198,27 @@ LagStatus lag_run_set_parameters(LagRun *run, const double *given, const double 
 
 const double *lag_run_parameters(const LagRun *run) { return run->p; }
 
+/* That is not met, of those only told or of all others. */
+static int first_requirement(const LagRun *run, int is_told)
+{
+    double first[2] = {-1, -1};
+    const double *in[] = {run->p};
+    double *out[] = {&first[0], &first[1]};
+    lag_call(&run->model->requirements, in, out, run->work);
+    return (int)first[is_told];
+}
+
 int lag_run_wrong_parameter(const LagRun *run, const double *least, const double *most)
 {
     const int n = run->model->n_parameters;
     for (int i = 0; i < n; ++i)
         if (!isfinite(run->p[i]) || run->p[i] < least[i] || run->p[i] > most[i])
             return i;
-    double first = -1;
-    const double *in[] = {run->p};
-    double *out[] = {&first};
-    lag_call(&run->model->requirements, in, out, run->work);
-    return first < 0 ? -1 : n + (int)first;
+    const int first = first_requirement(run, 0);
+    return first < 0 ? -1 : n + first;
 }
+
+int lag_run_told_parameter(const LagRun *run) { return first_requirement(run, 1); }
 
 LagStatus lag_run_set_inputs(LagRun *run, const double *times, const double *values, int rows)
 {

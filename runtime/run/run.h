@@ -27,6 +27,9 @@ LAG_API const double *lag_run_parameters(const LagRun *run);
  * LagModel.requirements that is not met; -1: all are possible. */
 LAG_API int lag_run_wrong_parameter(const LagRun *run, const double *least, const double *most);
 
+/* The first of LagModel.requirements that is only told and not met, or -1. */
+LAG_API int lag_run_told_parameter(const LagRun *run);
+
 /* Table of inputs, linear between rows, held outside: times[rows], values[rows * n_inputs]; copied. */
 LAG_API LagStatus lag_run_set_inputs(LagRun *run, const double *times, const double *values, int rows);
 

@@ -155,3 +155,20 @@ def test_inertias_and_directions_of_instances_are_looked_at(tmp_path: Path, capf
         assert said in capfd.readouterr().out
     else:
         instance.start(parameters).free()
+
+
+@pytest.mark.parametrize(("kind", "version", "shape", "usual", "odd"), [
+    ("CoSimulation", "2", "I[3] = {1, 1, 1.5}", {"I[3]": 2.0}, {"I[3]": 3.0}),
+    ("ModelExchange", "3", "I[3,3] = {{2, 0, 0}, {0, 2, 0}, {0, 0, 3}}", {"I[1,2]": 0.5, "I[2,1]": 0.5},
+     {"I[1,2]": 1.8, "I[2,1]": 1.8}),  # moments 0.2, 3.8 and 3; of the usual one 1.5, 2.5 and 3
+    ("ModelExchange", "2", "I[3,3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 2}}", {"I[3,3]": 0.5}, {"I[3,3]": 2.00001}),
+])
+def test_inertias_of_no_rigid_body_are_told(tmp_path: Path, capfd: pytest.CaptureFixture[str], kind: str, version: str,
+                                            shape: str, usual: dict[str, float], odd: dict[str, float]) -> None:
+    """As runs tell them (L0746); an importer that set them was told nothing."""
+    path = tmp_path / "odd.lag"
+    path.write_text(f"model Odd parameter Inertia {shape}; Spherical j(a = world); Body b(m = 1, I = I, center = j.b); end Odd;")
+    said = "one moment is more than the other two together"
+    for given in ({}, usual, odd):
+        Instance(path, version, kind).start(given).free()
+        assert (said in capfd.readouterr().out) == (given is odd), given

@@ -182,11 +182,11 @@ def _sampled_functions(kinematics: Kinematics, motion: Motion, initial: InitialC
 
 
 def _requirement_function(kinematics: Kinematics, motion: Motion) -> dict[str, ca.Function]:
-    """The place of the first requirement of parameters that is not met, or -1."""
-    first, requirements = ca.SX(-1), find_requirements(kinematics, motion.impacts)
+    """The places of the first requirements of parameters that are not met, or -1: of all but those only told, and of these."""
+    first, requirements = [ca.SX(-1), ca.SX(-1)], find_requirements(kinematics, motion.impacts)
     for k, x in reversed([*enumerate(requirements)]):
-        first = ca.if_else(x.holds, first, k)
-    table = {"requirements": ca.Function("requirements", [motion.p], [ca.densify(first)], ["p"], ["first"])}
+        first[x.only_told] = ca.if_else(x.holds, first[x.only_told], k)
+    table = {"requirements": ca.Function("requirements", [motion.p], [*map(ca.densify, first)], ["p"], ["first", "told"])}
     return table if requirements else {}
 
 

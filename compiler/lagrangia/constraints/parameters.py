@@ -176,14 +176,34 @@ def possible_inertias(kinematics: Kinematics) -> Iterator[tuple[ca.SX, str, Span
     are not negative by the limits of their type."""
     model = kinematics.graph.model
     for v in (v for v in model.variables.values() if v.kind == "parameter" and v.is_inertia and v.shape == (3, 3)):
-        a, b, c, d, e, f, g, h, i = own = column(*scalars_of(kinematics.symbols.values[v.name])).elements()
+        _, b, c, d, _, f, g, h, _ = own = column(*scalars_of(kinematics.symbols.values[v.name])).elements()
         size = reduce(ca.fmax, map(ca.fabs, own))
         apart = reduce(ca.fmax, map(ca.fabs, (b - d, c - g, f - h)))
-        minors = ([a, e, i], [a * e - b * b, a * i - c * c, e * i - f * f],
-                  [a * (e * i - f * f) - b * (b * i - f * c) + c * (b * f - e * c)])
         yield apart <= ROUNDING * size, f"the inertia '{v.name}' is not symmetric", v.span
-        yield (reduce(ca.logic_and, (reduce(ca.fmin, of_size) >= -ROUNDING * size**k for k, of_size in enumerate(minors, 1))),
-               f"the inertia '{v.name}' is negative about an axis", v.span)
+        yield _is_not_negative(own, size), f"the inertia '{v.name}' is negative about an axis", v.span
+
+
+def usual_inertias(kinematics: Kinematics) -> Iterator[tuple[ca.SX, str, Span]]:
+    """The same of no moment that is more than the other two together, of inertias that are not declared so: half of the sum about
+    all axes, without the inertia, is not negative."""
+    variables = kinematics.graph.model.variables
+    for name, _, shape in places_of_inertias(kinematics):
+        own = column(*scalars_of(kinematics.symbols.values[name])).elements()
+        moments = own if shape == [3] else own[::4]
+        half, size = sum(moments) / 2, reduce(ca.fmax, map(ca.fabs, own))
+        rest = [half - x for x in moments]
+        holds = (reduce(ca.fmin, rest) >= -ROUNDING * size if shape == [3] else
+                 _is_not_negative([rest[k // 4] if k % 4 == 0 else -x for k, x in enumerate(own)], size))
+        said = f"no rigid body has the inertia '{name}': one moment is more than the other two together"
+        yield holds, said, variables[name].span
+
+
+def _is_not_negative(own: list[ca.SX], size: ca.SX) -> ca.SX:
+    """Of the rows of a symmetric matrix whose largest element has this size."""
+    a, b, c, _, e, f, _, _, i = own
+    minors = ([a, e, i], [a * e - b * b, a * i - c * c, e * i - f * f],
+              [a * (e * i - f * f) - b * (b * i - f * c) + c * (b * f - e * c)])
+    return reduce(ca.logic_and, (reduce(ca.fmin, of_size) >= -ROUNDING * size**k for k, of_size in enumerate(minors, 1)))
 
 
 def usual_parameters(kinematics: Kinematics) -> tuple[ca.SX, NDArray[np.float64]]:
