@@ -184,7 +184,10 @@ static LagStatus follow_inputs(LagInstance *s)
 static LagStatus settle_exchange(LagInstance *s)
 {
     LagRun *run = s->run;
-    const int is_jump = (s->vital.mode & LAG_MODE_EVENT) != 0 || s->vital.t == s->vital.last_time; /* else it is of the step */
+    const int is_event = (s->vital.mode & LAG_MODE_EVENT) != 0, is_back = s->vital.t == s->vital.last_time;
+    /* Importers that repeat a step come back to inputs that have not jumped. */
+    const int has_jumped = is_back && memcmp(s->u, s->last_u, (size_t)s->model->n_inputs * sizeof *s->u) != 0;
+    const int is_jump = is_event || has_jumped || (is_back && s->vital.parameters_changed); /* else it is of the step */
     const double before = total_energy(s);
     LagStatus status = LAG_OK;
     run->motion.t = s->vital.t;
@@ -200,7 +203,7 @@ static LagStatus settle_exchange(LagInstance *s)
         run->started = 1;
         if (status == LAG_OK)
             status = follow_inputs(s);
-        if (s->vital.t == s->vital.last_time && !(s->vital.mode & LAG_MODE_EVENT))
+        if (has_jumped && !is_event)
             lag_exchange_jump_inputs(s);
         lag_exchange_draw_inputs(s);
     }
