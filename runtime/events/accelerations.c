@@ -72,7 +72,7 @@ static inline int sliding(LagRun *run, Way way, double t, const double *q, const
 {
     for (int tries = 0; way(run, t, q, v, a, power); ++tries) {
         const LagShares shares = run->sliding.count > 0 ? lag_sliding_correct(run, tries, t, q, v, a) : LAG_SHARES_KEPT;
-        if (shares == LAG_SHARES_KEPT && run->sliding.count > 0)
+        if (shares == LAG_SHARES_KEPT && (run->sliding.count > 0 || run->switches.calms))
             lag_rest_calm(run, v, a);
         if (shares != LAG_SHARES_CHANGED)
             return shares == LAG_SHARES_KEPT;
@@ -135,7 +135,7 @@ int lag_accelerations_abreast(LagRun *run, const double *t, const double *q, con
 {
     const LagModel *model = run->model;
     const double *in[] = {t, q, v, u, run->d, run->c};
-    const int is_single = run->careful || run->switches.is_live || run->sliding.count > 0;
+    const int is_single = run->careful || run->switches.is_live || run->sliding.count > 0 || run->switches.calms;
     const int is_checked = is_single ? -1 : call_abreast_again(run, in, out, work);
     if (is_checked < 0)
         return 0;

@@ -8,6 +8,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "events/standing.h"
 #include "state/ends.h"
 #include "numbers/extremes.h"
 #include "state/state.h"
@@ -15,6 +16,9 @@
 static const double ROUNDING = 4096 * DBL_EPSILON; /* of the largest rate so far: what stops is not known better */
 
 static double slowest(const LagRun *run, int i) { return ROUNDING * run->scale.largest[run->model->n + i]; }
+
+/* Of acceleration i, what is rounding where something is held, or stands. */
+static double noise_of(const LagRun *run, int i) { return run->switches.calms ? run->switches.noise[i] : run->scale.noise[i]; }
 
 /* Whether something is held, and no load changes with time: else steps are no longer than that, and rounding does not grow in them. */
 static int is_held(LagRun *run)
@@ -124,11 +128,14 @@ LagStatus lag_rest_step(LagRun *run)
 void lag_rest_note(LagRun *run)
 {
     LagMotion *m = &run->motion;
-    const int n = run->model->switches_need_acceleration ? m->n : 0, is_steady = is_held(run);
+    LagSwitches *s = &run->switches;
+    const int may_hold = run->model->switches_need_acceleration; /* then it is looked at while something is held */
+    s->calms = !may_hold && !s->is_live && lag_standing_some(run);
+    const int n = may_hold || s->calms ? m->n : 0, may_rest = s->calms || is_held(run);
     for (int i = 0; i < n; ++i) {
         double *v = &m->y[n + i], *a = &m->slope[n + i];
         int *still = &run->sliding.still[i];
-        *still = is_steady && fabs(*v) <= slowest(run, i) && fabs(*a) <= run->scale.noise[i];
+        *still = may_rest && fabs(*v) <= slowest(run, i) && fabs(*a) <= noise_of(run, i);
         if (*still)
             *v = m->carry[n + i] = m->slope[i] = *a = 0;
     }
@@ -137,6 +144,6 @@ void lag_rest_note(LagRun *run)
 void lag_rest_calm(const LagRun *run, const double *v, double *a)
 {
     for (int i = 0; i < run->model->n; ++i)
-        if (run->sliding.still[i] && fabs(v[i]) <= slowest(run, i) && fabs(a[i]) <= run->scale.noise[i])
+        if (run->sliding.still[i] && fabs(v[i]) <= slowest(run, i) && fabs(a[i]) <= noise_of(run, i))
             a[i] = 0;
 }

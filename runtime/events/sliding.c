@@ -77,7 +77,7 @@ void lag_sliding_layout(LagSliding *s, const LagModel *model, int size, LagArena
     s->jump = lag_take(arena, most * most);
     s->middle = lag_take(arena, most);
     s->change = lag_take(arena, most);
-    s->still = lag_take_ints(arena, whole > 0 ? (size_t)model->n : 0);
+    s->still = lag_take_ints(arena, model->n_switches > 0 ? (size_t)model->n : 0);
     s->is_tied = lag_take_ints(arena, (size_t)model->n_switches);
     s->error = lag_take(arena, count);
     s->before = lag_take(arena, count);

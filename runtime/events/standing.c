@@ -90,14 +90,15 @@ static int find_candidates(LagRun *run)
     return some;
 }
 
-/* Accelerations at t, into switches.slope, of which those are none that rounding of the present state makes: forces may be balanced. */
+/* Accelerations at t, into switches.slope, of which those are none that rounding of the present state makes, which is switches.noise:
+ * forces may be balanced. */
 static void find_accelerations(LagRun *run, double t)
 {
     LagSwitches *s = &run->switches;
     LagMotion *m = &run->motion;
     const LagScale scale = run->scale;
     const int n = m->n;
-    double *a = s->slope + n, *noise = m->point;
+    double *a = s->slope + n, *noise = s->noise;
     lag_motion_slope(m, t, m->y, m->y + n, s->slope);
     memcpy(noise, scale.noise, (size_t)n * sizeof *noise);
     run->scale.rate_rounding = run->scale.step = run->scale.reach = 0; /* as in lag_conditions_find_unknown */
@@ -151,6 +152,14 @@ int lag_standing_find(LagRun *run)
     if (changes)
         lag_switches_recall(run);
     return changes;
+}
+
+int lag_standing_some(const LagRun *run)
+{
+    for (int i = 0; i < lag_when(run->model, 0); ++i)
+        if (run->switches.stands[i])
+            return 1;
+    return 0;
 }
 
 int lag_standing_lasts(const LagRun *run, int i)

@@ -19,6 +19,9 @@ double lag_standing_alone(const LagModel *model, int i, double g);
  * some hold anything else than before. */
 int lag_standing_find(LagRun *run);
 
+/* Whether something stands. */
+int lag_standing_some(const LagRun *run);
+
 /* Whether switch i still stands, where conditions are switches.g and their rates switches.rate. */
 int lag_standing_lasts(const LagRun *run, int i);
 

@@ -44,6 +44,7 @@ void lag_switches_layout(LagSwitches *s, const LagModel *model, int size, LagAre
     s->slides = lag_take_ints(arena, count);
     s->is_idle = lag_take_ints(arena, count);
     s->stands = lag_take_ints(arena, count);
+    s->noise = lag_take(arena, count > 0 ? (size_t)model->n : 0);
     s->state = lag_take(arena, count > 0 ? (size_t)size : 0);
     s->slope = lag_take(arena, count > 0 ? (size_t)size : 0);
     s->error = lag_take(arena, count > 0 ? (size_t)size : 0);
@@ -54,7 +55,7 @@ void lag_switches_forget(LagRun *run) { memset(run->switches.turned, 0, (size_t)
 void lag_switches_start_anew(LagRun *run)
 {
     LagSwitches *s = &run->switches;
-    s->is_live = s->live_steps = s->hurried = s->again = 0;
+    s->is_live = s->live_steps = s->hurried = s->again = s->calms = 0;
     s->resolved = 0;
     s->unlooked = 0;
     s->spell = FIRST_SPELL;
@@ -226,7 +227,7 @@ static int settle(LagRun *run)
     s->is_live = s->live_steps > 0 || !run->methods.table->holds_switches;
     if (run->sliding.count > 0) /* what is torn off begins to move from rest */
         lag_sliding_stop(run);
-    run->sliding.count = 0;
+    run->sliding.count = s->calms = 0;
     const int turned = choose(run, find_unknown(run));
     if (s->is_live)
         lag_sliding_end(run);

@@ -30,6 +30,8 @@ typedef struct {
     int *slides;                               /* n_switches: held where forces jump: see sliding.h */
     int *is_idle;                              /* n_switches: nothing depends on them before the next event */
     int *stands;                               /* n_switches: what they compare is equal, and stays so: see standing.h */
+    double *noise;                             /* n: of accelerations, what rounding of the state makes where something stands */
+    int calms;                                 /* such accelerations are none: rest.h */
 } LagSwitches;
 
 void lag_switches_layout(LagSwitches *switches, const LagModel *model, int size, LagArena *arena);

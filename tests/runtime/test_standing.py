@@ -117,3 +117,15 @@ def test_whole_numbers_of_what_sticks(law: str, forces: tuple[float, float], sce
             energy work -2*sign(a.v/1[m/s])*1[N] on a.s; energy work (if time > 0.6 then 0.7 else 0)*1[N] on a.s; end M;""")
         for solver in SOLVERS:
             assert model.simulate(at=[2.0], solver=solver, tolerance=1e-8)["c.s"][0] == pytest.approx(want, abs=2e-6)
+
+
+@pytest.mark.parametrize(("law", "solver", "force"), [("x > 0", "erk", 0), ("x >= 0", "erk9", 1)])
+def test_balanced_forces_move_nothing_by_rounding(law: str, solver: str, force: int, scene: Write) -> None:
+    """Between two springs, over steps so long that rounding grows (2.94768 m for 3, 2.10126 for 2.1)."""
+    model = scene(f"""model M World world(gravity = {{0, -9.81}}); Block c(m = 1, base = world, along = {{1, 0}}, v(start = 1));
+        Block a(m = 1, base = world, along = {{1, 0}}, s(start = 0.7)); Real x = a.s/1[m] - 0.7;
+        energy potential (0.5*3*a.s^2 + 0.5*7*(a.s - 1[m])^2)*1[N/m];
+        energy work -0.2*(if {law} then 1 else 0)*1[N] on c.s; end M;""")
+    run = model.simulate(at=[0.0, 3.0], solver=solver, tolerance=1e-8)
+    assert run["c.s"][-1] == pytest.approx(3 - 0.9 * force, abs=1e-9)
+    assert run["a.s"][-1] == run["a.s"][0]
