@@ -220,6 +220,23 @@ def test_a_reset_that_moves_its_own_wall_is_what_is_written(scene: Write) -> Non
     assert any("moves along what it is turned back from" in x for x in model.warnings)
 
 
+@pytest.mark.parametrize(("condition", "begin"), [
+    ("floor(time^2) >= 4", 2.0), ("sign(floor(time^2) - 1) > 0", 2**0.5), ("ceil(time^2) > 2", 2**0.5),
+    ("floor(floor(time^2)/2) > 0", 2**0.5), ("0.1*floor(time^2) > 0.25", 3**0.5)])
+def test_what_begins_at_a_whole_number_of_what_bends_in_time(scene: Write, condition: str, begin: float) -> None:
+    """A floor that is let down, and a force: no slope tells of jumps, which were taken for none (both from 0 s on, or never)."""
+    model = scene(f"""model Beginning "one block on a floor, one that is pushed"
+      World world(gravity = {{0, -2}});
+      Block a(m = 1, base = world, along = {{0, 1}}), b(m = 1, base = world);
+      Stop f(e = 0, gap = a.s + (if {condition} then 10[m] else 0[m]));
+      energy work (if {condition} then 2[N] else 0[N]) on b.s;
+    end Beginning;""")
+    for solver in ("auto", "implicit"):
+        run = model.simulate(at=[begin - 0.1, 2.9], tolerance=1e-9, solver=solver)
+        np.testing.assert_allclose(run["b.s"], [0, (2.9 - begin)**2], rtol=0, atol=1e-7)
+        np.testing.assert_allclose(run["a.s"], -run["b.s"], rtol=0, atol=1e-7)
+
+
 def test_bodies_that_meet_beside_a_loop_rest_on_each_other(scene: Write) -> None:
     """They fell through each other without a word, as some loop was in the scene."""
     loop = """Revolute A(a = shift(world, {5, 0}), phi(start = 0.8)), B(a = shift(world, {6, 0}), phi(start = 0.8));
@@ -280,7 +297,9 @@ def test_walls_that_set_out_late_carry_along_what_lies_there(scene: Write, law: 
 
 @pytest.mark.parametrize("start", [0.3, 1.0])
 @pytest.mark.parametrize("law", ["floor(u)", "div(u, 1)", "sign(floor(u))", "(if u < 1 then 0 else 1)",
-                                 "(if u > 1 then 1 else 0)"])
+                                 "(if u > 1 then 1 else 0)", "(if floor(u) > 0 then 1 else 0)",
+                                 "(if floor(u) >= 1 then 1 else 0)", "(if ceil(u) >= 2 then 1 else 0)",
+                                 "(if u - floor(u) < u then 1 else 0)"])
 def test_floors_that_inputs_let_down(scene: Write, law: str, start: float) -> None:
     """By 0.1 m at 0.8 s: what lies there falls, as inputs alone tell when (it stayed for 0.4 s, or for good)."""
     model = scene(f"""model Falling "a block on a floor"

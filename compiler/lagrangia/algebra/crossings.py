@@ -43,8 +43,8 @@ class Crossing:
         return [x for x, _ in found], [kind for _, kind in found]
 
 
-def find_crossing(value: ca.SX, time: ca.SX, modes: Sequence[Mode], numbering: Numbering, is_straight: Test, may_wave: bool
-                  ) -> Crossing | None:
+def find_crossing(value: ca.SX, time: ca.SX, modes: Sequence[Mode], numbering: Numbering, is_straight: Test, jumps: Test,
+                  may_wave: bool) -> Crossing | None:
     """Of a value in which these modes stand; `may_wave`: its lines may be sines, parabolas and such, of which only crossings of 0
     are known. None where crossings cannot be computed, or there are none."""
     number, places = numbering.number(value), [mode.symbol for mode in modes if mode.of_input is not None and mode.column == 0]
@@ -56,7 +56,7 @@ def find_crossing(value: ca.SX, time: ca.SX, modes: Sequence[Mode], numbering: N
         return None
     floor = floors[0].symbol if floors else None
     lines, phases = list[Line](), list[ca.SX]()
-    instants = Instants(time, numbering, is_straight, lambda x: _phases_of(x, time, numbering), places)
+    instants = Instants(time, numbering, is_straight, jumps, lambda x: _phases_of(x, time, numbering), places)
     for x in _lines_of(value, [mode.symbol for mode in modes if mode.is_relation], numbering) or [value]:
         line = _line(x, time, floor)
         if not is_straight(line[0]):

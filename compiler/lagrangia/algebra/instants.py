@@ -23,22 +23,30 @@ def _root(y: ca.SX) -> ca.SX:
     return ca.sqrt(ca.fmax(y, 0))
 
 
+def _nearest(y: ca.SX) -> ca.SX:
+    return ca.floor(y + 0.5)
+
+
 _INVERSES: Mapping[int, Callable[[ca.SX], list[ca.SX]]] = {  # u of f(u) = y
     ca.OP_NEG: lambda y: [-y], ca.OP_TWICE: lambda y: [y / 2], ca.OP_INV: lambda y: [1 / y],
     ca.OP_SQ: lambda y: [_root(y), -_root(y)], ca.OP_SQRT: lambda y: [y * y], ca.OP_EXP: lambda y: [ca.log(ca.fmax(y, 0))],
     ca.OP_LOG: lambda y: [ca.exp(y)], ca.OP_ATAN: lambda y: [ca.tan(y)], ca.OP_SINH: lambda y: [ca.asinh(y)],
     ca.OP_TANH: lambda y: [ca.atanh(ca.fmax(ca.fmin(y, 1), -1))],
     ca.OP_COSH: lambda y: [ca.acosh(ca.fmax(y, 1)), -ca.acosh(ca.fmax(y, 1))],
+    ca.OP_FLOOR: lambda y: [_nearest(y), _nearest(y) + 1],  # from where on it is y, or more than y
+    ca.OP_CEIL: lambda y: [_nearest(y) - 1, _nearest(y)],
 }
 
 
 @dataclass(frozen=True)
 class Instants:
-    """Looks for times: `is_straight` tells a + b t, `phases_of` those of waves."""
+    """Looks for times: `is_straight` tells a + b t, `jumps` what time makes jump, which no slope tells, `phases_of` those of
+    waves."""
 
     time: ca.SX
     numbering: Numbering
     is_straight: Callable[[ca.SX], bool]
+    jumps: Callable[[ca.SX], bool]
     phases_of: Waves
     places: Sequence[ca.SX] = ()  # from which pieces of inputs count time
 
@@ -48,11 +56,16 @@ class Instants:
             return [], []
         if self.is_straight(x):
             return [x - y], []
+        if self.jumps(x):
+            return self._of_parts(x, y)
         if phases := self.phases_of(x - y):
             return ([], phases) if all(map(self.is_straight, phases)) else None
         bend = ca.jacobian(ca.jacobian(x, self.time), self.time)
         if self.is_straight(bend) and not ca.depends_on(ca.jacobian(bend, self.time), self.time):
             return [self.time - t for t in self._of_polynomial(x - y, ca.depends_on(bend, self.time))], []
+        return self._of_parts(x, y)
+
+    def _of_parts(self, x: ca.SX, y: ca.SX) -> Found | None:
         if x.n_dep() == 1:
             return self._all([(x.dep(0), u) for u in _INVERSES[x.op()](y)]) if x.op() in _INVERSES else None
         return self._of_two(x, y) if x.n_dep() == 2 else None

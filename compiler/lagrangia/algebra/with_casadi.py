@@ -327,7 +327,8 @@ class CasadiAlgebra:
             (value,) = self.arms_in_force([value])
             hashes = symbols_in(value)
         modes = [] if hashes.isdisjoint(self.index.hashes) else [mode for mode in self.index.modes if mode.hash in hashes]
-        return find_crossing(value, self.time, modes, self.index.numbering, self._is_straight, may_wave)
+        return find_crossing(value, self.time, modes, self.index.numbering, self._is_straight,
+                             lambda x: jumps_with(x, self.time), may_wave)
 
     def _is_straight(self, value: ca.SX) -> bool:
         """a + b t; a slope does not tell of jumps."""
