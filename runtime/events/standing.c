@@ -1,5 +1,6 @@
 #include "events/standing.h"
 
+#include <float.h>
 #include <math.h>
 #include <string.h>
 
@@ -12,6 +13,7 @@
 
 static const double OF_SINE = 1e-12; /* of pi times a number that is whole */
 static const double LEAST = 1e-290; /* where both sides are equal, levels of what jumps are less: EDGE of levels.py */
+enum { ROUNDINGS = 64 }; /* last digits of a coordinate, which are its own: what is far away has larger ones */
 static const double MOMENT = 1e-3, SOME_TIME = 1e-6; /* of a step; s, where no step tells of one */
 
 double lag_standing_value(const LagModel *model, int i)
@@ -37,7 +39,7 @@ static int is_still(const LagRun *run, int i, double rate)
 {
     const LagSettings *settings = &run->settings;
     const double lasts = isfinite(settings->t_stop) ? settings->t_stop - settings->t_start : lag_max(1, fabs(run->motion.t));
-    return fabs(rate) * (run->sliding.count > 0 ? 1 : lasts) <= known_of(run, i);
+    return run->sliding.count > 0 ? fabs(rate) <= known_of(run, i) : fabs(rate) * lasts <= lag_max(LEAST, run->switches.rounding[i]);
 }
 
 /* Whether it is so a moment later, too. */
@@ -62,6 +64,32 @@ static double moment_of(const LagRun *run)
     return lag_min(run->step > 0 ? MOMENT * run->step : SOME_TIME, MOMENT * (run->segment_end - run->motion.t));
 }
 
+/* The state with each coordinate moved by its own last digits, into switches.state. */
+static void disturb(LagRun *run, int pattern)
+{
+    LagSwitches *s = &run->switches;
+    for (int i = 0; i < 2 * run->motion.n; ++i)
+        s->error[i] = ROUNDINGS * DBL_EPSILON * fabs(run->motion.y[i]);
+    lag_conditions_disturb(run, run->motion.y, s->error, pattern, s->state);
+}
+
+/* By how much last digits change conditions that may stand, into switches.rounding. */
+static void find_rounding(LagRun *run)
+{
+    LagSwitches *s = &run->switches;
+    const int n = run->motion.n, first = lag_when(run->model, 0);
+    int some = 0;
+    memset(s->rounding, 0, (size_t)run->model->n_switches * sizeof *s->rounding);
+    for (int i = 0; i < first && run->sliding.count == 0; ++i)
+        some |= is_candidate(run, i, s->g[i]);
+    for (int pattern = 0; some && pattern < lag_conditions_patterns(2 * n); ++pattern) {
+        disturb(run, pattern);
+        lag_conditions_by(run, run->motion.t, s->state, s->state + n, s->slope + n, s->g_inside, s->rate_inside);
+        for (int i = 0; i < first; ++i)
+            s->rounding[i] = lag_max(fabs(s->g_inside[i] - s->g[i]), s->rounding[i]);
+    }
+}
+
 /* What may stand: what has no rate but rounding, or has one side's where its condition has a corner, and is not off its level a moment
  * later. Into switches.stands; returns whether there are some. */
 static int find_candidates(LagRun *run)
@@ -70,6 +98,7 @@ static int find_candidates(LagRun *run)
     const LagMotion *m = &run->motion;
     const int n = m->n;
     int some = 0, quick = 0;
+    find_rounding(run);
     for (int i = 0; i < lag_when(run->model, 0) && !s->is_live; ++i) {
         const int may = is_candidate(run, i, s->g[i]);
         s->stands[i] = may && is_still(run, i, s->rate[i]);
@@ -90,27 +119,23 @@ static int find_candidates(LagRun *run)
     return some;
 }
 
-/* Accelerations at t, into switches.slope, of which those are none that rounding of the present state makes, which is switches.noise:
+/* Accelerations at t, into switches.slope, of which those are none that last digits of the present state make, which is switches.noise:
  * forces may be balanced. */
 static void find_accelerations(LagRun *run, double t)
 {
     LagSwitches *s = &run->switches;
     LagMotion *m = &run->motion;
-    const LagScale scale = run->scale;
     const int n = m->n;
     double *a = s->slope + n, *noise = s->noise;
     lag_motion_slope(m, t, m->y, m->y + n, s->slope);
-    memcpy(noise, scale.noise, (size_t)n * sizeof *noise);
-    run->scale.rate_rounding = run->scale.step = run->scale.reach = 0; /* as in lag_conditions_find_unknown */
-    lag_conditions_units(run, m->y, lag_conditions_rounding(run, 1), s->error);
+    memset(noise, 0, (size_t)n * sizeof *noise);
     for (int pattern = 0; pattern < lag_conditions_patterns(2 * n); ++pattern) {
-        lag_conditions_disturb(run, m->y, s->error, pattern, s->state);
+        disturb(run, pattern);
         if (!lag_motion_slope(m, t, s->state, s->state + n, m->sum))
             continue;
         for (int i = 0; i < n; ++i)
             noise[i] = lag_max(fabs(m->sum[n + i] - a[i]), noise[i]);
     }
-    run->scale = scale;
     for (int i = 0; i < n; ++i)
         a[i] = fabs(a[i]) <= noise[i] ? 0 : a[i];
 }

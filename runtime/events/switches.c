@@ -36,7 +36,7 @@ enum { MOST_JAMS = 4, MOST_PASSES = 4, MOST_AGAIN = 10, HURRY = 5, FIRST_SPELL =
 void lag_switches_layout(LagSwitches *s, const LagModel *model, int size, LagArena *arena)
 {
     double **const vectors[] = {&s->held, &s->g, &s->rate, &s->g_begin, &s->rate_begin, &s->g_inside, &s->rate_inside,
-                                &s->g_before, &s->g_after, &s->unknown};
+                                &s->g_before, &s->g_after, &s->unknown, &s->rounding};
     const size_t count = (size_t)model->n_switches;
     for (size_t i = 0; i < sizeof vectors / sizeof *vectors; ++i)
         *vectors[i] = lag_take(arena, count);

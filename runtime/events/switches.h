@@ -24,6 +24,7 @@ typedef struct {
     double *g_inside, *rate_inside;            /* inside it */
     double *g_before, *g_after;                /* on both sides of the place that was found last */
     double *unknown;                           /* how well each is known, by rounding of the state */
+    double *rounding;                          /* how well, by its last digits alone: of those that may stand, see standing.h */
     double *state, *slope;                     /* at some time inside it */
     double *error;                             /* 2 n: of a state, in units of which conditions are known */
     int *turned;                               /* those that change at the present time */

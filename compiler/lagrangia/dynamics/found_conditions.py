@@ -8,7 +8,7 @@ import casadi as ca
 
 from lagrangia.algebra.numbering import Numbering, rebuilt
 from lagrangia.algebra.scalars import Expression, as_expression, symbol, symbols_in
-from lagrangia.algebra.with_casadi import STEPS, operations_in
+from lagrangia.algebra.with_casadi import CORNERS, STEPS, operations_in
 from lagrangia.base.diagnostics import fail
 from lagrangia.base.records import dataclass
 from lagrangia.dynamics.directions import Directions, components_of
@@ -30,6 +30,7 @@ from lagrangia.dynamics.levels import JUMPS as ALL_JUMPS
 from lagrangia.dynamics.same_conditions import bends_by, multiples, without_factors
 
 _NONE = ca.SX(0, 1)
+_UNCROSSED = ALL_JUMPS | CORNERS  # both sides may be equal on one side of where these begin to be
 
 
 @dataclass
@@ -139,9 +140,9 @@ class Finding:
         return not self.movers.isdisjoint(symbols_in(x))
 
     def _note_equal(self, pair: Pair) -> None:
-        """Of a == b: where it changes, if they are no rates and do not jump."""
+        """Of a == b: where it changes, if they are no rates and neither jump nor bend."""
         g = self.equalities[pair]
-        if not is_rate(self.v, g) and self._moves(g) and operations_in(g).isdisjoint(ALL_JUMPS):
+        if not is_rate(self.v, g) and self._moves(g) and operations_in(g).isdisjoint(_UNCROSSED):
             self.found.setdefault(pair, g)
 
     def _note_square(self, operands: list[Expression]) -> None:
@@ -224,10 +225,10 @@ def _rests(v: ca.SX, found: Mapping[Pair, Expression], asked: Sequence[Sequence[
 
 
 def _equal(v: ca.SX, found: Mapping[Pair, Expression], asked: Sequence[Sequence[Pair]]) -> frozenset[Pair]:
-    """Places of which it is asked whether both sides are equal."""
+    """Places of which it is asked whether both sides are equal, where these cross: with a corner they may stay so on one side."""
     known = [next((pair for pair in pairs if pair in found), None) for pairs in asked]
     return frozenset(pair for pair in known if pair is not None and not is_rate(v, found[pair])
-                     and operations_in(found[pair]).isdisjoint(ALL_JUMPS))
+                     and operations_in(found[pair]).isdisjoint(_UNCROSSED))
 
 
 def _without_unused(forces: Sequence[ca.SX], found: Mapping[Pair, Expression], rests: Mapping[Pair, Expression],
