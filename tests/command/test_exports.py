@@ -394,6 +394,16 @@ def test_what_all_components_of_a_class_demand_is_told_once(written, tmp_path: P
     assert told.count("warning[L0741]") == 1 and "is left out of the export to python (a, c)" in told
 
 
+@pytest.mark.parametrize(("parts", "names"), [("", ""), ("Guarded g, h;", " (g, h)")])
+def test_each_component_that_demands_the_same_is_named_once(parts: str, names: str, written, tmp_path: Path, capsys) -> None:
+    """What the model itself demands has no name: it had been "(, )", and "(g, g, h, h, ...)"."""
+    twice = 'assert(time < 3, "late"); assert(time < 3, "late again");'
+    scene = written(f"model Guarded parameter Real k = 1; equation {twice} end Guarded; model Gd "
+                    f"World world(gravity = {{0, 0}}); {parts} Block c(m = 1, base = world); equation {twice} end Gd;")
+    assert main(["export", str(scene), "--to", "python", "-o", str(tmp_path / "out")]) == 0
+    assert f"'time < 3', which ends a run or has to hold, is left out of the export to python{names}\n" in capsys.readouterr().err
+
+
 def test_scenes_too_large_for_equations_are_told_of_components(written, tmp_path: Path, capsys) -> None:
     scene = written("model Many Block b[25](each m = 1, each base = world); end Many;")
     assert main(["export", str(scene), "--to", "modelica", "-o", str(tmp_path / "out")]) == 2

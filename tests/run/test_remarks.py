@@ -1,12 +1,15 @@
 """Python is told what the command line tells: inputs without a value, tables of inputs that end before the run."""
 
+import math
 import warnings
 from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import lagrangia as lag
+from lagrangia.base.inertias import are_of_a_body
 from lagrangia.command.cli import main
 
 SCENE = "model M input Force u; Block b(m = 1, base = world, s(start = 0.1)); Spring s(k = 100, stretch = b.s); " \
@@ -141,6 +144,10 @@ def test_inertias_that_runs_of_a_sweep_make_are_told(scene: Callable[[str], lag.
             (lambda: model.simulate_many(parameters={"J": [1.5, 3, 4], "K": [0, 0.4]}), f"{of_b}: the first of 4 of 6 sets"),
             (lambda: model.simulate_many(parameters={"J": [1.5, 2]}, initial={"u.phi_b": [0, 0.1]}), ""),
             (lambda: model.rollout(p={"J": [1, 3, 1]}, times=[0, 0.1]), f"{of_b}: the first of 1 of 3 sets"),
+            (lambda: model.rollout(p={"J": 3}, times=[0, 0.1]), f"{of_b} (L0746)"),  # one set for however many runs
+            (lambda: model.rollout(p={"J": 3, "b.m": [1, 2]}, times=[0, 0.1]), f"{of_b} (L0746)"),
+            (lambda: model.simulate_many(parameters={"J": 3, "b.m": [1, 2]}), f"{of_b} (L0746)"),
+            (lambda: model.simulate_many(parameters={"J": [1, 3], "b.m": [1, 2, 3]}), f"{of_b}: the first of 3 of 6 sets"),
             (lambda: model.rollout(p={"K": [0, 2]}, times=[0, 0.1]), ""),  # negative: that run fails
             (lambda: run([], [3, 0]), of_b), (lambda: run([], [3, 0]), ""), (lambda: run([], [1, 0]), ""),
             (lambda: model.start(parameters={"J": 3}), of_b)):
@@ -150,5 +157,17 @@ def test_inertias_that_runs_of_a_sweep_make_are_told(scene: Callable[[str], lag.
         texts = [str(warning.message) for warning in found]
         assert len(texts) == (told != "") and all(text.startswith(told) and text.endswith("(L0746)") for text in texts), texts
         assert all(warning.filename == __file__ for warning in found)
+    assert model.prepare(parameters={"b.m": 1}, at=[0, 0.1])._oddness is None, "it asks in no call of those it cannot change"
     assert main(["sweep", str(model.path), "-p", "J=1:3:1", "-o", str(tmp_path / "o.csv"), "--strict"]) == 2
     assert f"warning[L0746]: {of_b}: the first of 1 of 3 sets of parameters" in capsys.readouterr().err
+
+
+def test_inertias_are_of_a_body_by_their_numbers_as_by_principal_axes() -> None:
+    """Half the trace less the matrix is the matrix of second moments, which are negative along no axis."""
+    random = np.random.default_rng(3)
+    for second in random.uniform(-0.3, 1, (200, 3)):
+        moments, (axes, _) = second.sum() - second, np.linalg.qr(random.normal(size=(3, 3)))
+        whole = axes @ np.diag(moments) @ axes.T
+        expected = bool(second.min() > 0)
+        assert all(are_of_a_body(own.ravel().tolist()) == expected for own in (moments, np.diag(moments), whole)), second
+    assert are_of_a_body([1, 1, 2]) and not are_of_a_body([math.nan, 1, 1])

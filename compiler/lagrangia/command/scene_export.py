@@ -104,10 +104,11 @@ def export_warnings(model: "Model", target: str) -> list[Diagnostic]:
     alike: dict[str, list[Guard]] = {}  # as those of each component of a class
     for guard in c.flat.guards:
         alike.setdefault(guard.condition.span.text, []).append(guard)
-    events += [Diagnostic("warning", "L0741", f"'{text}', which ends a run or has to hold, is left out of the export to {target}"
-                          + (f" ({_few([guard.component for guard in guards])})" if len(guards) > 1 else ""),
-                          guards[0].span, "", ("lag simulate and an FMU ask for it: --to fmu",))
-               for text, guards in alike.items()]
+    for text, guards in alike.items():
+        names = [*dict.fromkeys(guard.component for guard in guards if guard.component)] if len(guards) > 1 else []
+        events.append(Diagnostic("warning", "L0741", f"'{text}', which ends a run or has to hold, is left out of the export to "
+                                 f"{target}" + (f" ({_few(names)})" if names else ""), guards[0].span, "",
+                                 ("lag simulate and an FMU ask for it: --to fmu",)))
     if not bends(c.run) or not c.motion.q.numel():
         return events
     stated = [load.statement for load in c.energies.loads] + [term.statement for term in c.energies.dissipation]

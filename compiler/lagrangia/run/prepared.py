@@ -65,8 +65,7 @@ class PreparedRun:
         self._limits = tuple((c_double * len(side))(*side) for side in scene.limits)
         self._counts = self._run.counts  # what C counts of the latest run
         self._asks_loss = min(scene.notes["thresholds"], default=math.inf) < experiment.tolerance
-        self._inertias = [(first, math.prod(shape)) for _, first, shape in scene.notes.get("inertias", ())]
-        self._seen = self._own_inertias()  # when they were last looked at
+        self._oddness = self._ask_oddness()
         self._is_over = False  # terminate(...) has ended the latest run
         self._seconds = self._untold = 0.0  # of the latest run, and what the engine does not know of yet
         self._told = time.thread_time()  # when it last was
@@ -74,8 +73,9 @@ class PreparedRun:
     def __call__(self, start: Sequence[float] = (), parameters: Sequence[float] = ()) -> "np.ndarray":
         """Rows (times, columns), in the order of `columns`; values in SI units in the order in which their names were given.
 
-        Raises LagError for values the scene cannot have, RunError when the run cannot go on; of rows that are no motion of the
-        scene a RunWarning tells.
+        Raises LagError for values the scene cannot have, or whose formulas its solver cannot take: L0704 by "taylor" in a large
+        scene where a mass is 0, or far from the others, as such a call has formulas of its own; RunError when the run cannot go
+        on. Of rows that are no motion of the scene a RunWarning tells.
         """
         begin, self._is_over, self._latest = time.perf_counter(), False, None
         starts, varied = self._started, self._varied
@@ -147,15 +147,28 @@ class PreparedRun:
         self._library.lag_run_set_parameters(self._handle, given, self._mask)
         if self._library.lag_run_wrong_parameter(self._handle, *self._limits) >= 0:
             check_parameters(self.scene, self._found[:])
-        if self._inertias and (own := self._own_inertias()) != self._seen:
-            from lagrangia.run.odd_inertias import told_odd_inertias
+        if self._oddness is not None and self._oddness() >= 0:
+            self._tell_odd()
 
-            self._seen = own
-            for text in told_odd_inertias(self.scene, self._found[:]):
-                warn_of_text(self.scene, text)
+    def _ask_oddness(self) -> CalledTape | None:
+        """Which inertia is of no body, or -1, where calls may make one so."""
+        from lagrangia.run.odd_inertias import reached_inertias
 
-    def _own_inertias(self) -> list[list[float]]:
-        return [self._found[first : first + size] for first, size in self._inertias]
+        scene, found = self.scene, self._found
+        self._inertias = [(one, slice(one[1], one[1] + math.prod(one[2]))) for one in reached_inertias(scene, self._varied)]
+        self._odd = {name: found[its] for (name, _, _), its in self._inertias}  # the values that each was told with
+        is_asked = self._inertias and "L0746" not in scene.notes["allowed"]
+        return CalledTape(self._library, scene.tapes["requirements"], found, 1) if is_asked else None
+
+    def _tell_odd(self) -> None:
+        """Of inertias that no body has, and which were told with other values, if at all."""
+        from lagrangia.run.odd_inertias import told_odd_inertias
+
+        for one, its in self._inertias:
+            if (own := self._found[its]) != self._odd[one[0]]:
+                for text in told_odd_inertias([one], self._found[:]):
+                    self._odd[one[0]] = own
+                    warn_of_text(self.scene, text)
 
     def _for_any_mass(self) -> "PreparedRun":
         if self._uneven is None:
@@ -163,7 +176,7 @@ class PreparedRun:
             scene, engine = any_mass()
             assert engine is not None  # as there is one of this scene
             self._uneven = PreparedRun(scene, engine, self.experiment, values, initial, parameters, any_mass)
-            self._uneven._inertias = []  # of which this one tells
+            self._uneven._oddness = None  # of which this one tells
         return self._uneven
 
     def _advance(self, place: int) -> int:

@@ -29,7 +29,7 @@ _PIECE = 1.0  # s, on few threads
 _PIECE_A_THREAD = 0.01  # s: a task costs the scheduler a millisecond, so that it is busy for a tenth of its time at most
 _GONE = ("CommClosedError", "CancelledError", "FutureCancelledError", "StreamClosedError", "TimeoutError")
 _TIMEOUT = 15  # s, to reach the scheduler and the first worker
-_SILENT = 60  # s without an answer of the scheduler: it hangs, or its machine does, as the connection stays
+_SILENT = 60  # s without an answer of the scheduler or a worker: it hangs, or its machine does, as the connection stays
 _AHEAD = 2  # tasks for each thread of the cluster
 _RETRIES = 2
 
@@ -111,8 +111,8 @@ def _there(client: Any, address: str, ledger: Ledger) -> "Iterator[None]":
         is_ours = isinstance(error, Error | KeyboardInterrupt)
         if is_ours or (type(error).__name__ not in _GONE and client.status == "running"):
             raise
-        what = "does not answer" if type(error).__name__ == "TimeoutError" else "has gone away"
-        raise RunError(f"the Dask scheduler at '{address}' {what}: {ledger.entered} of {len(ledger.outcomes)} runs are "
+        what = ", or a worker of it, does not answer" if type(error).__name__ == "TimeoutError" else " has gone away"
+        raise RunError(f"the Dask scheduler at '{address}'{what}: {ledger.entered} of {len(ledger.outcomes)} runs are "
                        "done; the same command goes on with the others") from None
 
 

@@ -87,6 +87,16 @@ class Job:
         n = len(self.scene.parameters)
         return Variations(tuple(f for f in self.variations.factors if any(place < n for place in f.places)))
 
+    def among(self, places: Sequence[int]) -> "Job":
+        """Its runs as far as they differ by what is at these places alone; each factor's once where all have the same."""
+        factors = list[Factor]()
+        for factor in self.variations.factors:
+            if own := [k for k, place in enumerate(factor.places) if place in places]:
+                values = factor.values[:, own]
+                shared = values[:1] if (values == values[:1]).all() else values
+                factors.append(Factor(tuple(factor.names[k] for k in own), tuple(factor.places[k] for k in own), shared))
+        return replace(self, variations=Variations(tuple(factors)))
+
     def first(self, runs: int) -> "Job":
         """So many of its runs, of one factor."""
         (factor,) = self.variations.factors

@@ -120,12 +120,17 @@ class Sweep:
     def odd_inertias(self) -> list[str]:
         """L0746: those that what is varied makes, and in how many runs, as `lag` prints them."""
         scene = self.job.scene
-        if "inertias" not in scene.notes or not any(place < len(scene.parameters) for place in self.job.variations.places):
+        varied = [place for place in self.job.variations.places if place < len(scene.parameters)]
+        if "inertias" not in scene.notes or not varied:
             return []
-        from lagrangia.run.odd_inertias import odd_inertias_of_sets
+        from lagrangia.run.odd_inertias import odd_inertias_of_sets, reached_inertias
 
-        count, told = odd_inertias_of_sets(scene, self.job.parameter_sets())
-        return [f"{text}: the first of {count} of {self.job.varied_parameters.runs} sets of parameters" for text in told]
+        job = self.job.among([place for place in varied if reached_inertias(scene, [place])])
+        count, told = odd_inertias_of_sets(scene, job.parameter_sets())
+        if job.runs == 1:
+            return told
+        runs = self.job.varied_parameters.runs
+        return [f"{text}: the first of {count * (runs // job.runs)} of {runs} sets of parameters" for text in told]
 
     def warnings(self) -> list[str]:
         """What assertions warned of, as text."""
