@@ -8,11 +8,12 @@
 #include "methods/wide_starts.h"
 #include "model/function.h"
 #include "model/wide_tape.h"
+#include "numbers/extremes.h"
 #include "run/stepping.h"
 #include "state/account.h"
 #include "state/state.h"
 
-enum { KINDS = 3 }; /* of energies: T, V, H */
+enum { KINDS = LAG_BARE_ENERGIES };
 enum { MANY_STEPS = 16 }; /* from so many on they are as strict at their ends as in between */
 
 /* -------- which runs are such ones */
@@ -88,6 +89,53 @@ static void note_inputs(const LagBareRuns *s, int lane, double *into, int to)
         into[i * LAG_ABREAST + to] = taylor->first_u[i] + taylor->first_slope[i] * (taylor->lanes.t[lane] - taylor->first_time);
 }
 
+/* -------- energies */
+
+/* {T, V, H} of eight states at the times t. */
+static void find_energies(LagBareRuns *s, const LagRun *like, const double *t, const double *y, const double *u, double *energies)
+{
+    const LagModel *model = s->batch->model;
+    double doubt[LAG_ABREAST] = {0}, *out[] = {energies, NULL, doubt};
+    const double *in[] = {t, y, y + (size_t)model->n * LAG_ABREAST, u, like->d, like->c};
+    if (!model->wide_energies) {
+        lag_wide_tape_run(model->energies.tape, in, 1, out, s->work);
+        return;
+    }
+    model->wide_energies(in, out);
+    for (int k = 0; k < LAG_ABREAST; ++k)
+        if (doubt[k] > 0) /* angles are too large for it */
+            energies[k] = energies[LAG_ABREAST + k] = energies[2 * LAG_ABREAST + k] = NAN;
+}
+
+void lag_bare_look(LagBareRuns *s, const LagRun *like)
+{
+    const LagWideSteps *steps = &s->taylor->lanes;
+    if (steps->model->n_power == 0)
+        return;
+    for (int lane = 0; lane < LAG_ABREAST; ++lane)
+        note_inputs(s, lane, s->pair_u, lane);
+    find_energies(s, like, steps->t, steps->y, s->pair_u, s->energies);
+}
+
+/* Errors of quadratures are weighed as by lag_account_unit, with the energies {T, V, H} at the start, or the first that there are. */
+static void weigh(LagBareRuns *s, int lane, const double *energies, const LagRun *like)
+{
+    LagWideSteps *steps = &s->taylor->lanes;
+    double *seen = &s->seen[lane];
+    for (int k = 0; k < KINDS; ++k)
+        *seen = isfinite(energies[k]) ? lag_max(fabs(energies[k]), *seen) : *seen;
+    for (int i = 2 * steps->n; i < steps->size; ++i)
+        *seen = lag_max(fabs(steps->y[i * LAG_ABREAST + lane]), *seen);
+    steps->energy[lane] = *seen > 0 ? 1 / (like->settings.tolerance * *seen) : 0;
+}
+
+static void weigh_present(LagBareRuns *s, int lane, const LagRun *like)
+{
+    double energies[KINDS];
+    lag_wide_take(s->energies, lane, energies, KINDS);
+    weigh(s, lane, energies, like);
+}
+
 /* -------- rows */
 
 /* The present row of run i in the lane, and what else lies there: with what is in force as it comes there. */
@@ -125,6 +173,10 @@ static void hold(const LagBareRuns *s, int lane, int64_t i, LagRun *run)
 void lag_bare_pass(LagBareRuns *s, int lane, int64_t i, LagRun *run)
 {
     tell_rows(s, lane, i, run);
+    if (s->taylor->lanes.model->n_power > 0 && s->seen[lane] == 0) {
+        lag_bare_look(s, run);
+        weigh_present(s, lane, run);
+    }
     hold(s, lane, i, run);
 }
 
@@ -145,25 +197,12 @@ void lag_bare_begin(LagBareRuns *s, int lane, int64_t i, LagRun *run)
     tell_rows(s, lane, i, run);
     move(s->taylor->lanes.y, lane, s->start, lane, 2 * s->batch->model->n);
     note_inputs(s, lane, s->start_u, lane);
+    s->seen[lane] = 0;
+    if (s->batch->model->n_power > 0)
+        weigh_present(s, lane, run);
 }
 
 /* -------- their accounts */
-
-/* {T, V, H} of eight states at the times t. */
-static void find_energies(LagBareRuns *s, const LagRun *like, const double *t, const double *y, const double *u, double *energies)
-{
-    const LagModel *model = s->batch->model;
-    double doubt[LAG_ABREAST] = {0}, *out[] = {energies, NULL, doubt};
-    const double *in[] = {t, y, y + (size_t)model->n * LAG_ABREAST, u, like->d, like->c};
-    if (!model->wide_energies) {
-        lag_wide_tape_run(model->energies.tape, in, 1, out, s->work);
-        return;
-    }
-    model->wide_energies(in, out);
-    for (int k = 0; k < LAG_ABREAST; ++k)
-        if (doubt[k] > 0) /* angles are too large for it */
-            energies[k] = energies[LAG_ABREAST + k] = energies[2 * LAG_ABREAST + k] = NAN;
-}
 
 int lag_bare_closes(LagBareRuns *s, int lane, const LagRun *like)
 {
@@ -179,6 +218,8 @@ int lag_bare_closes(LagBareRuns *s, int lane, const LagRun *like)
     lag_wide_take(energies, 0, first, KINDS);
     lag_wide_take(energies, 1, last, KINDS);
     lag_wide_take(steps->y + 2 * (size_t)steps->n * LAG_ABREAST, lane, given, steps->size - 2 * steps->n);
+    if (steps->model->n_power > 0 && s->seen[lane] == 0)
+        weigh(s, lane, last, like);
     return !isnan(lag_account_between(like, first, last, given, steps->steps[lane], 0));
 }
 

@@ -10,11 +10,15 @@
 #include "methods/wide_taylor.h"
 #include "run/batch_state.h"
 
+enum { LAG_BARE_ENERGIES = 3 }; /* T, V, H */
+
 typedef struct {
     const LagBatch *batch;
     LagWideTaylor *taylor;
     int is_bare[LAG_ABREAST]; /* that in the lane */
     int next_row[LAG_ABREAST]; /* what its run comes to */
+    double energies[LAG_BARE_ENERGIES * LAG_ABREAST]; /* where lag_bare_look has looked */
+    double seen[LAG_ABREAST]; /* the largest that errors of work are weighed by, where powers are integrated */
     double *start, *start_u;  /* 2 n and inputs, LAG_ABREAST each, as those below: of the runs in lanes */
     int count;                /* runs that have ended, and whose accounts are open: their numbers, steps, and states */
     int64_t ended[LAG_ABREAST];
@@ -36,13 +40,16 @@ const double *lag_bare_find_start(const LagBareRuns *runs, int64_t i, const LagR
  * is asked but outputs at rows. */
 void lag_bare_place(LagBareRuns *runs, int lane, int64_t i, LagRun *run);
 
+/* Energies of the present states in all lanes, with those of a run like theirs: before some begin. */
+void lag_bare_look(LagBareRuns *runs, const LagRun *like);
+
 /* The motion that has begun in the lane is that of the bare run i. */
 void lag_bare_begin(LagBareRuns *runs, int lane, int64_t i, LagRun *run);
 
 /* Run i has come to a row in the lane, which is told; other inputs are held from there on. */
 void lag_bare_pass(LagBareRuns *runs, int lane, int64_t i, LagRun *run);
 
-/* Whether its account closes so far, with energies as those of a run like it, as far as steps ask for. */
+/* Whether the account of that in the lane closes so far, with energies as those of a run like it, as far as steps ask for. */
 int lag_bare_closes(LagBareRuns *runs, int lane, const LagRun *like);
 
 /* Run i has ended in the lane: its results are told. Its account is to be closed before more than LAG_ABREAST have. */

@@ -174,6 +174,7 @@ static LagStatus recall(LagRunLanes *s, int lane)
     s->bare.is_bare[lane] = 0;
     const LagStatus status = lag_batch_begin(s->batch, f, s->job[lane]);
     f->run->scale.is_resting = 0;
+    f->run->statistics.energy_scale = s->bare.seen[lane];
     if (status != LAG_OK || s->batch->sweep.n_rows == 0)
         return status == LAG_OK ? lag_follow_begin(f) : status;
     const LagStatus held = lag_follow_resume(f, s->bare.next_row[lane]);
@@ -230,15 +231,16 @@ static int attend_bare(LagRunLanes *s, int lane)
         lag_lanes_leave(s, lane);
         return s->bare.count < LAG_ABREAST || lag_lanes_conclude(s);
     }
-    if (steps >= s->glance[lane]) {
-        s->glance[lane] = steps + MOST_GLANCE;
-        if (steps < (double)s->look[lane] && !lag_bare_closes(&s->bare, lane, lag_lanes_run(s, lane)))
+    if (steps >= s->glance[lane] && steps < (double)s->look[lane]) {
+        s->glance[lane] = lag_min(steps + MOST_GLANCE, (double)s->look[lane]);
+        if (!lag_bare_closes(&s->bare, lane, lag_lanes_run(s, lane)))
             return lag_lanes_end_run(s, lane, LAG_PAUSED);
     }
     if (t >= s->steps->stop[lane])
         pass_bare(s, lane);
     if (steps < (double)s->look[lane])
         return 1;
+    s->glance[lane] = steps;
     const LagStatus status = recall(s, lane);
     return status == LAG_OK ? 1 : lag_lanes_end_run(s, lane, status);
 }
@@ -371,6 +373,8 @@ static int settle(LagRunLanes *s)
     if (!some)
         return 1;
     s->method->settle(s->steps);
+    if (s->is_bare)
+        lag_bare_look(&s->bare, lag_lanes_run(s, 0));
     if (s->batch->model->n_roots > 0)
         lag_wide_roots_begin(&s->roots, s->steps);
     for (int lane = 0; lane < LAG_ABREAST; ++lane)

@@ -92,6 +92,49 @@ def test_rows_of_states_alone_are_those_of_whole_rows(output: str, times: np.nda
     assert np.array_equal(found.rows, rows[:, :, : found.rows.shape[2]])
 
 
+def damped(q: np.ndarray, v: np.ndarray, force: np.ndarray, t: float) -> np.ndarray:
+    """s at t: s'' = F - 0.3 s' - 10 s."""
+    decay, offset = 0.15, q - force / 10
+    pace = np.sqrt(10 - decay**2)
+    return force / 10 + np.exp(-decay * t) * (offset * np.cos(pace * t) + (v + decay * offset) / pace * np.sin(pace * t))
+
+
+def driven(q: np.ndarray, v: np.ndarray, force: np.ndarray, t: float) -> np.ndarray:
+    """s at t: s'' = F sin(3 t)."""
+    return q + (v + force / 3) * t - force / 9 * np.sin(3 * t)
+
+
+@pytest.mark.parametrize(
+    ("energies", "exact", "tolerance", "error"),
+    [
+        ("potential 5[N/m]*s^2; work F - 0.3[N.s/m]*v on s;", damped, 1e-3, 3e-10),
+        ("work F*sin(3/1[s]*time) on s;", driven, 1e-6, 1e-13),
+    ],
+)
+def test_all_weigh_errors_of_work(
+    energies: str, exact: Callable[..., np.ndarray], tolerance: float, error: float, scene: Scene
+) -> None:
+    """Those that came into lanes after others had ended there did not: their steps were so long that accounts did not close, and
+    others in other company."""
+    model = scene(f"""model M
+      input Force F; coordinate Length s; Velocity v = der(s); energy kinetic 0.5[kg]*v^2; {energies}
+    end M;""")
+    random, runs = np.random.default_rng(1), 60
+    q, v, u = 0.3 * random.normal(size=(runs, 1)), 0.5 * random.normal(size=(runs, 1)), random.normal(size=(runs, 3, 1))
+    for times in ([0, 2.0], np.linspace(0, 60, 4)):
+        held = u[:, : len(times) - 1]
+        found = model.rollout(q, v, u=held, times=times, tolerance=tolerance, solver="taylor")
+        again = model.rollout(q[::-1], v[::-1], u=held[::-1], times=times, tolerance=tolerance, solver="taylor", jobs=1)
+        assert np.array_equal(found.rows, again.rows[::-1]) and found.sweep.ledger.lanes.alone == 0
+        if len(times) == 2:
+            miss = np.abs(found.q[:, 1, 0] - exact(q[:, 0], v[:, 0], held[:, 0, 0], 2.0))
+            assert np.median(miss) < error
+    sweep = model.simulate_many(
+        initial={"s": list(q[:, 0])}, inputs={"F": 1.0}, outputs=["final(v)"], stop=60, tolerance=tolerance, solver="taylor"
+    )
+    assert sweep.ledger.lanes.alone == 0
+
+
 def test_what_is_not_given_is_as_declared(scene: Scene) -> None:
     model = scene(PUSHED)
     alone = model.rollout(times=TIMES)
