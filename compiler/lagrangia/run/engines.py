@@ -39,8 +39,8 @@ _SEEN = 50_000  # instructions that are written out in no time, to see whether t
 _SEEK, _LOOK = 0.015, 0.1
 # Instructions up to which these are compiled. Runs ask for equations of start values some tens of times each (slices of longer
 # ones are made of their tape: runtime/model/slice.h), for the others once where parameters vary; the last are data.
-_LONGEST = {"initial": 1_999, "momentum": 1_999, **dict.fromkeys(("parameters", "hoist", "start", "series", "requirements"), 400),
-            **dict.fromkeys(("events", "linear", "waves"), 0)}
+_LONGEST = {"initial": 1_999, "momentum": 1_999, "requirements": 999,
+            **dict.fromkeys(("parameters", "hoist", "start", "series"), 400), **dict.fromkeys(("events", "linear", "waves"), 0)}
 _LARGEST_JACOBIAN = 400  # instructions
 
 
