@@ -350,9 +350,7 @@ static void foresee(LagRun *run)
 
 double lag_account_unit(const LagRun *run)
 {
-    const LagStatistics *s = &run->statistics;
-    const double seen = s->energy_scale > 0 ? s->energy_scale : s->energy_stored; /* before any row, where none is asked for */
-    return run->settings.tolerance * lag_max(seen, run->carried_energy);
+    return run->settings.tolerance * lag_max(run->statistics.energy_scale, run->carried_energy);
 }
 
 void lag_account_weigh(LagRun *run)
