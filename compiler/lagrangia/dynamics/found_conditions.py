@@ -142,7 +142,7 @@ class Finding:
     def _note_equal(self, pair: Pair) -> None:
         """Of a == b: where it changes, if they are no rates and neither jump nor bend."""
         g = self.equalities[pair]
-        if not is_rate(self.v, g) and self._moves(g) and operations_in(g).isdisjoint(_UNCROSSED):
+        if self._moves(g) and _crosses(self.v, g):
             self.found.setdefault(pair, g)
 
     def _note_square(self, operands: list[Expression]) -> None:
@@ -227,8 +227,12 @@ def _rests(v: ca.SX, found: Mapping[Pair, Expression], asked: Sequence[Sequence[
 def _equal(v: ca.SX, found: Mapping[Pair, Expression], asked: Sequence[Sequence[Pair]]) -> frozenset[Pair]:
     """Places of which it is asked whether both sides are equal, where these cross: with a corner they may stay so on one side."""
     known = [next((pair for pair in pairs if pair in found), None) for pairs in asked]
-    return frozenset(pair for pair in known if pair is not None and not is_rate(v, found[pair])
-                     and operations_in(found[pair]).isdisjoint(_UNCROSSED))
+    return frozenset(pair for pair in known if pair is not None and _crosses(v, found[pair]))
+
+
+def _crosses(v: ca.SX, g: Expression) -> bool:
+    """Whether g is of places, and neither jumps nor bends."""
+    return not is_rate(v, g) and operations_in(g).isdisjoint(_UNCROSSED)
 
 
 def _without_unused(forces: Sequence[ca.SX], found: Mapping[Pair, Expression], rests: Mapping[Pair, Expression],

@@ -144,7 +144,8 @@ def written_book(path: Path, request: Request, model: str | None = None, structu
     """The equations for other writers, within the same limits; `has_quaternions`: programs, which know attitudes and signs.
     Raises LagError L0711, L0712."""
     kinematics, constraints = compile_energies(path, model, structural, request.parameters, bool(request.angles), has_quaternions)
-    _check_size(kinematics, request, *([_COMPONENTS] if has_quaternions else []))
+    more = [_COMPONENTS] if has_quaternions else []
+    _check_size(kinematics, request, *more)
     with deep_recursion():
         scene = build_symbolic(kinematics, constraints, angles=request.angles, is_signed=has_quaternions)
         limit = MOST_FORCED_PRODUCTS if request.is_forced else MOST_PRODUCTS
@@ -152,8 +153,7 @@ def written_book(path: Path, request: Request, model: str | None = None, structu
             e = derive(scene, limit, None if request.is_forced else MOST_KINETIC_TERMS)
         except TooLarge:
             fail("L0712", "the equations are too large to be written out", scene.kinematics.graph.model.span,
-                 "--force tries longer; --to python and --to casadi take any scene",
-                 *([_COMPONENTS] if has_quaternions else []))
+                 "--force tries longer; --to python and --to casadi take any scene", *more)
         names = name_symbols(scene, request.names)
         return Book(e, presentation_of(e, names, 20 * limit), names, (), parameter_values(kinematics), False)
 

@@ -10,15 +10,14 @@ from lagrangia.run.runtime import function_of
 class CalledTape:
     """Callable: the number that a tape gives of one vector, as it is just now."""
 
-    def __init__(self, library: c.CDLL, tape: Tape, given: Any, result: int = 0) -> None:
-        """`given`: doubles, as ctypes has them; `result`: which of the tape's has the number. Raises ValueError where the tape
-        reaches outside its vectors."""
+    def __init__(self, library: c.CDLL, tape: Tape, given: Any) -> None:
+        """`given`: doubles, as ctypes has them. Raises ValueError where the tape reaches outside its vectors."""
         function = function_of(tape)
         if not library.lag_tape_valid(c.byref(function)):
             raise ValueError("the tape is not valid")
         found, work = [(c.c_double * size)() for size in tape.out_sizes], (c.c_double * tape.n_work)()
         vectors = (c.c_void_p * (1 + len(found)))(c.addressof(given), *map(c.addressof, found))
-        self._run, self._found, self._kept = library.lag_tape_run, found[result], (function, given, vectors, found)
+        self._run, self._found, self._kept = library.lag_tape_run, found[0], (function, given, vectors, found)
         self._arguments = function.tape, c.addressof(vectors), c.addressof(vectors) + c.sizeof(c.c_void_p), work
 
     def __call__(self) -> float:

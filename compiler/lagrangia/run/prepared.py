@@ -147,18 +147,18 @@ class PreparedRun:
         self._library.lag_run_set_parameters(self._handle, given, self._mask)
         if self._library.lag_run_wrong_parameter(self._handle, *self._limits) >= 0:
             check_parameters(self.scene, self._found[:])
-        if self._oddness is not None and self._oddness() >= 0:
+        if self._oddness is not None and self._oddness(self._handle) >= 0:
             self._tell_odd()
 
-    def _ask_oddness(self) -> CalledTape | None:
-        """Which inertia is of no body, or -1, where calls may make one so."""
+    def _ask_oddness(self) -> Callable[..., int] | None:
+        """What tells which inertia is of no body, or -1, where calls may make one so."""
         from lagrangia.run.odd_inertias import reached_inertias
 
         scene, found = self.scene, self._found
         self._inertias = [(one, slice(one[1], one[1] + math.prod(one[2]))) for one in reached_inertias(scene, self._varied)]
         self._odd = {name: found[its] for (name, _, _), its in self._inertias}  # the values that each was told with
         is_asked = self._inertias and "L0746" not in scene.notes["allowed"]
-        return CalledTape(self._library, scene.tapes["requirements"], found, 1) if is_asked else None
+        return self._library.lag_run_told_parameter if is_asked else None
 
     def _tell_odd(self) -> None:
         """Of inertias that no body has, and which were told with other values, if at all."""

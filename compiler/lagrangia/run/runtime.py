@@ -228,6 +228,7 @@ _SIGNATURES: Mapping[str, tuple[Any, tuple[Any, ...]]] = {
     "lag_run_set_parameters": (c.c_int, (_RUN, Doubles, Doubles)),
     "lag_run_parameters": (Doubles, (_RUN,)),
     "lag_run_wrong_parameter": (c.c_int, (_RUN, Doubles, Doubles)),
+    "lag_run_told_parameter": (c.c_int, (_RUN,)),
     "lag_run_set_inputs": (c.c_int, (_RUN, Doubles, Doubles, c.c_int)),
     "lag_run_set_lost": (None, (_RUN, Doubles)),
     "lag_run_start": (c.c_int, (_RUN, c.c_void_p, c.c_void_p)),
