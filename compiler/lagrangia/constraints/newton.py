@@ -1,12 +1,14 @@
 """Equations of start values solved from guesses: the algorithm of runtime/start/newton.c, which states what it does and why."""
 
 from collections.abc import Mapping
+from functools import cached_property
 
 import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
 from lagrangia.algebra.orthogonal import Vector, nearest
+from lagrangia.algebra.pointers import Pointer
 from lagrangia.base.records import dataclass
 from lagrangia.constraints.initial import InitialConditions
 from lagrangia.constraints.metric import Metric, Momenta, Way
@@ -44,8 +46,12 @@ class Equations:
     def __call__(self, x: Vector) -> tuple[Vector, Vector]:
         """g (m,) and its Jacobian (m, 2 n)."""
         inputs = () if self.u is None else (self.u,)
-        g, gradients = self.initial(x[: self.n], x[self.n :], self.p, *inputs)
-        return g.full().ravel(), gradients.full().T
+        g, gradients = self._initial.matrices(x[: self.n], x[self.n :], self.p, *inputs)
+        return g.ravel(), gradients.T
+
+    @cached_property
+    def _initial(self) -> Pointer:
+        return Pointer(self.initial)
 
 
 def start_equations(kinematics: Kinematics, initial: InitialConditions, table: Mapping[str, ca.Function]) -> Equations:

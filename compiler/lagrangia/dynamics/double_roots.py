@@ -15,6 +15,7 @@ import numpy as np
 
 from lagrangia.algebra.duals import Scalar
 from lagrangia.algebra.orthogonal import Vector, general_numbers, independent_columns
+from lagrangia.algebra.pointers import Pointer
 from lagrangia.algebra.scalars import symbols_in
 from lagrangia.constraints.assembly import assembled
 from lagrangia.constraints.initial import InitialConditions, build_initial
@@ -38,15 +39,15 @@ def static_constraints(kinematics: Kinematics, phi: ca.SX, J: ca.SX) -> StaticEq
     lam = ca.SX.sym("lambda", J.shape[0])
     phi, J = (ca.densify(x) for x in at_declared_values(kinematics, [phi, J]))
     bent = ca.jacobian(ca.jtimes(phi, q, lam[: phi.numel()], True), q) if phi.numel() else ca.SX(q.numel(), q.numel())
-    gaps = ca.Function("gaps", [q], [phi])
-    slopes = ca.Function("slopes", [q, lam], [ca.densify(bent), ca.densify(ca.jacobian(phi, q)), J])
+    gaps = Pointer(ca.Function("gaps", [q], [phi]))
+    slopes = Pointer(ca.Function("slopes", [q, lam], [ca.densify(bent), ca.densify(ca.jacobian(phi, q)), J]))
     nothing, ones = np.zeros(q.numel()), np.ones(q.numel())
 
     def stiffness(x: Vector, multipliers: Vector) -> tuple[Vector, Vector, Vector]:
-        K, own, rows = slopes(x, multipliers if multipliers.size else 0)
-        return K.full(), own.full(), rows.full()
+        K, own, rows = slopes.matrices(x, multipliers if multipliers.size else 0)
+        return K, own, rows
 
-    return StaticEquations(lambda x: (nothing, gaps(x).full().ravel(), 0.0), stiffness, ones, np.full(q.numel(), False))
+    return StaticEquations(lambda x: (nothing, gaps(x), 0.0), stiffness, ones, np.full(q.numel(), False))
 
 
 def lift_double_roots(kinematics: Kinematics, constraints: Constraints, initial: InitialConditions) -> Constraints | None:

@@ -9,6 +9,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from lagrangia.algebra.pointers import Pointer
 from lagrangia.dynamics.constrained_motion import constraint_rows
 from lagrangia.dynamics.equilibrium import onto_constraints
 from lagrangia.study.beginning import Beginning
@@ -43,8 +44,21 @@ class MotionNumbers(Beginning):
         still = np.zeros(self.scene.n)
         state = q, still if v is None else v, still if a is None else a, lam
         given = np.concatenate([self.u, self.references.ravel()])
-        found = function.call([*state, self.time if time is None else time, pace, given, self.p, *seeds])
-        return [x.full() for x in found]
+        columns = seeds[0].shape[1] if seeds else 0
+        return self._pointer(function, columns).matrices(*state, self.time if time is None else time, pace, given, self.p, *seeds)
+
+    @cached_property
+    def _pointers(self) -> dict[tuple[int, int], tuple[ca.Function, Pointer]]:
+        return {}
+
+    def _pointer(self, function: ca.Function, columns: int) -> Pointer:
+        """Of the function, or of all columns of its last argument."""
+        key = function.__hash__(), columns
+        if key not in self._pointers:
+            last = function.n_in() - 1
+            whole = function.map(function.name(), "serial", columns, list(range(last)), []) if columns else function
+            self._pointers[key] = function, Pointer(whole)  # a function that is gone leaves its hash to another one
+        return self._pointers[key][1]
 
     def slopes(self, e: SmallMotion, function: ca.Function, names: Sequence[str], q: Vector, lam: Vector, pace: float,
                v: Vector | None = None, a: Vector | None = None, time: float | None = None) -> dict[str, list[Vector]]:
