@@ -129,3 +129,20 @@ def test_balanced_forces_move_nothing_by_rounding(law: str, solver: str, force: 
     run = model.simulate(at=[0.0, 3.0], solver=solver, tolerance=1e-8)
     assert run["c.s"][-1] == pytest.approx(3 - 0.9 * force, abs=1e-9)
     assert run["a.s"][-1] == run["a.s"][0]
+
+
+@pytest.mark.parametrize(("law", "forces"), [
+    ("if y == L then 1 else 0", (0, 1)), ("if y >= L and y <= L then 0 else 1", (1, 0)),
+    ("if k*(y - L) > 0 then 1 else 0", (0, 0)), ("if y == L then 2 else 1 + sign(y - L)", (0, 2))])
+def test_first_order_states_that_come_to_a_level(law: str, forces: tuple[float, float], scene: Write) -> None:
+    """What asked for equality was told by the last digit (2 m for 1.775), and any event or contact made k*(y - L) > 0 a half."""
+    text = f"""model M parameter Real k = 2; parameter Real L = 0.3; World world(gravity = {{0, 0}});
+        Block c(m = 1, base = world, v(start = 1)); energy work -0.2*({law})*1[N] on c.s; Real y(start = 0, fixed = true);
+        %s equation der(y) = 0.6*(if time < 0.5 then 1 else 0)*1[1/s]; %s end M;"""
+    lies = "Block a(m = 1, base = world); Stop floor(gap = a.s); DryFriction f(F = 1, rate = a.v); energy work -1[N] on a.s;"
+    rubs = "RoughPrismatic g(a = world, mu = 0.2, v(start = 1)); PointMass w(m = 1, center = g.b);"
+    for company in (("", ""), ("", "when time > 0.7 then reinit(c.v, pre(c.v)); end when;"), (lies, ""), (rubs, "")):
+        model = scene(text % company)
+        for solver in (*SOLVERS, "taylor"):
+            found = model.simulate(at=[2.0], solver=solver, tolerance=1e-8)["c.s"][0]
+            assert found == pytest.approx(2 - 0.175 * forces[0] - 0.225 * forces[1], abs=1e-7)

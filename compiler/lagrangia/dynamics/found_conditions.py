@@ -1,6 +1,6 @@
 """What conditions in forces compare, and where it is asked whether rates rest: of all instructions, those that decide."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import field
 from typing import NoReturn
 
@@ -29,6 +29,7 @@ from lagrangia.dynamics.levels import EDGE, Levels, step_of
 from lagrangia.dynamics.levels import JUMPS as ALL_JUMPS
 from lagrangia.dynamics.same_conditions import bends_by, multiples, without_factors
 
+Free = Callable[[Mapping[Pair, Expression]], frozenset[Pair]]
 _NONE = ca.SX(0, 1)
 _UNCROSSED = ALL_JUMPS | CORNERS  # both sides may be equal on one side of where these begin to be
 
@@ -142,8 +143,12 @@ class Finding:
     def _note_equal(self, pair: Pair) -> None:
         """Of a == b: where it changes, if they are no rates and neither jump nor bend."""
         g = self.equalities[pair]
-        if self._moves(g) and _crosses(self.v, g):
+        if self.may_cross(g) and not is_rate(self.v, g):
             self.found.setdefault(pair, g)
+
+    def may_cross(self, g: Expression) -> bool:
+        """Whether g changes, and neither jumps nor bends: with a corner both sides may stay equal on one side."""
+        return self._moves(g) and operations_in(g).isdisjoint(_UNCROSSED)
 
     def _note_square(self, operands: list[Expression]) -> None:
         """Of a^2 > 0, a^4 > 0 or a^2 == 0: a."""
@@ -191,14 +196,17 @@ def _refuse_equal() -> NoReturn:
 
 
 def conditions_in(forces: Sequence[ca.SX], movers: ca.SX, v: ca.SX, numbering: Numbering,
-                  known: tuple[ca.SX, ca.SX, ca.SX] = (_NONE, _NONE, _NONE)
+                  known: tuple[ca.SX, ca.SX, ca.SX] = (_NONE, _NONE, _NONE), free: Free | None = None
                   ) -> tuple[dict[Pair, Expression], dict[Pair, Expression], tuple[tuple[Pair, Pair], ...], dict[Pair, set[int]]]:
     """Differences of what conditions in the forces compare, of those that `movers` decide (`known`: what changes at events alone,
-    what does not change between events, and what goes its way whatever moves); symbols for the rates of which it is asked whether
-    they rest; pairs of the latter that are asked about together; and `side_on_level` of all that jumps with each condition."""
+    what does not change between events, and what goes its way whatever moves; `free`: of conditions on rates those that nothing
+    holds); symbols for the rates of which it is asked whether they rest; pairs of the latter that are asked about together; and
+    `side_on_level` of all that jumps with each condition."""
     finding = finding_in(movers, v, numbering, known)
     rebuilt(forces, numbering, finding.note)
     found = finding.found
+    alone = {pair: g for pair, g in finding.equalities.items() if pair not in found and finding.may_cross(g) and is_rate(v, g)}
+    found |= {pair: alone[pair] for pair in free(alone)} if alone and free is not None else {}
     same = multiples(found | finding.equalities, v, known[1], numbering) if finding.equalities else {}
     found |= {pair: g for pair, g in finding.equalities.items() if pair in same and same[pair].of in found}
     rests, equal = _rests(v, found, finding.asked), _equal(v, found, finding.asked)
@@ -227,12 +235,8 @@ def _rests(v: ca.SX, found: Mapping[Pair, Expression], asked: Sequence[Sequence[
 def _equal(v: ca.SX, found: Mapping[Pair, Expression], asked: Sequence[Sequence[Pair]]) -> frozenset[Pair]:
     """Places of which it is asked whether both sides are equal, where these cross: with a corner they may stay so on one side."""
     known = [next((pair for pair in pairs if pair in found), None) for pairs in asked]
-    return frozenset(pair for pair in known if pair is not None and _crosses(v, found[pair]))
-
-
-def _crosses(v: ca.SX, g: Expression) -> bool:
-    """Whether g is of places, and neither jumps nor bends."""
-    return not is_rate(v, g) and operations_in(g).isdisjoint(_UNCROSSED)
+    places = [pair for pair in known if pair is not None and not is_rate(v, found[pair])]
+    return frozenset(pair for pair in places if operations_in(found[pair]).isdisjoint(_UNCROSSED))
 
 
 def _without_unused(forces: Sequence[ca.SX], found: Mapping[Pair, Expression], rests: Mapping[Pair, Expression],

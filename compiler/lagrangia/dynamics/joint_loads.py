@@ -99,7 +99,7 @@ def solve(motion: Motion, hold: _Hold) -> Solution:
     found, margins = _Laws(felt.reactions, laws, bent).meet(A, B)
     state = ca.vertcat(motion.t, motion.q, motion.v, motion.u)
     found += nothing_unless([x for x in margins if not (x.is_constant() and float(x) > 0)], state)
-    return Solution(felt, found, A + B @ found)
+    return Solution(felt, found, ca.densify(A + B @ found))
 
 
 class _Laws:
@@ -119,10 +119,10 @@ class _Laws:
             return (half + ca.sqrt(half**2 + whole * at_A)) / whole, [whole]
         found = ca.SX.zeros(self.f.numel())
         for _ in range(1 if self.is_linear else _STEPS):
-            f, slopes = ca.substitute([self.f, self.slopes], [self.x], [A + B @ found])
+            f, slopes = ca.substitute([self.f, self.slopes], [self.x], [ca.densify(A + B @ found)])
             step, _ = _eliminate(ca.SX.eye(found.numel()) - slopes @ B, f - found)
             found += step
-        f, slopes = ca.substitute([self.f, self.slopes], [self.x], [A + B @ found])
+        f, slopes = ca.substitute([self.f, self.slopes], [self.x], [ca.densify(A + B @ found)])
         margins = self._margins(slopes, B)
         left = [] if self.is_linear else [_LEFT**2 * ca.sumsqr(f) - ca.sumsqr(f - found) + _NONE]
         return found, margins + left

@@ -14,6 +14,7 @@ more than it rubs.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import field, replace
+from functools import partial
 from types import MappingProxyType
 
 import casadi as ca
@@ -158,7 +159,8 @@ def find_switches(motion: Motion, late: ca.SX | None = None, bends: Sequence[ca.
     known = motion.unsolved or motion
     laws, reactions = ([known.felt.laws], known.felt.reactions) if known.felt else ([], ca.SX(0, 1))
     movers = ca.vertcat(motion.t, motion.q, motion.v, motion.u, reactions)
-    found, rests, cones, sides = conditions_in([known.h, *laws, *others], movers, motion.v, numbering, _given(known))
+    free = partial(_that_nothing_holds, known, numbering) if not others else None
+    found, rests, cones, sides = conditions_in([known.h, *laws, *others], movers, motion.v, numbering, _given(known), free)
     driven = ca.vertcat(known.t, known.u)
     same = multiples(found, motion.v, ca.vertcat(_between_events(known), known.stepped), numbering, driven)
     found, rests, cones = _merged(found, rests, cones, same)
@@ -170,9 +172,9 @@ def find_switches(motion: Motion, late: ca.SX | None = None, bends: Sequence[ca.
         return Switches()
     found = {pair: found[pair] for pair in sorted(found, key=lambda pair: pair not in signs)}
     slopes, places = ca.SX.sym("du", motion.u.numel()), {pair: symbol(f"s_{k}") for k, pair in enumerate(found)}
-    free = _that_hold_nothing(known, found, places, rests, same, numbering) if not others else frozenset()
-    rests, cones = _without_free(rests, cones, free, sides)
-    shares = frozenset(places[pair].__hash__() for pair, g in found.items() if pair not in free and is_rate(motion.v, g))
+    loose = _that_hold_nothing(known, found, places, rests, same, numbering) if not others else frozenset()
+    rests, cones = _without_free(rests, cones, loose, sides)
+    shares = frozenset(places[pair].__hash__() for pair, g in found.items() if pair not in loose and is_rate(motion.v, g))
     edge = motion.impacts.edge if shares or motion.impacts.may_hold else _NONE
     values = ca.vertcat(ca.SX(0, 1), *found.values(), *_values_of_events(motion, slopes, edge))
     symbols = ca.vertcat(ca.SX(0, 1), *places.values(), ca.SX.sym("event", 2 * events.numel()), motion.impacts.forces)
@@ -190,6 +192,12 @@ def _that_hold_nothing(known: Motion, found: Mapping[Pair, Expression], places: 
     rates = {pair: g for pair, g in found.items() if is_rate(known.v, g)}
     aliases = {pair: x.switch(places) for pair, x in same.items()}
     return frozenset(rates) - that_may_hold(known, rates, {**places, **aliases}, rests, numbering) if rates else frozenset()
+
+
+def _that_nothing_holds(known: Motion, numbering: Numbering, alone: Mapping[Pair, Expression]) -> frozenset[Pair]:
+    """Of equalities of rates, those of which no force holds any."""
+    symbols = {pair: symbol("s") for pair in alone}
+    return _that_hold_nothing(known, alone, symbols, symbols, {}, numbering)
 
 
 def _without_free(rests: dict[Pair, Expression], cones: tuple[tuple[Pair, Pair], ...], free: frozenset[Pair],
