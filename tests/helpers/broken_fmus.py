@@ -28,9 +28,9 @@ def broken(path: Path, target: Path, changes: Mapping[str, Change], **written: i
             if change is None:
                 continue
             content = source.read(name) if name in source.namelist() else b""
-            entry = zipfile.ZipInfo(name)
-            entry.compress_type = zipfile.ZIP_DEFLATED
+            entry = zipfile.ZipInfo(name)  # stored: to deflate a binary takes longer than all that is done with it
             if name in changes:
+                entry.compress_type = zipfile.ZIP_DEFLATED
                 content = change if isinstance(change, bytes) else change(content.decode()).encode()
                 for attribute, value in written.items():
                     setattr(entry, attribute, value)

@@ -16,7 +16,7 @@ from lagrangia.native.build import find_compiler
 from lagrangia.native.prebuilt import joined, sources
 
 needs_sanitizers = pytest.mark.skipif(sys.platform == "win32", reason="needs the sanitizers of gcc or clang")
-_OPTIONS = ("-std=c99", "-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all")
+_OPTIONS = ("-std=c99", "-g1", "-fsanitize=address,undefined", "-fno-sanitize-recover=all")
 
 
 def run_sanitized(folder: Path, files: Mapping[str, str], others: Sequence[Path] = (), flags: Sequence[str] = ()) -> str:

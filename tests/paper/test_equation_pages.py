@@ -16,6 +16,7 @@ import pytest
 import sympy as sp
 
 import lagrangia as lag
+from helpers.derived_once import derive_once
 from helpers.printed_numbers import everything_laid_out
 from helpers.symbolic_scenes import CLASSROOM, EXAMPLES, UNWRITTEN, WRITTEN
 from lagrangia.command.cli import WRONG, main
@@ -115,6 +116,7 @@ def test_small_motion_of_what_is_too_large_to_read(capsys) -> None:
 ])
 def test_every_form_of_every_example(path: Path, capsys, monkeypatch) -> None:
     monkeypatch.setattr(sheet, "_too_large", once(sheet._too_large))  # the energies' structure, whatever the form
+    derive_once(monkeypatch)
     for form in ALL_FORMS:
         if form == "linear" and path.stem in RESTLESS:
             assert "L0713" in refused(capsys, str(path), "--form", form)

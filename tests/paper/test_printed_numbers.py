@@ -9,6 +9,7 @@ import pytest
 import sympy as sp
 
 from helpers.casadi_numbers import POINTS, Reference, reference
+from helpers.derived_once import derive_once
 from helpers.reading import Motion, NotRead, read
 from helpers.symbolic_scenes import WRITTEN
 from lagrangia.algebra.normal_form import TooLarge
@@ -26,7 +27,8 @@ BESIDE, ROUNDED = 1e-12, 1e-5  # of formulas with a decimal that is printed to s
 
 @pytest.mark.parametrize("path", [pytest.param(path, id=path.stem, marks=() if path.stem in QUICK else pytest.mark.slow)
                                   for path in WRITTEN])
-def test_every_printed_formula_has_its_value(path: Path) -> None:
+def test_every_printed_formula_has_its_value(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    derive_once(monkeypatch)
     structural = (("n", 3),) if path.stem == "chain" else ()
     for form in ("worked", "lagrange", "energies", *NUMBERED):
         try:
@@ -216,8 +218,9 @@ class Pages:
 
 @pytest.mark.parametrize("path", [pytest.param(path, id=path.stem, marks=() if path.stem in QUICK else pytest.mark.slow)
                                   for path in WRITTEN])
-def test_every_printed_matrix_has_its_numbers(path: Path) -> None:
+def test_every_printed_matrix_has_its_numbers(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """M q'' + h + J^T lambda - f of the matrices as printed is what CasADi has; v' of the first-order form is its solution."""
+    derive_once(monkeypatch)
     try:
         pages = Pages(path)
     except TooLarge:

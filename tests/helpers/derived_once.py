@@ -1,0 +1,39 @@
+"""Pages of one scene in several forms, of equations that are derived once."""
+
+from collections.abc import Callable
+
+import pytest
+
+from lagrangia.paper import sheet
+from lagrangia.paper.sheet import Request
+
+
+def derive_once(patch: pytest.MonkeyPatch) -> None:
+    """For tests that ask for many forms of one scene with the same parameters: those whose equations are the same share them, and
+    positions of rest are looked for from one start."""
+    patch.setattr(sheet, "_book", _kept(sheet._book, lambda kinematics, scene, request, has_kicks: _kind(request)))
+    patch.setattr(sheet, "start_of", _kept(sheet.start_of, lambda *_: None))
+
+
+def _kind(request: Request) -> tuple[object, ...]:
+    """What equations depend on in a request, but for names and values."""
+    return (request.form if request.form in ("linear", "worked") else "", request.has_source_potentials, request.has_quaternions,
+            request.format == "sympy", request.level, request.sections)
+
+
+def _kept(make: Callable[..., object], key: Callable[..., object]) -> Callable[..., object]:
+    """What is found, or raised, first for a key."""
+    known: dict[object, object] = {}
+
+    def found(*given: object) -> object:
+        at = key(*given)
+        if at not in known:
+            try:
+                known[at] = make(*given)
+            except Exception as error:
+                known[at] = error
+        if isinstance(known[at], Exception):
+            raise known[at]
+        return known[at]
+
+    return found
