@@ -208,14 +208,18 @@ static int first_requirement(const LagRun *run, int is_told)
     return (int)first[is_told];
 }
 
-int lag_run_wrong_parameter(const LagRun *run, const double *least, const double *most)
+int lag_run_parameter_beyond(const LagRun *run, const double *least, const double *most)
 {
-    const int n = run->model->n_parameters;
-    for (int i = 0; i < n; ++i)
+    for (int i = 0; i < run->model->n_parameters; ++i)
         if (!isfinite(run->p[i]) || run->p[i] < least[i] || run->p[i] > most[i])
             return i;
-    const int first = first_requirement(run, 0);
-    return first < 0 ? -1 : n + first;
+    return -1;
+}
+
+int lag_run_wrong_parameter(const LagRun *run, const double *least, const double *most)
+{
+    const int beyond = lag_run_parameter_beyond(run, least, most), first = beyond < 0 ? first_requirement(run, 0) : -1;
+    return first < 0 ? beyond : run->model->n_parameters + first;
 }
 
 int lag_run_told_parameter(const LagRun *run) { return first_requirement(run, 1); }

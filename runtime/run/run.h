@@ -27,6 +27,9 @@ LAG_API const double *lag_run_parameters(const LagRun *run);
  * LagModel.requirements that is not met; -1: all are possible. */
 LAG_API int lag_run_wrong_parameter(const LagRun *run, const double *least, const double *most);
 
+/* The same without the requirements, of parameters that none of them asks for. */
+LAG_API int lag_run_parameter_beyond(const LagRun *run, const double *least, const double *most);
+
 /* The first of LagModel.requirements that is only told and not met, or -1. */
 LAG_API int lag_run_told_parameter(const LagRun *run);
 

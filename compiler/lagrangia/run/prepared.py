@@ -4,7 +4,7 @@ import math
 import time
 import weakref
 from array import array
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from ctypes import addressof, c_char, c_double, c_void_p, cast
 from typing import TYPE_CHECKING, NoReturn
 
@@ -14,6 +14,7 @@ from lagrangia.run.engines import Engine
 from lagrangia.run.formulas import feel_masses
 from lagrangia.run.remarks import warn_of_loss, warn_of_text
 from lagrangia.run.request import Experiment, Values, check_parameters
+from lagrangia.run.requirements import asks_for
 from lagrangia.run.runtime import Statistics, Status
 from lagrangia.run.scene import Scene
 from lagrangia.run.simulate import DOUBTFUL, Progress, explain, fail_start, loss, progress_of, shortcomings, start_run
@@ -43,7 +44,7 @@ class PreparedRun:
         self.scene, self.experiment, self._rows = scene, experiment, np.ndarray
         self.columns = ("time", *(c.name for c in (*scene.coordinates, *scene.rates, *scene.outputs)), "T", "V", "H",
                         "dissipated", "work")
-        self._turned = [self.columns.index(name) for name in scene.turned]
+        self._turned = _in_rows(self.columns.index(name) for name in scene.turned)
         self._engine, self._started, self._varied = engine, started, varied
         self._run = start_run(scene, engine, experiment, values)
         weakref.finalize(self, self._run.close)
@@ -62,7 +63,12 @@ class PreparedRun:
         self._unevenness = CalledTape(self._library, scene.unevenness, self._found) \
             if scene.unevenness is not None and feel_masses(scene, parameters) else None
         self._made = values, initial, parameters, any_mass
-        self._limits = tuple((c_double * len(side))(*side) for side in scene.limits)
+        limits = tuple((c_double * len(side))(*side) for side in scene.limits)
+        self._kept, self._limits = limits, (self._handle, *map(addressof, limits))
+        self._set_parameters = self._library.lag_run_set_parameters
+        self._told_given = self._handle, addressof(self._given), addressof(self._mask)
+        self._find_wrong = self._library.lag_run_wrong_parameter if asks_for(scene, varied) else \
+            self._library.lag_run_parameter_beyond
         self._counts = self._run.counts  # what C counts of the latest run
         self._asks_loss = min(scene.notes["thresholds"], default=math.inf) < experiment.tolerance
         self._oddness = self._ask_oddness()
@@ -103,8 +109,8 @@ class PreparedRun:
         s = self._counts
         if s.energy_is_open or s.unsure or self._asks_loss or s.energy_residual > DOUBTFUL * s.energy_scale:
             warn_of_loss(self._progress())
-        if self._turned:
-            rows[:, self._turned] = math.nan  # numbers that say nothing without what attitudes are counted from
+        for columns in self._turned:
+            rows[columns] = math.nan  # numbers that say nothing without what attitudes are counted from
         return rows if count == len(rows) else rows[:count].copy()
 
     def __reduce__(self) -> NoReturn:
@@ -144,8 +150,8 @@ class PreparedRun:
         given = self._given
         for place, value in zip(self._varied, parameters):  # noqa: B905 (of one length)
             given[place] = value
-        self._library.lag_run_set_parameters(self._handle, given, self._mask)
-        if self._library.lag_run_wrong_parameter(self._handle, *self._limits) >= 0:
+        self._set_parameters(*self._told_given)
+        if self._find_wrong(*self._limits) >= 0:
             check_parameters(self.scene, self._found[:])
         if self._oddness is not None and self._oddness(self._handle) >= 0:
             self._tell_odd()
@@ -198,6 +204,17 @@ class PreparedRun:
         for place, value in zip(self._started, start, strict=True):
             if not math.isfinite(value):
                 fail("L0605", f"the initial value of '{names[place]}' must be a finite number, not {value}")
+
+
+def _in_rows(columns: Iterable[int]) -> list[tuple[slice, slice]]:
+    """All rows of these columns: those that stand together at once, as numpy writes few slices soonest."""
+    runs: list[list[int]] = []
+    for k in sorted(columns):
+        if runs and k == runs[-1][1]:
+            runs[-1][1] += 1
+        else:
+            runs.append([k, k + 1])
+    return [(slice(None), slice(*run)) for run in runs]
 
 
 def _start_place(scene: Scene, name: str) -> int:

@@ -1,6 +1,6 @@
 """Parameters that do not meet what the compiler asks of them beyond their limits (compile/requirements.py), in words."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from typing import Any
 
 from lagrangia.base.diagnostics import Report
@@ -18,6 +18,12 @@ def check_requirements(scene: Scene, parameters: Sequence[float], report: Report
                      f"what it is, is decided by parameters as they are declared: declare {values}" if values else
                      f"declared at {known['place']}")
         report.raise_errors()
+
+
+def asks_for(scene: Scene, places: Collection[int]) -> bool:
+    """Whether values of the parameters at these places enter any of them."""
+    tape = scene.tapes.get("requirements")
+    return tape is not None and bool(tape.reached(scene.tapes["parameters"].reached({(0, k) for k in places})))
 
 
 def tell_unmet(scene: Scene, index: int, parameters: Sequence[float]) -> str:
