@@ -47,7 +47,7 @@ static void layout(void *self, const LagMotion *m, LagArena *arena)
     const LagFunction *rhs = &model->rhs, *usual = lag_usual_rhs(model);
     const size_t n = (size_t)m->n, all = (size_t)(m->size - m->n);
     arena->used = (arena->used + LAG_CACHE_LINE - 1) / LAG_CACHE_LINE * LAG_CACHE_LINE;
-    const size_t rows = all + (size_t)lag_pirk_ways(m);
+    const size_t rows = all + (size_t)lag_pirk_detours(m);
     s->a = take_wide(arena, rows);
     s->tried = take_wide(arena, rows);
     s->known = take_wide(arena, rows);
@@ -60,7 +60,7 @@ static void layout(void *self, const LagMotion *m, LagArena *arena)
     s->slope = lag_take(arena, all);
     s->reached = lag_take(arena, (size_t)m->size);
     s->unit = lag_take(arena, 2 * n);
-    s->weight = lag_take(arena, n + (size_t)lag_pirk_ways(m));
+    s->weight = lag_take(arena, n + (size_t)lag_pirk_detours(m));
     s->one = lag_take(arena, n + (size_t)m->size);
     lag_pirk_dense_layout(&s->dense, m, arena);
 }
@@ -102,8 +102,8 @@ static void continuation(const LagPirk *s, double t, double h, double table[LAG_
     }
 }
 
-/* Accelerations at the stages of a step, as the known polynomial continues, or as they are at the start. Ways were against another
- * reference: they are those of no turn. */
+/* Accelerations at the stages of a step, as the known polynomial continues, or as they are at the start. Detours were against
+ * another reference: they are those of no turn. */
 static void foresee(LagPirk *s, const LagMotion *m, double t, double h)
 {
     const int all = m->size - m->n;
@@ -115,25 +115,18 @@ static void foresee(LagPirk *s, const LagMotion *m, double t, double h)
             const double *known = s->known + c * LAG_ABREAST;
             lag_wide_write(s->a + c * LAG_ABREAST + lane, s->length > 0 ? weighed(known, &table[0][0], lane) : LAG_WIDE_OF(s->slope[c]));
         }
-    memset(s->a + all * LAG_ABREAST, 0, (size_t)(LAG_ABREAST * lag_pirk_ways(m)) * sizeof *s->a);
+    memset(s->a + all * LAG_ABREAST, 0, (size_t)(LAG_ABREAST * lag_pirk_detours(m)) * sizeof *s->a);
 }
 
-/* Positions of attitudes from their ways, and these anew: so often that sweeps need not wait for them. What ways the positions make is
- * left to the sweep, which tells by how much these differ. */
-static void turn(LagPirk *s, const LagMotion *m, const double *y, double h)
+/* Positions of attitudes by the detours of the sweep before. */
+static void turn(LagPirk *s, const LagMotion *m, double h)
 {
-    double *ways = s->a + (m->size - m->n) * LAG_ABREAST;
-    for (int turns = 0; turns <= TURNS; ++turns) {
-        for (int k = 0; k < lag_pirk_ways(m); ++k)
-            for (int lane = 0; lane < LAG_ABREAST; lane += LAG_WIDE) {
-                const int c = lag_pirk_way_of(m, k);
-                const LagWide node = lag_wide_read(lag_pirk_node + lane);
-                const LagWide q = y[c] + h * (node * y[m->n + c] + weighed(ways + k * LAG_ABREAST, &lag_pirk_rate[0][0], lane));
-                lag_wide_write(s->q + c * LAG_ABREAST + lane, q);
-            }
-        if (turns < TURNS)
-            lag_pirk_find_ways(m, y, s->q, s->v, ways, LAG_ABREAST);
-    }
+    const double *detours = s->a + (m->size - m->n) * LAG_ABREAST;
+    for (int k = 0; k < lag_pirk_detours(m); ++k)
+        for (int lane = 0; lane < LAG_ABREAST; lane += LAG_WIDE) {
+            double *q = s->q + lag_pirk_detour_of(m, k) * LAG_ABREAST + lane;
+            lag_wide_write(q, lag_wide_read(q) + h * weighed(detours + k * LAG_ABREAST, &lag_pirk_rate[0][0], lane));
+        }
 }
 
 /* The states of the stages. */
@@ -149,8 +142,12 @@ static void place(LagPirk *s, const LagMotion *m, const double *y, double h)
             lag_wide_write(s->q + c * LAG_ABREAST + lane, q);
             lag_wide_write(s->v + c * LAG_ABREAST + lane, v);
         }
-    if (m->n_attitudes > 0)
-        turn(s, m, y, h);
+    turn(s, m, h);
+}
+
+static void find_detours(LagPirk *s, const LagMotion *m)
+{
+    lag_pirk_find_detours(m, s->q, s->v, s->a + (m->size - m->n) * LAG_ABREAST, LAG_ABREAST);
 }
 
 /* What accelerations and powers come to at the end. */
@@ -171,10 +168,8 @@ static void displacement(const LagPirk *s, const LagMotion *m, const double *y, 
     }
     for (int c = n; c < m->size - n; ++c)
         sum[n + c] = h * s->end[c * LAG_ABREAST + 1];
-    for (int k = 0; k < lag_pirk_ways(m); ++k) {
-        const int c = lag_pirk_way_of(m, k);
-        sum[c] = h * (y[n + c] + s->end[(m->size - n + k) * LAG_ABREAST + 1]);
-    }
+    for (int k = 0; k < lag_pirk_detours(m); ++k)
+        sum[lag_pirk_detour_of(m, k)] += h * s->end[(m->size - n + k) * LAG_ABREAST + 1];
 }
 
 /* -------- sweeps */
@@ -210,7 +205,7 @@ int lag_pirk_evaluate(LagPirk *s, LagMotion *m)
  * Sums are the same whatever registers hold. */
 static double distance(const LagPirk *s, const LagMotion *m, const double *a, const double *b)
 {
-    const int n = m->n, rows = n + lag_pirk_ways(m), skipped = m->size - 2 * n; /* powers lie between */
+    const int n = m->n, rows = n + lag_pirk_detours(m), skipped = m->size - 2 * n; /* powers lie between */
     double squares[LAG_ABREAST];
     for (int lane = 0; lane < LAG_ABREAST; lane += LAG_WIDE) {
         LagWide sum = LAG_WIDE_OF(0);
@@ -229,8 +224,7 @@ static int sweep(LagPirk *s, LagMotion *m, const double *y, double h)
 {
     place(s, m, y, h);
     lag_swap(&s->a, &s->tried);
-    if (m->n_attitudes > 0)
-        lag_pirk_find_ways(m, y, s->q, s->v, s->a + (m->size - m->n) * LAG_ABREAST, LAG_ABREAST);
+    find_detours(s, m);
     return lag_pirk_evaluate(s, m);
 }
 
@@ -243,8 +237,8 @@ static void weigh(LagPirk *s, const LagMotion *m, const LagScale *scale, const d
         const double rate = s->unit[n + c] > 0 ? h / s->unit[n + c] : 0, way = s->unit[c] > 0 ? 0.5 * h * h / s->unit[c] : 0;
         s->weight[c] = lag_max(rate, way);
     }
-    for (int k = 0; k < lag_pirk_ways(m); ++k) {
-        const double unit = s->unit[lag_pirk_way_of(m, k)];
+    for (int k = 0; k < lag_pirk_detours(m); ++k) {
+        const double unit = s->unit[lag_pirk_detour_of(m, k)];
         s->weight[n + k] = unit > 0 ? h / unit : 0;
     }
 }
@@ -283,11 +277,11 @@ static double estimate(LagPirk *s, const LagMotion *m, double h, int *worst)
     const LagRun *run = m->context;
     const double energy = run->settings.tolerance * m->energy;
     Coefficients most = {0, 0, 0};
-    conclude(s, m->size - m->n + lag_pirk_ways(m));
+    conclude(s, m->size - m->n + lag_pirk_detours(m));
     for (int c = 0; c < m->n; ++c)
         if (note(s, c, s->weight[c], &most))
             *worst = m->n + c;
-    for (int k = 0; k < lag_pirk_ways(m); ++k)
+    for (int k = 0; k < lag_pirk_detours(m); ++k)
         note(s, m->size - m->n + k, s->weight[m->n + k], &most);
     double error = remainder_of(most);
     s->last = most.last;
@@ -379,9 +373,11 @@ static double attempt(void *self, LagMotion *m, double t_new, const LagScale *sc
     s->was_careful = run->careful;
     lag_pirk_set_times(s, m, m->t, h, lag_pirk_node);
     foresee(s, m, m->t, h);
-    if (m->n_attitudes > 0)
+    for (int turns = 0; m->n_attitudes > 0 && turns < TURNS; ++turns) {
         place(s, m, m->y, h);
-    conclude(s, m->size - m->n + lag_pirk_ways(m));
+        find_detours(s, m);
+    }
+    conclude(s, m->size - m->n + lag_pirk_detours(m));
     displacement(s, m, m->y, h, m->sum);
     lag_motion_add(m, m->sum);
     if (scale->is_resting)

@@ -20,7 +20,7 @@ static const double ROUGH = 10; /* units: of what is no rounding */
 
 void lag_pirk_dense_layout(LagPirkDense *dense, const LagMotion *m, LagArena *arena)
 {
-    const size_t all = (size_t)(m->size - m->n + lag_pirk_ways(m));
+    const size_t all = (size_t)(m->size - m->n + lag_pirk_detours(m));
     dense->a = lag_take(arena, LAG_PIRK_DENSE * all);
     dense->coefficient = lag_take(arena, DEGREES * all);
 }
@@ -88,21 +88,20 @@ static void begin(LagPirkDense *dense, const double *known, int all)
                            lag_wide_weighed(known + c * LAG_ABREAST, &dense->coarse[0][0], LAG_ABREAST, LAG_ABREAST, lane));
 }
 
-/* Positions of attitudes on the way from y at eight nodes, by their ways as the coefficients tell them, and their ways there. */
-static void turn(LagPirk *s, const LagMotion *m, const double *y, int first)
+/* Positions of attitudes at eight nodes, by their detours as the coefficients tell them, and these anew. */
+static void turn(LagPirk *s, const LagMotion *m, int first)
 {
     LagPirkDense *dense = &s->dense;
     const int all = m->size - m->n;
     const double h = s->length;
-    for (int k = 0; k < lag_pirk_ways(m); ++k)
+    for (int k = 0; k < lag_pirk_detours(m); ++k)
         for (int lane = 0; lane < LAG_ABREAST; lane += LAG_WIDE) {
-            const int c = lag_pirk_way_of(m, k);
-            const LagWide share = lag_wide_read(lag_pirk_dense_node + first + lane);
+            double *q = s->q + lag_pirk_detour_of(m, k) * LAG_ABREAST + lane;
             const double *sum = dense->coefficient + (all + k) * DEGREES;
             const LagWide way = lag_wide_weighed(sum, &dense->rate[0][0], DEGREES, LAG_PIRK_DENSE, first + lane);
-            lag_wide_write(s->q + c * LAG_ABREAST + lane, y[c] + h * (share * y[m->n + c] + way));
+            lag_wide_write(q, lag_wide_read(q) + h * way);
         }
-    lag_pirk_find_ways(m, y, s->q, s->v, dense->a + all * LAG_PIRK_DENSE + first, LAG_PIRK_DENSE);
+    lag_pirk_find_detours(m, s->q, s->v, dense->a + all * LAG_PIRK_DENSE + first, LAG_PIRK_DENSE);
 }
 
 /* Accelerations at all nodes along the motion from y that the coefficients tell. */
@@ -121,7 +120,7 @@ static int evaluate(LagPirk *s, LagMotion *m, const double *y)
                 lag_wide_write(s->v + c * LAG_ABREAST + lane, y[n + c] + h * rate);
                 lag_wide_write(s->q + c * LAG_ABREAST + lane, y[c] + h * (share * y[n + c] + h * place));
             }
-        turn(s, m, y, first);
+        turn(s, m, first);
         lag_pirk_set_times(s, m, s->begin, h, lag_pirk_dense_node + first);
         if (!lag_pirk_evaluate(s, m))
             return 0;
@@ -137,7 +136,7 @@ static double expand(LagPirk *s, const LagMotion *m)
     LagPirkDense *dense = &s->dense;
     double largest = 0;
     const int all = m->size - m->n;
-    for (int c = 0; c < all + lag_pirk_ways(m); ++c) {
+    for (int c = 0; c < all + lag_pirk_detours(m); ++c) {
         double *sum = dense->coefficient + c * DEGREES, before[DEGREES];
         memcpy(before, sum, sizeof before);
         for (int lane = 0; lane < DEGREES; lane += LAG_WIDE)
@@ -169,7 +168,7 @@ static void refine(LagPirk *s, LagMotion *m, const double *y, const double *know
 {
     double before = INFINITY;
     need_tables(&s->dense);
-    begin(&s->dense, known, m->size - m->n + lag_pirk_ways(m));
+    begin(&s->dense, known, m->size - m->n + lag_pirk_detours(m));
     for (int round = 0; round < MOST_ROUNDS && evaluate(s, m, y); ++round) {
         const double far = expand(s, m);
         if (!(GAIN * far > NEAR) || far > SLOW * before)
@@ -191,7 +190,7 @@ double lag_pirk_second_look(LagPirk *s, LagMotion *m, const double *y)
     LagPirkDense *dense = &s->dense;
     double most = 0;
     need_tables(dense);
-    begin(dense, s->known, m->size - m->n + lag_pirk_ways(m));
+    begin(dense, s->known, m->size - m->n + lag_pirk_detours(m));
     if (!evaluate(s, m, y))
         return INFINITY;
     for (int c = 0; c < m->n; ++c) {
@@ -235,10 +234,8 @@ void lag_pirk_dense_read(LagPirk *s, LagMotion *m, double t, double *y)
         prepare(s, m);
     legendre(share, &p);
     read_rows(from, s->dense.coefficient, n, m->size - n, h, share, &p, y);
-    for (int k = 0; k < lag_pirk_ways(m); ++k) {
-        const int c = lag_pirk_way_of(m, k);
-        y[c] = from[c] + h * (share * from[n + c] + dot(s->dense.coefficient + (m->size - n + k) * DEGREES, p.rate));
-    }
+    for (int k = 0; k < lag_pirk_detours(m); ++k)
+        y[lag_pirk_detour_of(m, k)] += h * dot(s->dense.coefficient + (m->size - n + k) * DEGREES, p.rate);
 }
 
 /* -------- steps that are kept */
