@@ -409,3 +409,11 @@ def test_scenes_too_large_for_equations_are_told_of_components(written, tmp_path
     assert main(["export", str(scene), "--to", "modelica", "-o", str(tmp_path / "out")]) == 2
     assert re.search("(?s)the equations of 25 coordinates.*--components has joints and bodies", capsys.readouterr().err)
     assert main(["equations", str(scene)]) == 2 and "--components" not in capsys.readouterr().err
+
+
+def test_large_files_say_their_size(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    """50 MB of Python, as the hexapod makes, went into a file without a word."""
+    for text, said in (("#\n" * 3, "3 lines\n"), ("#\n" * 2_600_000, "2600000 lines, 5 MB\n")):
+        monkeypatch.setattr("lagrangia.command.scene_export.exported_text", lambda *_, text=text: text)
+        exported("double_pendulum", "python", tmp_path / "scene.py")
+        assert said in (told := "".join(capsys.readouterr())), told

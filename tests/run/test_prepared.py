@@ -87,3 +87,20 @@ def test_wrong_names_are_refused_at_once_and_a_run_that_ends_early_says_why() ->
         PENDULUM.prepare(parameters={"upper.k": 1.0})
     with pytest.raises(RunError, match="limit of steps"):
         PENDULUM.prepare(stop=100, max_steps=3)()
+
+
+def test_parameters_are_asked_for_what_they_enter() -> None:
+    """Limits of all, and the requirements that a parameter enters: no other can be missed."""
+    model = lag.loads("""model M
+      World world(gravity = {0, 0, -9.81});
+      parameter Real axis[3] = {0, 1, 0.2};
+      parameter Length d(min = 0.1) = 0.5;
+      Revolute joint(a = world, axis = axis, phi(start = 0.3));
+      Body body(m = 1, I = {1, 1, 1}, center = shift(joint.b, {d, 0, 0}));
+    end M;""")
+    for names, values, said in ((["d"], [0.05], "less than its minimum"), (["d"], [np.nan], "no finite value"),
+                                (["axis[2]", "axis[3]"], [0, 0], "has no length")):
+        run = model.prepare(parameters=dict.fromkeys(names, 1.0), at=[0, 0.1])
+        with pytest.raises(LagError, match=f"L0605.*{said}"):
+            run([], values)
+        assert run([], [0.5] * len(names)).shape[0] == 2

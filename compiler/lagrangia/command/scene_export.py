@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from lagrangia.model import Model
 
 TARGETS = {"sympy": ".py", "latex": ".tex", "python": ".py", "casadi": ".casadi", "modelica": ".mo"}
-_FEW = 4  # names that are told
+_FEW, _LARGE = 4, 5_000_000  # names that are told; characters of a file whose size is
 _LOST, STARTS = "outputs are not written: ", "starts are those of"
 _MATRICES = ("M", "J", "jacobian", "jacobian_u", "jacobian_p")
 _ARGUMENTS = {"t": "t", "q": "q[{}]", "v": "v[{}]", "u": "u[{}]", "p": "p[{}]"}
@@ -53,8 +53,14 @@ def export(model: "Model", target: str, path: Path, names: Mapping[str, str] | N
     else:
         text = exported_text(model, target, names, force)
         write_text(path, text)
-        told = "; ".join([f"{path}: {text.count(chr(10))} lines", *re.findall(rf"^  // ({_LOST}.*)$", text, re.MULTILINE)])
+        told = "; ".join([f"{path}: {_size(text)}", *re.findall(rf"^  // ({_LOST}.*)$", text, re.MULTILINE)])
     return "; ".join([told, *(_starts_told(model) if target in ("python", "casadi", "modelica") else [])])
+
+
+def _size(text: str) -> str:
+    """In megabytes, too, where editors and importers will feel it."""
+    megabytes = f", {len(text) / 1e6:.0f} MB" if len(text) > _LARGE else ""
+    return f"{text.count(chr(10))} lines{megabytes}"
 
 
 def exported_text(model: "Model", target: str, names: Mapping[str, str] | None = None, force: bool = False) -> str:
