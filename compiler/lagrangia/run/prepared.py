@@ -63,15 +63,10 @@ class PreparedRun:
         self._unevenness = CalledTape(self._library, scene.unevenness, self._found) \
             if scene.unevenness is not None and feel_masses(scene, parameters) else None
         self._made = values, initial, parameters, any_mass
-        limits = tuple((c_double * len(side))(*side) for side in scene.limits)
-        self._kept, self._limits = limits, (self._handle, *map(addressof, limits))
-        self._set_parameters = self._library.lag_run_set_parameters
-        self._told_given = self._handle, addressof(self._given), addressof(self._mask)
-        self._find_wrong = self._library.lag_run_wrong_parameter if asks_for(scene, varied) else \
-            self._library.lag_run_parameter_beyond
         self._counts = self._run.counts  # what C counts of the latest run
         self._asks_loss = min(scene.notes["thresholds"], default=math.inf) < experiment.tolerance
         self._oddness = self._ask_oddness()
+        self._limits, self._kept = self._place_limits()
         self._is_over = False  # terminate(...) has ended the latest run
         self._seconds = self._untold = 0.0  # of the latest run, and what the engine does not know of yet
         self._told = time.thread_time()  # when it last was
@@ -155,6 +150,15 @@ class PreparedRun:
             check_parameters(self.scene, self._found[:])
         if self._oddness is not None and self._oddness(self._handle) >= 0:
             self._tell_odd()
+
+    def _place_limits(self) -> tuple[tuple[int | None, int, int], object]:
+        """What asks for parameters that are beyond their limits, and what has to stay where that says."""
+        limits = tuple((c_double * len(side))(*side) for side in self.scene.limits)
+        self._set_parameters = self._library.lag_run_set_parameters
+        self._told_given = self._handle, addressof(self._given), addressof(self._mask)
+        self._find_wrong = self._library.lag_run_wrong_parameter if asks_for(self.scene, self._varied) else \
+            self._library.lag_run_parameter_beyond
+        return (self._handle, addressof(limits[0]), addressof(limits[1])), limits
 
     def _ask_oddness(self) -> Callable[..., int] | None:
         """What tells which inertia is of no body, or -1, where calls may make one so."""
