@@ -390,6 +390,7 @@ class Model(Analysed, Swept):
         """What small motion and rest are found of, with these numbers, at one time (s). Raises LagError."""
         from lagrangia.study.analysis import Study
 
+        warn_of_vain(self, parameters, initial)
         suited = self.fitting(parameters)
         return Study(suited.compilation, check_values(suited.scene, parameters, initial, inputs), time)
 

@@ -121,7 +121,7 @@ void lag_sliding_reset(LagRun *run)
     s->latest = s->first = 0;
     s->grows = s->is_lenient = 0;
     s->stops = s->known_error = INFINITY;
-    s->creep = 0;
+    s->creep = s->drawn = 0;
     memset(s->beyond, 0, (size_t)run->model->n_cones * sizeof *s->beyond);
     lag_shares_reset(run);
     find_partners(run);
@@ -168,8 +168,11 @@ double lag_sliding_drift(const LagRun *run, int i)
 
 double lag_sliding_held(const LagRun *run, int i)
 {
-    const double before = run->sliding.before[i];
-    return run->switches.slides[i] || run->sliding.is_tied[i] ? lag_min(MOVED * before, LAG_SLIDING_FAR * lag_sliding_drift(run, i)) : 0;
+    const LagSliding *s = &run->sliding;
+    if (!run->switches.slides[i] && !s->is_tied[i])
+        return 0;
+    const double drift = LAG_SLIDING_FAR * lag_sliding_drift(run, i), drawn = s->drawn > 0 ? s->drawn * s->most_jump[i] : 0;
+    return lag_min(MOVED * s->before[i], lag_max(drift, drawn));
 }
 
 void lag_sliding_note_impact(LagRun *run, const double *g)

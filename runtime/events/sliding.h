@@ -53,6 +53,7 @@ typedef struct {
     double *speed;   /* n_cones: after the latest event of an importer */
     double *mirrored; /* n: rates, of which slips that have turned round are as they were */
     double stops;    /* the time up to which the next step may go, so that it does not pass where a slip in the plane stops */
+    double drawn;    /* s: of an importer's step in which what is held was drawn away, as by an input whose rate it did not know; 0: it was not */
     double creep;    /* of slips in the plane that hardly gain or lose speed, the largest rate at which they turn into their force; 0: none */
     double known_error;   /* errors of rates that count where the next step begins, beside what slips in the plane; infinity: nothing does */
     int grows;       /* something that slides had no force when it began to */

@@ -33,7 +33,9 @@ LagAnswer lag_instance_set_time(LagInstance *s, double t)
 {
     if (!isfinite(t))
         return lag_instance_log(s, LAG_ANSWER_ERROR, LAG_ERROR_CATEGORY, "the time is not finite");
-    const int is_awaited = s->model->n_pieces > 0 && s->vital.inputs_changed; /* what moves places was set for this time */
+    /* Inputs that were set and not asked for are of this time: what moves places, and those of importers that set them first. */
+    const int is_awaited = s->vital.inputs_changed && !s->vital.parameters_changed
+        && (s->model->n_pieces > 0 || (s->vital.mode & LAG_MODE_CONTINUOUS) != 0);
     const LagAnswer answer = is_awaited ? LAG_ANSWER_OK : lag_instance_settle(s);
     s->vital.t = t;
     lag_instance_forget(s);
@@ -154,15 +156,24 @@ static int is_astray(LagInstance *s)
     return 0;
 }
 
-/* Whether a condition is another one than the equations hold, whatever the importer does about indicators, or what slides has been
- * drawn away by an input. */
+/* Whether a condition is another one than the equations hold, whatever the importer does about indicators. */
 static int has_switched_at(LagInstance *s)
 {
     lag_instance_indicators(s);
     for (int i = 0; i < s->model->n_switches; ++i)
         if (s->indicators[i] < 0)
             return 1;
-    return !lag_sliding_lasts(s->run);
+    return 0;
+}
+
+/* Whether what slides has been drawn away, which the event puts back as far as its force could have held it over the step. */
+static int is_drawn(LagInstance *s, int has_switched)
+{
+    const double h = s->vital.t - s->vital.last_time;
+    const int is_drawn = !lag_sliding_lasts(s->run);
+    if (h > 0)
+        s->run->sliding.drawn = is_drawn && !has_switched ? h : 0;
+    return is_drawn;
 }
 
 /* Where the importer has come to: between completed steps nobody looks. */
@@ -178,7 +189,8 @@ static LagAnswer meet_guards(LagInstance *s)
 LagAnswer lag_instance_completed_step(LagInstance *s, int *needs_event)
 {
     const LagAnswer answer = lag_instance_settle(s);
-    const int has_switched = answer == LAG_ANSWER_OK && has_switched_at(s);
+    int has_switched = answer == LAG_ANSWER_OK && has_switched_at(s);
+    has_switched |= answer == LAG_ANSWER_OK && is_drawn(s, has_switched);
     take_slack(s);
     lag_scale_note(&s->run->scale, lag_instance_plain(s, s->x));
     const int has_changed = !lag_exchange_keep_account(s);
@@ -270,6 +282,7 @@ static int begin_segment(LagInstance *s)
     lag_sampling_meet(run, s->vital.t);
     lag_sampling_take(run, s->vital.t, lag_instance_plain(s, s->x), 0);
     const int is_moved = switch_over(s);
+    run->sliding.drawn = 0;
     give_slack(s);
     lag_energies(run, s->vital.t, lag_instance_plain(s, s->x), after);
     if (!astray) /* what projecting adds or takes is an error, and shows as one */

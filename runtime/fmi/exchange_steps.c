@@ -25,25 +25,26 @@ static const double CLOSE = 1e-6; /* of the accelerations: the polynomial betwee
 
 /* ---------------------------------------------------------------- inputs */
 
-/* Nothing is known of rates from here on. */
+/* Nothing is known of the rates of those that have jumped, or where none is known. */
 static void begin_inputs(LagInstance *s)
 {
-    const size_t size = (size_t)s->model->n_inputs * sizeof *s->u;
-    if (size == 0)
-        return;
-    memcpy(s->last_u, s->u, size);
-    memset(s->last_rate, 0, size);
-    memset(s->rate, 0, size);
-    s->vital.known_inputs = 1;
+    for (int i = 0; i < s->model->n_inputs; ++i) {
+        if (s->vital.knows_inputs && s->last_u[i] == s->u[i])
+            continue;
+        s->last_u[i] = s->u[i];
+        s->earlier_u[i] = NAN;
+        s->last_rate[i] = s->rate[i] = 0;
+    }
+    s->vital.knows_inputs = s->model->n_inputs > 0;
 }
 
 void lag_exchange_draw_inputs(LagInstance *s)
 {
     const LagVital *vital = &s->vital;
     const double h = vital->t - vital->last_time, before = vital->last_time - vital->earlier_time;
-    const int has_two = vital->known_inputs == 2;
-    const double least = has_two ? MOMENT * before : lag_time_resolution(vital->t) / MOMENT;
     for (int i = 0; i < s->model->n_inputs; ++i) {
+        const int has_two = !isnan(s->earlier_u[i]);
+        const double least = has_two ? MOMENT * before : lag_time_resolution(vital->t) / MOMENT;
         if (!(h > least)) {
             s->rate[i] = s->last_rate[i];
             continue;
@@ -53,11 +54,25 @@ void lag_exchange_draw_inputs(LagInstance *s)
     }
 }
 
+/* Importers try other inputs there, as for derivatives, and go back to those that were. */
+static void jump(LagInstance *s)
+{
+    const size_t size = (size_t)s->model->n_inputs * sizeof *s->u;
+    if (!s->vital.has_jump)
+        memcpy(s->before_jump, s->last_u, 3 * size);
+    const int is_undone = s->vital.has_jump && memcmp(s->before_jump, s->u, size) == 0;
+    if (is_undone)
+        memcpy(s->last_u, s->before_jump, 3 * size);
+    else
+        begin_inputs(s);
+    s->vital.has_jump = !is_undone;
+}
+
 void lag_exchange_jump_inputs(LagInstance *s)
 {
     double power[2];
-    const int was_noted = s->vital.known_inputs > 0;
-    begin_inputs(s);
+    const int was_noted = s->vital.knows_inputs;
+    jump(s);
     if (was_noted && s->model->n_power == 2
         && lag_instance_slope_at(s, s->vital.last_time, s->last, s->scratch, power)) {
         memcpy(s->last_slope, s->scratch, (size_t)lag_fmu_states(s->model) * sizeof *s->scratch);
@@ -70,9 +85,9 @@ static void note_inputs(LagInstance *s)
     const size_t size = (size_t)s->model->n_inputs * sizeof *s->u;
     if (size == 0)
         return;
-    if (s->vital.t == s->vital.last_time || s->vital.known_inputs == 0) {
-        if (s->vital.known_inputs == 0 || memcmp(s->last_u, s->u, size) != 0)
-            begin_inputs(s);
+    s->vital.has_jump = 0;
+    if (s->vital.t == s->vital.last_time || !s->vital.knows_inputs) {
+        begin_inputs(s);
         return;
     }
     lag_exchange_draw_inputs(s);
@@ -80,7 +95,6 @@ static void note_inputs(LagInstance *s)
     memcpy(s->last_u, s->u, size);
     memcpy(s->last_rate, s->rate, size);
     s->vital.earlier_time = s->vital.last_time;
-    s->vital.known_inputs = 2;
 }
 
 /* A table of inputs is in force from its first row on. */
@@ -96,7 +110,7 @@ static int move_inputs(LagInstance *s, double *since)
 {
     const size_t n = (size_t)s->model->n_inputs, size = n * sizeof *s->u;
     double *times = s->table, *values = s->table + 2;
-    if (n == 0 || s->foreseen.rows > 0 || s->vital.known_inputs == 0 || memcmp(s->u, s->last_u, size) == 0)
+    if (n == 0 || s->foreseen.rows > 0 || !s->vital.knows_inputs || memcmp(s->u, s->last_u, size) == 0)
         return 0;
     *since = s->run->inputs.times[0];
     times[0] = s->vital.last_time;

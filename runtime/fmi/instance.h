@@ -61,7 +61,8 @@ typedef struct {
     double start_energy, supports_energy; /* H, and T + V - H, at the start */
     double dissipated, work, last_time;   /* Model Exchange: the energy account up to the last completed step */
     double earlier_time;    /* of the step before that */
-    int known_inputs;       /* at so many of the two */
+    int knows_inputs;       /* at the last one */
+    int has_jump;           /* of inputs, there */
     int is_unaccounted;     /* there is a step of which it is not known, or an input has changed within one */
     double steps, energy_size, energy_miss; /* completed; the largest of its entries, and of what it misses */
 } LagVital;
@@ -98,6 +99,7 @@ struct LagInstance {
     double *power;           /* n_power */
     double *last, *last_slope, *last_power; /* at the last completed step */
     double *last_u, *last_rate, *earlier_u, *rate; /* n_inputs: there, and at the one before; rates now: exchange_steps.c */
+    double *before_jump;     /* 3 n_inputs: the first three of these */
     double *slack;           /* n_whens: of conditions of events, near their places: exchange.c */
     double *scratch, *projected; /* not saved */
     double *plain, *told;    /* 2 n, states: the same state as the run has it, and as importers have it */

@@ -27,9 +27,10 @@ static void layout(LagInstance *s, LagArena *arena)
     s->last = lag_take(arena, states);
     s->last_slope = lag_take(arena, states);
     s->last_power = lag_take(arena, power);
-    s->last_u = lag_take(arena, inputs);
-    s->last_rate = lag_take(arena, inputs);
-    s->earlier_u = lag_take(arena, inputs);
+    s->last_u = lag_take(arena, 3 * inputs);
+    s->last_rate = s->last_u + inputs;
+    s->earlier_u = s->last_rate + inputs;
+    s->before_jump = lag_take(arena, 3 * inputs);
     s->rate = lag_take(arena, inputs);
     s->slack = lag_take(arena, (size_t)m->n_whens);
     s->saved_size = arena->used;

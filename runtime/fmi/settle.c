@@ -112,7 +112,7 @@ static void take_start(LagInstance *s)
     vital->dissipated = vital->work = 0;
     vital->steps = vital->energy_miss = 0;
     vital->energy_size = s->model->n > 0 ? nominal_energy(s) : 0;
-    vital->is_unaccounted = vital->is_told_open = vital->is_told_jam = vital->known_inputs = 0;
+    vital->is_unaccounted = vital->is_told_open = vital->is_told_jam = vital->knows_inputs = vital->has_jump = 0;
     lag_instance_forget(s);
     if (s->kind == LAG_CO_SIMULATION) {
         lag_cosimulation_take_row(s);
@@ -203,6 +203,8 @@ static LagStatus settle_exchange(LagInstance *s)
         run->started = 1;
         if (status == LAG_OK)
             status = follow_inputs(s);
+        if (has_jumped)
+            run->sliding.drawn = 0; /* what is held does not jump with them */
         if (has_jumped && !is_event)
             lag_exchange_jump_inputs(s);
         lag_exchange_draw_inputs(s);

@@ -150,7 +150,9 @@ def test_inertias_that_runs_of_a_sweep_make_are_told(scene: Callable[[str], lag.
             (lambda: model.simulate_many(parameters={"J": [1, 3], "b.m": [1, 2, 3]}), f"{of_b}: the first of 3 of 6 sets"),
             (lambda: model.rollout(p={"K": [0, 2]}, times=[0, 0.1]), ""),  # negative: that run fails
             (lambda: run([], [3, 0]), of_b), (lambda: run([], [3, 0]), ""), (lambda: run([], [1, 0]), ""),
-            (lambda: model.start(parameters={"J": 3}), of_b)):
+            (lambda: model.start(parameters={"J": 3}), of_b),
+            (lambda: model.study(parameters={"J": 3}), of_b), (lambda: model.equilibrium(parameters={"J": 3}, starts=1), of_b),
+            (lambda: model.linearize(parameters={"J": 3}, about="start"), of_b)):
         with warnings.catch_warnings(record=True) as found:
             warnings.simplefilter("always")
             ask()

@@ -10,7 +10,7 @@ import warnings
 from collections.abc import Iterator, Sequence
 from typing import Any
 
-from lagrangia.base.diagnostics import EngineWarning, LagError, RunError, RunWarning, render_all
+from lagrangia.base.diagnostics import EngineWarning, InputWarning, LagError, RunError, RunWarning, render_all
 from lagrangia.base.environment import environment_remarks
 from lagrangia.base.folders import kept_remarks, remark, remarks_kept
 from lagrangia.base.interruptions import INTERRUPTED, ended_as_by_control_c, is_ended
@@ -33,7 +33,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     os.environ.setdefault("OPENBLAS_THREAD_TIMEOUT", _SLEEP_SOON)
     words = sys.argv[1:] if arguments is None else arguments
     warnings.filterwarnings("ignore", category=RuntimeWarning)  # of NumPy: what is not finite is told in our words
-    warnings.filterwarnings("ignore", category=EngineWarning)  # so is this
+    for told in (EngineWarning, InputWarning):  # so are these
+        warnings.filterwarnings("ignore", category=told)
     with ended_as_by_control_c():
         return _execute(words)
 

@@ -1,13 +1,12 @@
 """`lag export --to fmu`: options -> archives."""
 
 import sys
-import warnings
 from argparse import Namespace
 from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from lagrangia.base.diagnostics import InputWarning, RunError, fail
+from lagrangia.base.diagnostics import RunError, fail
 from lagrangia.command.arguments import assignments, load_given, load_model, names_once, refuse_idle_sharing
 from lagrangia.native.build import CompilerError
 from lagrangia.run.scene import ALL_REACTIONS
@@ -35,9 +34,7 @@ def export_fmu_command(options: Namespace) -> int:
         fail("L0704", "FMI 2 has no arrays: --arrays and --no-arrays change nothing", None, "they are for --fmi 3 and --fmi both")
     try:
         chosen = {name: value for name in OPTIONS if (value := getattr(options, name)) is not None}
-        with warnings.catch_warnings():  # told above, as the command line has it
-            warnings.simplefilter("ignore", InputWarning)
-            written = model.export_fmu(options.output, **chosen, parameters=parameters, info=info, tell=_tell)
+        written = model.export_fmu(options.output, **chosen, parameters=parameters, info=info, tell=_tell)
     except CompilerError as error:
         raise RunError(f"the C compiler refused\n{error}") from None
     for path in written:

@@ -76,9 +76,9 @@ def warn_of_given(model: Told, request: Request, more: Iterable[str] = (), later
     _warn(scene, [*found, *given_remarks(model, request, more), *others])
 
 
-def warn_of_vain(model: Told, parameters: Any) -> None:
-    """The same of parameters alone."""
-    _warn(model.scene, given_remarks(model, Request(parameters=parameters)))
+def warn_of_vain(model: Told, parameters: Any, initial: Any = None) -> None:
+    """The same of parameters and start values alone."""
+    _warn(model.scene, given_remarks(model, Request(parameters=parameters, initial=initial)))
 
 
 def _warn(scene: Scene, texts: Iterable[str]) -> None:
