@@ -2,7 +2,8 @@
  * energy account, over the polynomial of degree 5 between the two where that is the motion, and else along a motion of our own.
  *
  * Rates of inputs are those of a parabola through what they were at the two completed steps before and are now, or of a line after they
- * have jumped: what is held at an input follows it with the force that takes. What they work is that of straight lines.
+ * have jumped: what is held at an input follows it with the force that takes. What they work is that of the same, and of straight lines
+ * in a run of our own.
  */
 #include <math.h>
 #include <string.h>
@@ -21,11 +22,13 @@ static const double MOMENT = 1e-6; /* of a step: of less no rate is known but th
  * it tells of; at least and at most. */
 static const double MISSED = 2e3, MISSED_EACH = 10, MISSED_ROUNDING = 1e-8, MOST_MISSED = 0.1;
 static const double SOONER = 100, MOST_SOONER = 0.01; /* tolerances, and at most, of a step: so much sooner our run may meet its end */
-static const double CLOSE = 1e-6; /* of the accelerations: the polynomial between two completed steps is the motion */
+/* Of the accelerations: the polynomial between two completed steps is the motion; and is more so than a run of our own by straight lines
+ * of inputs. */
+static const double CLOSE = 1e-6, CLOSER_THAN_LINES = 1e-4;
 
 /* ---------------------------------------------------------------- inputs */
 
-/* Nothing is known of the rates of those that have jumped, or where none is known. */
+/* Those that have jumped go on at the rates they had, of which no more is known. */
 static void begin_inputs(LagInstance *s)
 {
     for (int i = 0; i < s->model->n_inputs; ++i) {
@@ -33,9 +36,17 @@ static void begin_inputs(LagInstance *s)
             continue;
         s->last_u[i] = s->u[i];
         s->earlier_u[i] = NAN;
-        s->last_rate[i] = s->rate[i] = 0;
+        s->last_rate[i] = s->vital.knows_inputs ? s->last_rate[i] : 0;
+        s->rate[i] = s->last_rate[i];
     }
     s->vital.knows_inputs = s->model->n_inputs > 0;
+}
+
+/* Of so long a step more is known than the last rate. */
+static int tells_rate(const LagInstance *s, int i, double h)
+{
+    const int has_two = !isnan(s->earlier_u[i]);
+    return h > (has_two ? MOMENT * (s->vital.last_time - s->vital.earlier_time) : lag_time_resolution(s->vital.t) / MOMENT);
 }
 
 void lag_exchange_draw_inputs(LagInstance *s)
@@ -43,15 +54,18 @@ void lag_exchange_draw_inputs(LagInstance *s)
     const LagVital *vital = &s->vital;
     const double h = vital->t - vital->last_time, before = vital->last_time - vital->earlier_time;
     for (int i = 0; i < s->model->n_inputs; ++i) {
-        const int has_two = !isnan(s->earlier_u[i]);
-        const double least = has_two ? MOMENT * before : lag_time_resolution(vital->t) / MOMENT;
-        if (!(h > least)) {
-            s->rate[i] = s->last_rate[i];
-            continue;
-        }
-        const double rate = (s->u[i] - s->last_u[i]) / h, earlier = has_two ? (s->last_u[i] - s->earlier_u[i]) / before : rate;
-        s->rate[i] = rate + (rate - earlier) * h / (h + before);
+        const double rate = (s->u[i] - s->last_u[i]) / h;
+        const double earlier = isnan(s->earlier_u[i]) ? rate : (s->last_u[i] - s->earlier_u[i]) / before;
+        s->rate[i] = tells_rate(s, i, h) ? rate + (rate - earlier) * h / (h + before) : s->last_rate[i];
     }
+}
+
+double lag_exchange_rate_by_input(const LagInstance *s, int i)
+{
+    const double h = s->vital.t - s->vital.last_time, both = s->vital.t - s->vital.earlier_time;
+    if (s->kind == LAG_CO_SIMULATION || !s->vital.knows_inputs || !tells_rate(s, i, h))
+        return 0;
+    return 1 / h + (isnan(s->earlier_u[i]) ? 0 : 1 / both);
 }
 
 /* Importers try other inputs there, as for derivatives, and go back to those that were. */
@@ -105,6 +119,33 @@ static void put_inputs(LagRun *run, const double *times, const double *values, i
     lag_inputs_read(&run->inputs, run->d);
 }
 
+/* The straight line that they go along at the share x of the last step of h, by the parabola. */
+static void bend_inputs(LagInstance *s, double x, double h)
+{
+    const int n = s->model->n_inputs;
+    const double t = s->vital.last_time + x * h, before = s->vital.last_time - s->vital.earlier_time;
+    double *times = s->table, *values = s->table + 2;
+    times[0] = t - h;
+    times[1] = t + h;
+    for (int i = 0; i < n; ++i) {
+        const double rate = (s->u[i] - s->last_u[i]) / h;
+        const double bend = isnan(s->earlier_u[i]) ? 0 : (rate - (s->last_u[i] - s->earlier_u[i]) / before) / (h + before);
+        const double value = s->last_u[i] + x * h * (rate - (1 - x) * h * bend), rise = h * (rate - (1 - 2 * x) * h * bend);
+        values[i] = value - rise;
+        values[n + i] = value + rise;
+    }
+    put_inputs(s->run, times, values, 2);
+}
+
+/* Whether inputs say their rates themselves. */
+static int tell_rates(const LagModel *m)
+{
+    for (int k = 0; k < m->n_pieces; ++k)
+        if (m->pieces[4 * k + 1] >= 0)
+            return 1;
+    return 0;
+}
+
 /* Puts them on straight lines over the last step, where they have moved: returns whether they have, and since when they are held. */
 static int move_inputs(LagInstance *s, double *since)
 {
@@ -150,35 +191,38 @@ static void state_between(const LagInstance *s, double x, double h, double *stat
     lag_attitudes_between(s, x, h, state, acceleration);
 }
 
-static int agree(const double *a, const double *b, int n)
+static int agree(const double *a, const double *b, int n, double close)
 {
     double size = 0, distance = 0;
     for (int i = 0; i < n; ++i) {
         size = fmax(size, fmax(fabs(a[i]), fabs(b[i])));
         distance = fmax(distance, fabs(a[i] - b[i]));
     }
-    return distance <= CLOSE * size;
+    return distance <= close * size;
 }
 
 typedef enum { NO_ACCOUNT, ROUGH_ACCOUNT, ACCOUNT } Account;
 
 /* Dissipated and work over the last step, by Gauss-Lobatto quadrature with four nodes, two of them at the ends: a rough account where
- * the motion between the ends is not the polynomial's. */
-static Account account_by_polynomial(LagInstance *s, double h, double *sum)
+ * the motion between the ends is not the polynomial's. What moves places has its rates itself. */
+static Account account_by_polynomial(LagInstance *s, double h, int moves, double *sum)
 {
-    static const double INNER[2] = {0.27639320225002103, 0.72360679774997897}; /* (1 -+ 1/sqrt 5)/2 */
-    const int n = s->model->n, states = lag_fmu_states(s->model);
+    static const double NODES[4] = {0, 0.27639320225002103, 0.72360679774997897, 1}; /* (1 -+ 1/sqrt 5)/2 */
+    const int n = s->model->n, states = lag_fmu_states(s->model), bends = moves && !tell_rates(s->model);
     double *state = s->scratch, *slope = state + states, *acceleration = slope + states, power[2];
     int agrees = 1;
     for (int k = 0; k < 2; ++k)
-        sum[k] = h / 12 * (s->last_power[k] + s->power[k]);
-    for (int i = 0; i < 2; ++i) {
-        state_between(s, INNER[i], h, state, acceleration);
-        if (!lag_instance_slope_at(s, s->vital.last_time + h * INNER[i], state, slope, power))
+        sum[k] = bends ? 0 : h / 12 * (s->last_power[k] + s->power[k]);
+    for (int i = bends ? 0 : 1; i < (bends ? 4 : 3); ++i) {
+        const int is_end = i == 0 || i == 3;
+        if (bends)
+            bend_inputs(s, NODES[i], h);
+        state_between(s, NODES[i], h, state, acceleration);
+        if (!lag_instance_slope_at(s, s->vital.last_time + h * NODES[i], state, slope, power))
             return NO_ACCOUNT;
-        agrees &= agree(acceleration, slope + states - n, n);
+        agrees &= is_end || agree(acceleration, slope + states - n, n, bends ? CLOSER_THAN_LINES : CLOSE);
         for (int k = 0; k < 2; ++k)
-            sum[k] += h / 12 * 5 * power[k];
+            sum[k] += h / 12 * (is_end ? 1 : 5) * power[k];
     }
     return agrees ? ACCOUNT : ROUGH_ACCOUNT;
 }
@@ -222,7 +266,7 @@ int lag_exchange_account_so_far(LagInstance *s, double *sum)
     if (s->model->n_power != 2 || !(h > 0) || lag_instance_slope(s) != LAG_ANSWER_OK)
         return 0;
     const int moves = move_inputs(s, &since);
-    const Account account = account_by_polynomial(s, h, sum);
+    const Account account = account_by_polynomial(s, h, moves, sum);
     if (moves)
         put_inputs(s->run, &since, s->u, 1);
     s->vital.slope_is_current = 0; /* what slides has the shares of the latest evaluation */
@@ -232,11 +276,13 @@ int lag_exchange_account_so_far(LagInstance *s, double *sum)
 int lag_exchange_keep_account(LagInstance *s)
 {
     const double h = s->vital.t - s->vital.last_time;
-    double sum[2], of_run[2], since = 0;
+    double sum[2], of_run[2], since = 0, line = 0;
     int is_same = 1;
     if (s->model->n_power == 2 && h > 0 && lag_instance_slope(s) == LAG_ANSWER_OK) {
         const int moves = move_inputs(s, &since);
-        const Account account = account_by_polynomial(s, h, sum);
+        const Account account = account_by_polynomial(s, h, moves, sum);
+        if (moves && account != ACCOUNT)
+            move_inputs(s, &line);
         const int is_known = account == ACCOUNT || account_by_run(s, h, of_run, &is_same);
         if (account != ACCOUNT && is_known)
             memcpy(sum, of_run, sizeof of_run);

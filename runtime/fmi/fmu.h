@@ -61,7 +61,7 @@ typedef struct {
      * rising, and how (fmi3DependencyKind); while the simulation runs, and at its start. */
     const int *known_first, *knowns, *known_kinds, *start_first, *starts, *start_kinds;
     /* q here as states have it. Derivatives of the slopes x', of y, and of the rates R of what may be held, which are 0 while it is. */
-    LagFunction forward; /* t, q, v, u, d, p, dt, dq, dv, du, dd, dp -> dx', dy, dR   along a direction */
+    LagFunction forward; /* t, q, v, u, d, w, p, dt, dq, dv, du, dd, dw, dp -> dx', dy, dR   along a direction */
     LagFunction adjoint; /* t, q, v, u, d, p, wx, wy, wR -> wt, wq, wv, wu, wd, wp   gradients of wx.x' + wy.y + wR.R */
 } LagFmu;
 

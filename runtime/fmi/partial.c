@@ -2,7 +2,10 @@
  * as the gradient of one combination.
  *
  * What a stop or friction holds is held by shares s that keep its rates R(x, s) at 0: ds = -(dR/ds)^-1 dR/dx dx. So the derivative
- * along a direction is that along (dx, ds); and the gradient of a combination w is that of w and m R, with m = -(dR/ds)^-T dw/ds. */
+ * along a direction is that along (dx, ds); and the gradient of a combination w is that of w and m R, with m = -(dR/ds)^-T dw/ds.
+ *
+ * R knows the rates of inputs, too, as an input may hold something. In Model Exchange these follow from the inputs themselves between
+ * completed steps (exchange_steps.c). */
 #include <math.h>
 #include <string.h>
 
@@ -14,17 +17,20 @@
 
 /* Directions of the knowns, then of the unknowns. */
 typedef struct {
-    double *t, *x, *u, *d, *p, *slope, *y, *rate;
+    double *t, *x, *u, *d, *w, *p, *slope, *y, *rate;
 } Directions;
 
 /* Values that directions of d are for: all, where there are switches. */
 static int along_d(const LagModel *m) { return m->n_switches > 0 ? m->n_modes + m->n_switches + m->n_resets : 0; }
 
+/* And of rates of inputs, likewise. */
+static int along_w(const LagModel *m) { return m->n_switches > 0 ? LAG_N_U(m) : 0; }
+
 size_t lag_partial_size(const LagFmu *fmu)
 {
     const LagModel *m = fmu->model;
     return 1 + 2 * (size_t)lag_fmu_states(m) + LAG_N_U(m)
-        + (size_t)(m->n_parameters + lag_fmu_outputs(m) + along_d(m) + m->n_switches);
+        + (size_t)(m->n_parameters + lag_fmu_outputs(m) + along_d(m) + along_w(m) + m->n_switches);
 }
 
 static Directions places(const LagInstance *s)
@@ -35,7 +41,8 @@ static Directions places(const LagInstance *s)
     d.x = d.t + 1;
     d.u = d.x + lag_fmu_states(m);
     d.d = d.u + LAG_N_U(m);
-    d.p = d.d + along_d(m);
+    d.w = d.d + along_d(m);
+    d.p = d.w + along_w(m);
     d.slope = d.p + m->n_parameters;
     d.y = d.slope + lag_fmu_states(m);
     d.rate = d.y + lag_fmu_outputs(m);
@@ -104,7 +111,7 @@ static LagAnswer prepare(LagInstance *s)
     if (s->model->n_switches > 0)
         s->vital.slope_is_current = 0;
     const LagAnswer answer = s->model->n_switches > 0 ? lag_instance_slope(s) : LAG_ANSWER_OK;
-    lag_inputs_at(&s->run->inputs, s->vital.t, s->run->u);
+    lag_inputs_and_rates(s->run, s->vital.t);
     return answer;
 }
 
@@ -116,8 +123,10 @@ static LagAnswer no_derivative(const LagInstance *s)
 static int call_forward(LagInstance *s, const Directions *d)
 {
     const int n = lag_fmu_positions(s->model);
-    const double *in[] = {&s->vital.t, s->x, s->x + n, s->run->u, s->run->d, lag_run_parameters(s->run),
-                          d->t, d->x, d->x + n, d->u, d->d, d->p};
+    const double *in[] = {&s->vital.t, s->x, s->x + n, s->run->u, s->run->d, s->run->u_slope, lag_run_parameters(s->run),
+                          d->t, d->x, d->x + n, d->u, d->d, d->w, d->p};
+    for (int i = 0; i < (along_w(s->model) > 0 ? s->model->n_inputs : 0); ++i)
+        d->w[i] = lag_exchange_rate_by_input(s, i) * d->u[i];
     double *out[] = {d->slope, d->y, d->rate};
     return lag_call(&s->fmu->forward, in, out, s->work) == 0;
 }
@@ -125,9 +134,14 @@ static int call_forward(LagInstance *s, const Directions *d)
 static int call_adjoint(LagInstance *s, const Directions *d)
 {
     const int n = lag_fmu_positions(s->model);
-    const double *in[] = {&s->vital.t, s->x, s->x + n, s->run->u, s->run->d, lag_run_parameters(s->run), d->slope, d->y, d->rate};
-    double *out[] = {d->t, d->x, d->x + n, d->u, d->d, d->p};
-    return lag_call(&s->fmu->adjoint, in, out, s->work) == 0;
+    const double *in[] = {&s->vital.t, s->x, s->x + n, s->run->u, s->run->d, s->run->u_slope, lag_run_parameters(s->run), d->slope,
+                          d->y, d->rate};
+    double *out[] = {d->t, d->x, d->x + n, d->u, d->d, d->w, d->p};
+    if (lag_call(&s->fmu->adjoint, in, out, s->work) != 0)
+        return 0;
+    for (int i = 0; i < (along_w(s->model) > 0 ? s->model->n_inputs : 0); ++i)
+        d->u[i] += lag_exchange_rate_by_input(s, i) * d->w[i];
+    return 1;
 }
 
 /* Where the share of the k-th that is held stands in d. */

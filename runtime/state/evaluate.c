@@ -13,15 +13,20 @@ int lag_flow(void *context, LagFlowPart part, const double *q, const double *v_o
     return lag_call(functions[part], in, &result, run->work) == 0 && lag_all_finite(result, model->n);
 }
 
-void lag_conditions_by(LagRun *run, double t, const double *q, const double *v, const double *a, double *g, double *rate)
+void lag_inputs_and_rates(LagRun *run, double t)
 {
-    const double *in[] = {&t, q, v, a, run->u, run->u_slope, run->d, run->c};
-    double *out[] = {g, rate};
     lag_inputs_at(&run->inputs, t, run->u);
     if (run->model->n_inputs > 0)
         lag_inputs_slope(&run->inputs, run->u_slope);
     if (run->model->n_delays > 0)
         lag_history_rates(&run->history, t, run->u_slope + run->model->n_inputs);
+}
+
+void lag_conditions_by(LagRun *run, double t, const double *q, const double *v, const double *a, double *g, double *rate)
+{
+    const double *in[] = {&t, q, v, a, run->u, run->u_slope, run->d, run->c};
+    double *out[] = {g, rate};
+    lag_inputs_and_rates(run, t);
     lag_call(&run->model->switches, in, out, run->work);
 }
 

@@ -10,6 +10,9 @@ const LagFunction *lag_usual_rhs(const LagModel *model);
 /* A LagFlow. */
 int lag_flow(void *run, LagFlowPart part, const double *q, const double *v_or_p, double *result);
 
+/* Inputs at t and their rates, into the run. */
+void lag_inputs_and_rates(LagRun *run, double t);
+
 /* Conditions of switches g and their rates by the accelerations a (n). */
 void lag_conditions_by(LagRun *run, double t, const double *q, const double *v, const double *a, double *g, double *rate);
 

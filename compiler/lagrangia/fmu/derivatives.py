@@ -8,8 +8,8 @@ Axes of hinges that may be set lead to angles that no derivative has where an ax
 what follows from such parameters alone is left out of F' s where s does not go along one of them.
 
 Where the scene has switches, d holds them (switches.py), and with them the shares of what a stop or friction holds: its rates
-R(t, q, v, u, d, p), which are 0, give them. With R as a third result and directions of d the run time eliminates the shares
-(runtime/fmi/partial.c).
+R(t, q, v, u, d, w, p), which are 0, give them; w are the rates of inputs, along which something may be held. With R as a third
+result and directions of d the run time eliminates the shares (runtime/fmi/partial.c).
 """
 
 import math
@@ -37,8 +37,8 @@ _CORRECTIONS = 2  # each leaves what E (dynamics/kkt.py) makes of it: 1e-5 in sp
 
 @dataclass(frozen=True)
 class Derivatives:
-    """forward: a state t, q, v, u, d, p and directions of all these -> those of the slopes, y, R; adjoint: a state and weights of
-    the slopes, y, R -> gradients by all of the state. Without switches nothing is along d, and there is no R.
+    """forward: a state t, q, v, u, d, w, p and directions of all these -> those of the slopes, y, R; adjoint: a state and weights
+    of the slopes, y, R -> gradients by all of the state. Without switches nothing is along d and w, and there is no R.
 
     `rows`: for each of dq/dt, dv/dt and y the columns, of t, q, v, u, p, that it depends on, and how (factors.py);
     `parameter_rows`: for each parameter those that can be set, by their number among these, that it follows from, and how."""
@@ -54,19 +54,22 @@ def build_derivatives(
 ) -> Derivatives:
     """The derivatives of slopes, outputs and held rates by all that an importer can set; `stabilisation` in 1/s, `start`: the
     values of the parameters."""
-    kinematics, (t, q, v, u, d, p), (slope, y, rates, shares, rests) = _equations(compilation, outputs, stabilisation)
+    kinematics, (t, q, v, u, d, p), (slope, y, rates, shares, rests, w) = _equations(compilation, outputs, stabilisation)
     given, mask, values = all_parameters(kinematics, p.numel())
     values = ca.densify(ca.substitute(values, mask, ca.DM([float(x) for x in settable]))) if p.numel() else ca.SX(0, 1)
     slope, y, rates = ca.substitute([slope, y, rates], [p], [values]) if p.numel() else (slope, y, rates)
     d = ca.vertcat(d, shares)
     along_d = d if shares.numel() else ca.SX(0, 1)
     kinked = _kinked(ca.vertcat(slope, y), given, start)
-    forward, adjoint = _both([t, q, v, u, along_d, given], [slope, y, rates], [t, q, v, u, ca.vertcat(d, rests), given], kinked)
+    state = [t, q, v, u, ca.vertcat(d, rests), w, given]
+    forward, adjoint = _both([t, q, v, u, along_d, w, given], [slope, y, rates], state, kinked)
     free = [k for k, is_free in enumerate(settable) if is_free]
     chosen = given[free] if free else ca.SX(0, 1)
     n_inputs = u.numel() - len(compilation.flat.delays)  # delayed values come behind them, and nobody sets these
     inputs, late = ca.vertsplit(u, [0, n_inputs, u.numel()])
-    rows = _kinds_with_shares(ca.vertcat(slope, y), rates, ca.vertcat(t, q, v, inputs), ca.vertcat(d, rests, late), given, shares)
+    followed = rates + ca.jtimes(rates, w, u) if w.numel() else rates  # what is held at an input goes with it
+    moving = ca.vertcat(t, q, v, inputs)
+    rows = _kinds_with_shares(ca.vertcat(slope, y), followed, moving, ca.vertcat(d, rests, late), given, shares)
     kinds = factor_kinds(values, [], chosen)
     parameter_rows = [{k: own.kind(k) for k in row} for row, own in zip(_rows(values, chosen), kinds, strict=True)]
     return Derivatives(tape_of(forward), tape_of(adjoint), rows, tuple(parameter_rows))
@@ -74,8 +77,8 @@ def build_derivatives(
 
 def _equations(compilation: Compilation, outputs: tuple[str, ...],
                stabilisation: float) -> tuple[Kinematics, list[ca.SX], list[ca.SX]]:
-    """The symbols t, q, v, u, d, p; slopes, y and R in terms of them, of switches and shares, and of what is said of rest, which
-    come last."""
+    """The symbols t, q, v, u, d, p; slopes, y and R in terms of them, of switches and shares, of what is said of rest, and of
+    rates of inputs, which come last."""
     kinematics, motion = compilation.struck, compilation.run
     made = motion.unsolved or motion
     symbols, (a, y, place, steer) = state_space(kinematics, made, compilation.constraints, outputs)
@@ -85,8 +88,7 @@ def _equations(compilation: Compilation, outputs: tuple[str, ...],
     found = settled(motion, switches, {"held": switches.hold([a, y]), "switches": [switches.values, switches.rates]})
     (a, y), (_, rates) = found["held"], found["switches"]
     shares = ca.vertcat(switches.symbols, motion.impacts.impulses) if switches.symbols.numel() else ca.SX(0, 1)
-    still = ca.SX.zeros(switches.slopes.numel(), 1)
-    (rates,) = ca.substitute([rates], [motion.a, switches.slopes], [a, still])
+    (rates,) = ca.substitute([rates], [motion.a], [a])
     Q, V = q, v
     if motion.constrained is not None:
         for _ in range(_CORRECTIONS):
@@ -99,7 +101,7 @@ def _equations(compilation: Compilation, outputs: tuple[str, ...],
     if motion.constrained is not None or told.quaternions:
         slope += stabilisation * (ca.vertcat(here, V) - ca.vertcat(told.q, v))
     slope, y, rates = told.put(kinematics.algebra.by_inputs([slope, y, rates]))
-    return kinematics, [t, told.q, v, *given], [slope, y, rates, shares, switches.rest_symbols]
+    return kinematics, [t, told.q, v, *given], [slope, y, rates, shares, switches.rest_symbols, switches.slopes]
 
 
 def _kinked(whole: ca.SX, p: ca.SX, start: Sequence[float]) -> list[int]:
