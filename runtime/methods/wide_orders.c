@@ -5,7 +5,6 @@
 #include "methods/taylor.h"
 #include "methods/taylor_attitudes.h"
 #include "numbers/extremes.h"
-#include "numbers/wide_power.h"
 
 /* The first order that short steps are looked at after; steps that are so many times longer than the one before are not short. */
 enum { FEWEST = 4 };

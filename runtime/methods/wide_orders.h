@@ -6,6 +6,7 @@
 
 #include "methods/wide_taylor.h"
 #include "numbers/wide_jets.h"
+#include "numbers/wide_power.h"
 
 /* The slot of the first input; the coefficients of a slot, and of an integrand of the energy account. */
 static inline int lag_wide_input(const LagWideTaylor *s) { return 1 + 2 * s->lanes.n; }
@@ -20,13 +21,13 @@ static inline const double *lag_wide_power_jet(const LagWideTaylor *s, int i)
 /* 1 / units of positions and rates in steps between the present states and y, of the length `step`. */
 LAG_UNROLLED void lag_wide_weigh(const LagWideTaylor *s, int lane, const double *y, LagWide step, double *weight)
 {
-    const LagWide zero = LAG_WIDE_OF(0), one = LAG_WIDE_OF(1), uncertain = LAG_WIDE_OF(DBL_EPSILON) / step;
+    const LagWide zero = LAG_WIDE_OF(0), uncertain = LAG_WIDE_OF(DBL_EPSILON) * lag_wide_rough_inverse(step);
     for (int i = 0; i < s->lanes.n; ++i) {
         LagWide unit[2];
         lag_wide_scale_units(&s->lanes.scale, i, lane, s->lanes.y, y, step, uncertain, &unit[0], &unit[1]);
         for (int is_rate = 0; is_rate < 2; ++is_rate)
             lag_wide_write(weight + (size_t)(i + is_rate * s->lanes.n) * LAG_ABREAST + lane,
-                           LAG_WIDE_SELECT(unit[is_rate] > zero, one / unit[is_rate], zero));
+                           LAG_WIDE_SELECT(unit[is_rate] > zero, lag_wide_rough_inverse(unit[is_rate]), zero));
     }
 }
 

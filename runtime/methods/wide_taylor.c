@@ -50,6 +50,10 @@ static void place_turned(LagWideTaylor *s, const double *y)
 static void plan(LagWideTaylor *s, const LagRun *like)
 {
     const LagTaylor *one = &like->methods.taylor;
+    const size_t n_jets = (size_t)s->lanes.model->n_jets;
+    for (size_t slot = 0; slot < n_jets && one->order < s->order; ++slot) /* zeros stand behind the last coefficients */
+        memset(lag_wide_jet(s, (int)slot) + (one->order + 1) * LAG_ABREAST, 0,
+               (size_t)(LAG_JET_STRIDE - 1 - one->order) * LAG_ABREAST * sizeof(double));
     s->order = one->order;
     s->last = one->last;
     s->before_last = one->before_last;
@@ -195,17 +199,27 @@ static void begin_series(LagWideTaylor *s, int lane)
 /* A coefficient, and 0 where lanes have an order of their own, of which it is none. */
 #define MADE(c, k) (is_own ? LAG_WIDE_SELECT(LAG_WIDE_OF((double)((k) + 1)) <= own, LAG_WIDE_TERM(c, k), zero) : LAG_WIDE_TERM(c, k))
 
+/* Steps of all orders take `top` coefficients beyond the first: the same for some orders, so that no loop has an end that processors guess
+ * wrong, as zeros stand behind (plan). 0: lanes have orders of their own. */
+enum { OWN = 0, LOW = 9, MIDDLE = 13, HIGH = LAG_JET_ORDER - 1 };
+
 /* c_0 + c_1 h + ... + c_order h^order, in two chains: whatever zeros stand behind. */
-LAG_UNROLLED LagWide series(const double *c, int order, LagWide h, LagWide square, LagWide own, int is_own)
+LAG_UNROLLED LagWide series(const double *c, int order, LagWide h, LagWide square, LagWide own, int top)
 {
     const LagWide zero = LAG_WIDE_OF(0);
+    const int is_own = top == OWN;
     LagWide even = zero, odd = zero;
     int k = order;
-    if (order % 2 == 0) {
+    LAG_UNROLL_ALL
+    for (int m = top; m > 0; m -= 2) {
+        odd = LAG_WIDE_FUSED(odd, square, LAG_WIDE_TERM(c, m));
+        even = LAG_WIDE_FUSED(even, square, LAG_WIDE_TERM(c, m - 1));
+    }
+    if (is_own && order % 2 == 0) {
         even = MADE(c, k);
         --k;
     }
-    for (; k > 0; k -= 2) {
+    for (; is_own && k > 0; k -= 2) {
         odd = LAG_WIDE_FUSED(odd, square, MADE(c, k));
         even = LAG_WIDE_FUSED(even, square, MADE(c, k - 1));
     }
@@ -239,7 +253,7 @@ LAG_UNROLLED LagWide next_time(const LagWideTaylor *s, int lane)
 }
 
 /* What the step turns attitudes by. */
-LAG_UNROLLED void turn(LagWideTaylor *s, int lane, LagWide h, LagWide square, LagWide own, int is_own)
+LAG_UNROLLED void turn(LagWideTaylor *s, int lane, LagWide h, LagWide square, LagWide own, int top)
 {
     const LagModel *model = s->lanes.model;
     for (int i = 0; i < model->n_attitudes; ++i) {
@@ -248,7 +262,7 @@ LAG_UNROLLED void turn(LagWideTaylor *s, int lane, LagWide h, LagWide square, La
         double x[4 * LAG_ABREAST] = {0}, by[3 * LAG_ABREAST] = {0};
         for (int m = 0; m < 4; ++m) {
             const double *c = q + m * LAG_WIDE_JET + LAG_ABREAST + lane;
-            lag_wide_write(x + m * LAG_ABREAST, h * series(c, s->made_to - 1, h, square, own, is_own));
+            lag_wide_write(x + m * LAG_ABREAST, h * series(c, s->made_to - 1, h, square, own, top));
         }
         for (int k = 0; k < LAG_WIDE; ++k) {
             double from[4], change[4], turned[3];
@@ -263,7 +277,7 @@ LAG_UNROLLED void turn(LagWideTaylor *s, int lane, LagWide h, LagWide square, La
     }
 }
 
-LAG_UNROLLED void go(LagWideTaylor *s, int lane, int is_own)
+LAG_UNROLLED void go(LagWideTaylor *s, int lane, int top)
 {
     const int n = s->lanes.n, p = s->made_to, u = lag_wide_input(s);
     const LagWide own = lag_wide_read(s->own + lane), t_new = next_time(s, lane), h = t_new - lag_wide_read(s->lanes.t + lane);
@@ -273,12 +287,12 @@ LAG_UNROLLED void go(LagWideTaylor *s, int lane, int is_own)
             continue;
         const size_t place = (size_t)i * LAG_ABREAST + (size_t)lane;
         const double *c = (i < 2 * n ? lag_wide_jet(s, 1 + i) : lag_wide_power_jet(s, i - 2 * n)) + lane;
-        const LagWide way = i < 2 * n ? series(c + LAG_ABREAST, p - 1, h, square, own, is_own) : mean(c, p - 1, h, own, is_own);
+        const LagWide way = i < 2 * n ? series(c + LAG_ABREAST, p - 1, h, square, own, top) : mean(c, p - 1, h, own, top == OWN);
         const LagWide sum = lag_wide_add(&s->lanes, place, way * h);
         if (i < 2 * n)
             lag_wide_write(s->series.line + LAG_ABREAST + place, sum);
     }
-    turn(s, lane, h, square, own, is_own);
+    turn(s, lane, h, square, own, top);
     for (int i = 0; i < s->lanes.model->n_inputs; ++i)
         lag_wide_write(s->series.line + (size_t)(u + i) * LAG_ABREAST + (size_t)lane,
                        lag_wide_read(lag_wide_jet(s, u + i) + lane) + lag_wide_of(s->slope, i, lane) * h);
@@ -299,13 +313,13 @@ LAG_UNROLLED LagWide rounding_of(const LagWideTaylor *s, int lane, int i)
 
 /* How far the accelerations at the end of the step are from the slope of the series there, in units of rates, which are
  * worth `share` of an error each; `is_rounded`: what is rounding counts for nothing where it would be too many. */
-LAG_UNROLLED LagWide gap_of(const LagWideTaylor *s, int lane, LagWide h, LagWide share, LagWide own, int is_own, int is_rounded)
+LAG_UNROLLED LagWide gap_of(const LagWideTaylor *s, int lane, LagWide h, LagWide share, LagWide own, int top, int is_rounded)
 {
     const LagWide zero = LAG_WIDE_OF(0), square = h * h;
     LagWide largest = zero;
     for (int i = 0; i < s->lanes.n; ++i) {
         const int place = s->lanes.model->jet_places[i];
-        const LagWide slope = series(lag_wide_jet(s, place) + lane, s->made_to - 1, h, square, own, is_own);
+        const LagWide slope = series(lag_wide_jet(s, place) + lane, s->made_to - 1, h, square, own, top);
         const LagWide miss = LAG_WIDE_ABS(lag_wide_of(s->series.line, place, lane) - slope);
         LagWide gap = miss * lag_wide_of(s->next_weight, s->lanes.n + i, lane);
         if (is_rounded) {
@@ -319,12 +333,12 @@ LAG_UNROLLED LagWide gap_of(const LagWideTaylor *s, int lane, LagWide h, LagWide
 
 static LagWide gap_beyond_rounding(const LagWideTaylor *s, int lane, LagWide h, LagWide share, LagWide own)
 {
-    return gap_of(s, lane, h, share, own, 1, 1);
+    return gap_of(s, lane, h, share, own, OWN, 1);
 }
 
-LAG_UNROLLED LagWide gap(const LagWideTaylor *s, int lane, LagWide h, LagWide share, LagWide own, int is_own)
+LAG_UNROLLED LagWide gap(const LagWideTaylor *s, int lane, LagWide h, LagWide share, LagWide own, int top)
 {
-    const LagWide found = gap_of(s, lane, h, share, own, is_own, 0);
+    const LagWide found = gap_of(s, lane, h, share, own, top, 0);
     const LagWide is_much = LAG_WIDE_SELECT(found * share <= LAG_WIDE_OF(WRONG), LAG_WIDE_OF(0), LAG_WIDE_OF(1));
     return lag_wide_is_some(is_much) ? gap_beyond_rounding(s, lane, h, share, own) : found;
 }
@@ -354,14 +368,14 @@ static void begin_turns(LagWideTaylor *s)
         s->limit[lane] = lag_min(s->limit[lane], MOST_TURN / sqrt(square[lane]));
 }
 
-LAG_UNROLLED void judge(LagWideTaylor *s, int lane, int is_own)
+LAG_UNROLLED void judge(LagWideTaylor *s, int lane, int top)
 {
     const LagWide own = lag_wide_read(s->own + lane);
-    const LagWide part = is_own ? LAG_WIDE_OF(1) / (own + LAG_WIDE_OF(1)) : LAG_WIDE_OF(1.0 / (s->order + 1));
+    const LagWide part = top == OWN ? LAG_WIDE_OF(1) / (own + LAG_WIDE_OF(1)) : LAG_WIDE_OF(1.0 / (s->order + 1));
     const LagWide zero = LAG_WIDE_OF(0), one = LAG_WIDE_OF(1), infinite = LAG_WIDE_OF((double)INFINITY);
     const LagWide t = lag_wide_read(s->lanes.t + lane), h = lag_wide_read(s->lanes.next + lane) - t;
     lag_wide_weigh(s, lane, s->lanes.made, h, s->next_weight);
-    const LagWide before = lag_wide_read(s->wrong + lane), wrong = gap(s, lane, h, h * part, own, is_own) * h * part;
+    const LagWide before = lag_wide_read(s->wrong + lane), wrong = gap(s, lane, h, h * part, own, top) * h * part;
     const LagWide is_faint = LAG_WIDE_SELECT(wrong * LAG_WIDE_OF(s->lanes.scale.tolerance) < LAG_WIDE_OF(NOISE), one, zero);
     const LagWide is_noise = LAG_WIDE_SELECT(wrong > LAG_WIDE_OF(REMAINS) * before, is_faint, zero);
     const LagWide is_near = LAG_WIDE_SELECT(wrong <= LAG_WIDE_OF(WRONG), one, is_noise);
@@ -376,17 +390,26 @@ LAG_UNROLLED void judge(LagWideTaylor *s, int lane, int is_own)
     lag_wide_take_over(s->weight, s->next_weight, 2 * s->lanes.n, lane, good, are_all);
 }
 
-static void go_all(LagWideTaylor *s, int is_own)
+/* How many coefficients its steps take, if none has an order of its own. */
+static int top_of(const LagWideTaylor *s)
 {
-    for (int lane = 0; lane < LAG_ABREAST; lane += LAG_WIDE)
-        is_own ? go(s, lane, 1) : go(s, lane, 0);
+    if (lag_wide_orders_differ(s))
+        return OWN;
+    return s->order <= LOW + 1 ? LOW : s->order <= MIDDLE + 1 ? MIDDLE : HIGH;
 }
 
-static void judge_all(LagWideTaylor *s, int is_own)
-{
-    for (int lane = 0; lane < LAG_ABREAST; lane += LAG_WIDE)
-        is_own ? judge(s, lane, 1) : judge(s, lane, 0);
-}
+#define EACH_TOP(what)                                              \
+    for (int lane = 0; lane < LAG_ABREAST; lane += LAG_WIDE)        \
+        switch (top) {                                              \
+        case LOW: what(s, lane, LOW); break;                        \
+        case MIDDLE: what(s, lane, MIDDLE); break;                  \
+        case HIGH: what(s, lane, HIGH); break;                      \
+        default: what(s, lane, OWN);                                \
+        }
+
+static void go_all(LagWideTaylor *s, int top) { EACH_TOP(go) }
+
+static void judge_all(LagWideTaylor *s, int top) { EACH_TOP(judge) }
 
 void lag_wide_taylor_begin(LagWideTaylor *s)
 {
@@ -406,11 +429,11 @@ static void step(void *self)
         begin_series(s, lane);
     lag_wide_series_turn(&s->series, 0);
     lag_wide_orders_expand(s);
-    const int is_own = lag_wide_orders_differ(s);
-    go_all(s, is_own);
+    const int top = top_of(s);
+    go_all(s, top);
     place_turned(s, s->lanes.made);
     lag_wide_series_begin(&s->series);
-    judge_all(s, is_own);
+    judge_all(s, top);
 }
 
 const LagWideMethod lag_wide_taylor = {LAG_SOLVER_TAYLOR, layout, load, lag_wide_starts_place, lag_wide_starts_settle, enter, show, step, 0};

@@ -182,6 +182,8 @@ static void sum_all(LagWideSeries *s, int k)
 #define PRODUCT(a, b) LAG_WIDE_PRODUCT(BETWEEN(0), FIRST(a), X(a), FIRST(b), X(b))
 #define PRODUCT_AND(a, b, c) LAG_WIDE_PRODUCT(BETWEEN(0) + X(c), FIRST(a), X(a), FIRST(b), X(b))
 #define PRODUCT_FROM(a, b, c) LAG_WIDE_PRODUCT(X(c) - BETWEEN(0), -FIRST(a), -X(a), FIRST(b), X(b))
+#define INVERSE(a) (one / FIRST(a))
+#define OVER_FIRST(w, b) LAG_WIDE_FUSED(X(b), -FIRST(w) * INVERSE(b), -(BETWEEN(0) * INVERSE(b)))
 #define INNER(number, a, b) LAG_WIDE_INNER(BETWEEN(number), X(a), FIRST(b))
 /* The result goes into the line, and among the jets where lower orders are asked for again. */
 #define EACH(result)                                                 \
@@ -217,9 +219,9 @@ static void run_order(LagWideSeries *s, int k)
         case LAG_JET_SCALE_FROM: EACH(LAG_WIDE_FUSED(-N(2), X(3), X(4))); case LAG_JET_SCALE_LESS: EACH(LAG_WIDE_FUSED(N(2), X(3), -X(4)));
         case LAG_JET_PRODUCT: EACH(PRODUCT(2, 3));
         case LAG_JET_SQUARE: EACH(lag_wide_square(BETWEEN(0), JET(2), X(2), k));
-        case LAG_JET_QUOTIENT: EACH((X(2) - INNER(0, 3, 1)) * (one / FIRST(3)));
-        case LAG_JET_NUMBER_OVER: EACH(INNER(0, 3, 1) * (-one / FIRST(3)));
-        case LAG_JET_SQRT: EACH((X(2) - lag_wide_twice(BETWEEN(0), JET(1), k)) * (half / FIRST(1)));
+        case LAG_JET_QUOTIENT: EACH(LAG_WIDE_FUSED(X(2), INVERSE(3), OVER_FIRST(1, 3)));
+        case LAG_JET_NUMBER_OVER: EACH(OVER_FIRST(1, 3));
+        case LAG_JET_SQRT: EACH(LAG_WIDE_FUSED(X(2), half * INVERSE(1), -(lag_wide_half(BETWEEN(0), JET(1), k) * INVERSE(1))));
         case LAG_JET_POWER: EACH(lag_wide_power(JET(2), JET(1), N(3), k));
         case LAG_JET_INTEGRAL: case LAG_JET_SINE: EACH(INNER(0, 3, 4) * share);
         case LAG_JET_MINUS_INTEGRAL: case LAG_JET_COSINE: EACH(INNER(0, 3, 4) * -share);

@@ -59,6 +59,17 @@ static inline double LAG_LANES_OF_WORDS(LagLaneWords words)
 #define LAG_UNROLL_ALL
 #endif
 
+/* What callers see to, for compilers that leave out what does not happen then. */
+#if defined(__clang__) || defined(__GNUC__)
+#define LAG_KNOWN(condition)         \
+    do                               \
+        if (!(condition))            \
+            __builtin_unreachable(); \
+    while (0)
+#else
+#define LAG_KNOWN(condition) ((void)0)
+#endif
+
 /* a b + c, rounded once where the compiler may take it that processors do so in one instruction: as in wide.h. */
 #if defined(LAG_HAS_VECTORS) && defined(__FMA__) && !defined(__clang__)
 #define LAG_LANES_FUSED(a, b, c) __builtin_ia32_vfmaddpd256(a, b, c)

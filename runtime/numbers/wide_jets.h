@@ -42,6 +42,13 @@ LAG_UNROLLED LagWide lag_wide_twice(LagWide half, const double *a, int k)
     return k % 2 == 0 ? LAG_WIDE_FUSED(middle, middle, twice) : twice;
 }
 
+/* Half a square from the same, whose latest coefficients come last. */
+LAG_UNROLLED LagWide lag_wide_half(LagWide half, const double *a, int k)
+{
+    const LagWide middle = LAG_WIDE_TERM(a, k / 2);
+    return k % 2 == 0 ? LAG_WIDE_FUSED(LAG_WIDE_OF(0.5) * middle, middle, half) : half;
+}
+
 /* w = a^2, whose latest coefficient is multiplied last */
 LAG_UNROLLED LagWide lag_wide_square(LagWide half, const double *a, LagWide a_k, int k)
 {

@@ -16,6 +16,15 @@ LAG_UNROLLED LagWide lag_wide_log2(LagWide x)
     return LAG_WIDE_FUSED(m, LAG_WIDE_FUSED(m, cubic, LAG_WIDE_OF(1.42286536)), exponent);
 }
 
+/* 1/x for 0 < x, of ordinary size, in a quarter of the time of a division. */
+LAG_UNROLLED LagWide lag_wide_rough_inverse(LagWide x)
+{
+    const LagWide two = LAG_WIDE_OF(2), most = LAG_WIDE_MIN(x, LAG_WIDE_OF(1e300));
+    LagWide found = LAG_WIDE_OF_WORDS((uint64_t)0x7fde623822fc16e6 - LAG_WIDE_WORDS(most)); /* within 0.051 */
+    found = found * LAG_WIDE_FUSED(-most, found, two);
+    return found * LAG_WIDE_FUSED(-most, found, two);
+}
+
 /* The logarithm of x^exponent for x >= 0: -infinity where x is no ordinary number for its smallness, infinity where for its size. */
 LAG_UNROLLED LagWide lag_wide_log2_of_power(LagWide x, double exponent)
 {

@@ -17,6 +17,7 @@ from lagrangia.native.series_products import (
     late_last,
     scaled_inside,
     with_numbers_inside,
+    with_numbers_outside,
     without_quotients,
 )
 from lagrangia.native.series_writer import (
@@ -130,7 +131,8 @@ def find_series(tape: Tape, attitudes: Sequence[int] = ()) -> Series:
     early = frozenset(range(known)).difference(range(1 + n, 1 + 2 * n))
     inside = with_numbers_inside(writer, shared, found)
     coupled = _asked_for(without_quotients(writer, inside, found), found)
-    written = scaled_inside(late_last(coupled, found, early), found)
+    outside = with_numbers_outside(writer, coupled, found)
+    written = scaled_inside(late_last(outside, found, early), found)
     instructions = tuple(map(_alone, written) if writer.n_angles == 1 else written)
     products = sum(i.op in _PRODUCTS for i in plain)
     if not turned and orders_apart(products, len(instructions)) == 0:

@@ -16,6 +16,7 @@ from lagrangia.native.tapes import JetOp
 
 _LINEAR = frozenset((JetOp.NEG, JetOp.TWICE, JetOp.ADD, JetOp.SUB, JetOp.SCALE))
 _PRODUCT = frozenset((JetOp.PRODUCT,))
+_TIMES = frozenset((JetOp.SCALE, JetOp.TWICE, JetOp.NEG))
 
 
 def times_asked(instructions: Sequence[Instruction], found: Sequence[int]) -> Counter[int]:
@@ -291,6 +292,45 @@ def with_numbers_inside(writer: Writer, instructions: Sequence[Instruction], fou
                 del written[product.out]
                 break
     return [written[i.out] for i in instructions if i.out in written]
+
+
+def with_numbers_outside(writer: Writer, instructions: Sequence[Instruction], found: Sequence[int]) -> list[Instruction]:
+    """c ((d a) b) as (c d) (a b), where such products alone ask for d a, and c (d a) as (c d) a. `found` are asked for, too."""
+    asked, written = times_asked(instructions, found), {i.out: i for i in instructions}
+    users: dict[int, list[Instruction]] = {}
+    for i in instructions:
+        for x in {x for kind, x in zip(OPERANDS[i.op], i.operands, strict=True) if kind in "jJ"}:
+            users.setdefault(x, []).append(i)
+
+    def end_of(product: Instruction) -> int | None:
+        """What multiplies it by a number, if that alone asks for it."""
+        after = users.get(product.out, []) if product.op is JetOp.PRODUCT and asked[product.out] == 1 else []
+        return after[0].out if after and after[0].op in _TIMES else None
+
+    for i in instructions:
+        products = users.get(i.out, []) if i.op is JetOp.SCALE and i.out not in found else []
+        ends = [(product.out, end) for product in products if (end := end_of(product)) is not None]
+        if products and len(ends) == len(products):
+            number, jet = written.pop(i.out).operands
+            for product, end in ends:
+                a, b = written[product].operands
+                written[product] = Instruction(JetOp.PRODUCT, product, (jet, b) if a == i.out else (a, jet))
+                written[end] = _scaled(writer, written[end], number, product)
+    for i in instructions:
+        inner = written.get(i.operands[-1]) if i.op in _TIMES and i.out in written else None
+        if inner is not None and inner.op in _TIMES and asked[inner.out] == 1:
+            written[i.out] = _scaled(writer, written[i.out], _number_in(writer, inner), inner.operands[-1])
+            del written[inner.out]
+    return [written[i.out] for i in instructions if i.out in written]
+
+
+def _number_in(writer: Writer, i: Instruction) -> int:
+    return i.operands[0] if i.op is JetOp.SCALE else writer.literal(2.0 if i.op is JetOp.TWICE else -1.0).place
+
+
+def _scaled(writer: Writer, i: Instruction, number: int, jet: int) -> Instruction:
+    """What `i` multiplies is a number times a jet."""
+    return Instruction(JetOp.SCALE, i.out, (writer.multiplied((number, _number_in(writer, i))), jet))
 
 
 def late_last(instructions: Sequence[Instruction], found: Sequence[int], early: frozenset[int]) -> list[Instruction]:

@@ -2,7 +2,8 @@
 
 Recurrences are those of runtime/numbers/wide_jets.h, and digits those of runtime/model/wide_jet_tape.c. All orders share one
 body: a loop for several sums of products at a time, then a statement an instruction, whose values stay in registers. Two orders
-go together, as their sums ask for the same coefficients, which take longer to read than to multiply.
+go together, as their sums ask for the same coefficients, which take longer to read than to multiply; a function for pairs from
+each kind of number on knows which of its statements serve.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -13,7 +14,8 @@ from lagrangia.native.tapes import JetOp, Op
 
 _AT_ONCE = 15  # registers of sums in one loop: so many are there on all processors with vectors
 _ALONE = "for (int i = 0; i < LAG_WIDE; ++i)"
-# Of order 0, and of order k: xa is the present coefficient of jet a, fa that of order 0; s and t number sums without their ends.
+# Of order 0, and of order k: xa is the present coefficient of jet a, fa that of order 0; s and t number sums without their
+# ends, i and l what is the same in all orders.
 _FIRST: Mapping[JetOp, str] = {
     JetOp.NUMBER: "{a}", JetOp.DERIVATIVE: "zero", JetOp.NEG: "-{xa}", JetOp.TWICE: "two * {xa}", JetOp.ADD: "{xa} + {xb}",
     JetOp.SUB: "{xa} - {xb}", JetOp.ADD_NUMBER: "{xa} + {b}", JetOp.SUB_NUMBER: "{xa} - {b}", JetOp.NUMBER_SUB: "{a} - {xb}",
@@ -30,8 +32,9 @@ _LATER: Mapping[JetOp, str] = {
     JetOp.NUMBER_SUB: "-{xb}", JetOp.SCALE: "{a} * {xb}", JetOp.OVER_NUMBER: "{xa} / {b}",
     JetOp.IF: "LAG_WIDE_SELECT({a} != zero, {xb}, zero)", JetOp.PRODUCT: "LAG_WIDE_PRODUCT(s{s}, {fa}, {xa}, {fb}, {xb})",
     JetOp.SQUARE: "lag_wide_square(s{s}, {ja}, {xa}, k)",
-    JetOp.QUOTIENT: "({xa} - LAG_WIDE_INNER(s{s}, {xb}, {fw})) * i{i}",
-    JetOp.NUMBER_OVER: "LAG_WIDE_INNER(s{s}, {xb}, {fw}) * -i{i}", JetOp.SQRT: "({xa} - lag_wide_twice(s{s}, {jw}, k)) * i{i}",
+    JetOp.QUOTIENT: "LAG_WIDE_FUSED({xa}, i{i}, LAG_WIDE_FUSED({xb}, i{l}, -(s{s} * i{i})))",
+    JetOp.NUMBER_OVER: "LAG_WIDE_FUSED({xb}, i{l}, -(s{s} * i{i}))",
+    JetOp.SQRT: "LAG_WIDE_FUSED({xa}, i{l}, -(lag_wide_half(s{s}, {jw}, k) * i{i}))",
     JetOp.POWER: "lag_wide_power({ja}, {jw}, {b}, k)", JetOp.INTEGRAL: _INNER + "share",
     JetOp.MINUS_INTEGRAL: _INNER + "negative",
     JetOp.SINE: _INNER + "share", JetOp.COSINE: _INNER + "negative",
@@ -42,9 +45,10 @@ _LATER: Mapping[JetOp, str] = {
     JetOp.LOWER: "LAG_WIDE_INNER(s{s}, {xa}, {fb})", JetOp.SCALE_AND: "LAG_WIDE_FUSED({a}, {xb}, {xc})",
     JetOp.SCALE_FROM: "LAG_WIDE_FUSED(-{a}, {xb}, {xc})", JetOp.SCALE_LESS: "LAG_WIDE_FUSED({a}, {xb}, -{xc})",
 }
-# What is multiplied in every order, and is the same in all.
-_INVERSE: Mapping[JetOp, str] = {JetOp.QUOTIENT: "one / {fb}", JetOp.NUMBER_OVER: "one / {fb}", JetOp.SQRT: "half / {fw}",
-                               JetOp.OVER_REST: "one / ({c} - {d} * ({fb} * {fb}))"}
+# What is multiplied in every order, and is the same in all: so that latest coefficients wait for one operation.
+_INVERSES: Mapping[JetOp, tuple[str, ...]] = {
+    JetOp.QUOTIENT: ("one / {fb}", "-{fw} * i{i}"), JetOp.NUMBER_OVER: ("one / {fb}", "-{fw} * i{i}"),
+    JetOp.SQRT: ("one / {fw}", "half * i{i}"), JetOp.OVER_REST: ("one / ({c} - {d} * ({fb} * {fb}))",)}
 # The jets whose products are summed, by the letters of operands; w is the result.
 _SUMS: Mapping[JetOp, tuple[str, ...]] = {
     JetOp.PRODUCT: ("ab",), JetOp.SQUARE: ("aa",), JetOp.QUOTIENT: ("bw",), JetOp.NUMBER_OVER: ("bw",), JetOp.SQRT: ("ww",),
@@ -78,9 +82,14 @@ _TABLES = tuple(f"static const double {name}[] = {{{', '.join(map(repr, values))
     ("order_of", [float(k) for k in range(ORDERS + 2)]), ("share_of", [1.0 / max(k, 1) for k in range(ORDERS + 2)]),
     ("negative_share_of", [-1.0 / max(k, 1) for k in range(ORDERS + 2)])))
 _ORDERS = (
+    *(line for name, told in (("odd", "k > 2 && k % 2 == 1"), ("even", "k > 1 && k % 2 == 0")) for line in (
+        f"static void wide_two_{name}(int k, const double *numbers, double *jets, const LagWide *i)", "{",
+        f"    LAG_KNOWN({told});", "    wide_two(k, numbers, jets, i);", "}", "")),
     "static void wide_orders(int first, int end, const double *numbers, double *jets)", "{",
     "    LagWide inverse[INVERSES];", "    int k = first;", "    wide_inverses(numbers, jets, inverse);",
-    "    for (; k + 1 < end; k += 2)", "        wide_two(k, numbers, jets, inverse);",
+    "    if (k == 1 && k + 1 < end) {", "        wide_two(1, numbers, jets, inverse);", "        k = 3;", "    }",
+    "    for (; k % 2 == 1 && k + 1 < end; k += 2)", "        wide_two_odd(k, numbers, jets, inverse);",
+    "    for (; k % 2 == 0 && k + 1 < end; k += 2)", "        wide_two_even(k, numbers, jets, inverse);",
     "    if (k < end)", "        wide_one(k, numbers, jets, inverse);", "}", "")
 
 
@@ -149,9 +158,9 @@ def _later(series: Series, numbers: Mapping[int, str], head: Sequence[str]) -> l
         shown = _letters(i, numbers)
         shown |= {f"f{letter}": f"lag_wide_read(JET({kept[x]}))" for letter, x in slots.items() if x in kept}
         shown |= {f"j{letter}": f"JET({kept[x]})" for letter, x in slots.items() if x in kept}
-        shown |= {"s": str(len(pairs)), "t": str(len(pairs) + 1), "i": f"[{len(inverses)}]"}
+        shown |= {"s": str(len(pairs)), "t": str(len(pairs) + 1), "i": f"[{len(inverses)}]", "l": f"[{len(inverses) + 1}]"}
         pairs += [(kept[slots[both[0]]], kept[slots[both[1]]]) for both in _SUMS.get(i.op, ())]
-        inverses += [_INVERSE[i.op].format(**shown)] if i.op in _INVERSE else []
+        inverses += [text.format(**shown) for text in _INVERSES.get(i.op, ())]
         statements += [f"const LagWide x{i.out} = {_LATER[i.op].format(**shown)};"]
         if i.out in kept:
             statements += [f"lag_wide_write(JET({kept[i.out]}) + k * LAG_ABREAST, x{i.out});"]
@@ -186,7 +195,7 @@ def _by_orders(pairs: Sequence[tuple[int, int]], head: Sequence[str], statements
             *_indented([*head, *shares, *ends, *statements]), "}", "",
             f"static void wide_one(int k, {arguments})", "{",
             *_indented([none, *_declared("s", len(pairs)), *_sums(pairs, 1), f"wide_later(k, numbers, jets, i{here});"]), "}", "",
-            f"static void wide_two(int k, {arguments})", "{",
+            f"LAG_UNROLLED void wide_two(int k, {arguments})", "{",
             *_indented([none, *both, *_sums(pairs, 2), f"wide_later(k, numbers, jets, i{here});",
                         f"wide_later(k + 1, numbers, jets, i{there});"]), "}", ""]
 
