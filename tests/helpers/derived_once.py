@@ -9,10 +9,8 @@ from lagrangia.paper.sheet import Request
 
 
 def derive_once(patch: pytest.MonkeyPatch) -> None:
-    """For tests that ask for many forms of one scene with the same parameters: those whose equations are the same share them, and
-    positions of rest are looked for from one start."""
+    """For tests that ask for many forms of one scene with the same parameters: those whose equations are the same share them."""
     patch.setattr(sheet, "_book", _kept(sheet._book, lambda kinematics, scene, request, has_kicks: _kind(request)))
-    patch.setattr(sheet, "start_of", _kept(sheet.start_of, lambda *_: None))
 
 
 def _kind(request: Request) -> tuple[object, ...]:

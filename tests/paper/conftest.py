@@ -7,15 +7,27 @@ import pytest
 from lagrangia.paper import sheet
 
 
+def source(path, model, structural, given):
+    """What a scene is read from, and its values."""
+    return (path, path.stat().st_mtime_ns if path.exists() else 0, model, tuple(sorted((structural or {}).items())),
+            repr(sorted((given or {}).items())))
+
+
 @pytest.fixture(scope="session", autouse=True)
 def shared_derivations() -> Iterator[None]:
-    """The three expensive steps of a page are remembered by what they are made of."""
+    """The four expensive steps of a page are remembered by what they are made of."""
     known: dict[object, object] = {}
-    compile_energies, build_symbolic, derive = sheet.compile_energies, sheet.build_symbolic, sheet.derive
+    compile_energies, build_symbolic, derive, start_of = (
+        sheet.compile_energies, sheet.build_symbolic, sheet.derive, sheet.start_of)
+
+    def started(parameters, path, model=None, structural=None, angles=""):
+        key = "start", source(path, model, structural, parameters), angles
+        if key not in known:
+            known[key] = start_of(parameters, path, model, structural, angles)
+        return known[key]
 
     def compiled(path, model=None, structural=None, given=None, has_angles=False, has_quaternions=False):
-        key = (path, path.stat().st_mtime_ns if path.exists() else 0, model, tuple(sorted((structural or {}).items())),
-               repr(sorted((given or {}).items())), has_angles, has_quaternions)
+        key = source(path, model, structural, given), has_angles, has_quaternions
         if key not in known:
             known[key] = compile_energies(path, model, structural, given, has_angles, has_quaternions)
         return known[key]
@@ -37,6 +49,7 @@ def shared_derivations() -> Iterator[None]:
         return equations
 
     with pytest.MonkeyPatch.context() as patch:
-        for name, replacement in (("compile_energies", compiled), ("build_symbolic", symbolic), ("derive", derived)):
+        for name, replacement in (("compile_energies", compiled), ("build_symbolic", symbolic), ("derive", derived),
+                                  ("start_of", started)):
             patch.setattr(sheet, name, replacement)
         yield

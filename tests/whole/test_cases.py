@@ -95,6 +95,7 @@ def amplitudes(case: Case) -> dict[str, float]:
     return {name: np.abs(run[name]).max() for name in columns(case) if name != "t"}
 
 
+@cache
 def error(case: Case, tolerance: float) -> float:
     reference = columns(case)
     run = scene(case).simulate(at=reference["t"], tolerance=tolerance)
