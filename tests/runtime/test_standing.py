@@ -146,3 +146,21 @@ def test_first_order_states_that_come_to_a_level(law: str, forces: tuple[float, 
         for solver in (*SOLVERS, "taylor"):
             found = model.simulate(at=[2.0], solver=solver, tolerance=1e-8)["c.s"][0]
             assert found == pytest.approx(2 - 0.175 * forces[0] - 0.225 * forces[1], abs=1e-7)
+
+
+@pytest.mark.parametrize(("law", "forces"), [
+    ("if min(x, 0) == 0 then 1 else 0", (0, 1, 1)), ("if max(x, 0)^2 > 0 then 1 else 0", (0, 0, 1)),
+    ("if abs(max(k*x, 0)) <= 0 then 1 else 0", (1, 1, 0)), ("if max(x, 0) + min(x, 0) <> 0 then 1 else 0", (1, 0, 1)),
+    ("if abs(x + 0.5) == 0.5 then 1 else 0", (0, 1, 0)), ("if max(x, w) == x then 1 else 0", (0, 1, 1)),
+    ("if (if x >= 0 then x else 0) == 0 then 1 else 0", (1, 1, 0)), ("if max(min(x, 0.5), -0.5) == 0 then 1 else 0", (0, 1, 0))])
+def test_equalities_with_corners(law: str, forces: tuple[float, float, float], scene: Write) -> None:
+    """min(x, 0) == 0 of what sticks at 0, from below and above, was told by the last digit (2 m for 1.775), as is what passes."""
+    text = f"""model M parameter Real k = 2; parameter Real w = 0; World world(gravity = {{0, 0}});
+        Block c(m = 1, base = world, v(start = 1)), a(m = 1, base = world, v(start = %g)); Real x = %g + a.s/1[m];
+        DryFriction f(F = %g, rate = a.v); energy work -0.2*({law})*1[N] on c.s; end M;"""
+    for v, x, friction, parts in ((1, -0.25, 2, ((0.175, 0), (0.225, 1))), (-1, 0.25, 2, ((0.175, 2), (0.225, 1))),
+                                  (0.3, -0.3, 0, ((0.3, 0), (0.1, 2)))):
+        model = scene(text % (v, x, friction))
+        want = 2 - sum(part * forces[side] for part, side in parts)
+        for solver in SOLVERS:
+            assert model.simulate(at=[2.0], solver=solver, tolerance=1e-8)["c.s"][0] == pytest.approx(want, abs=2e-6)

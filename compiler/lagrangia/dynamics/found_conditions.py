@@ -8,7 +8,7 @@ import casadi as ca
 
 from lagrangia.algebra.numbering import Numbering, rebuilt
 from lagrangia.algebra.scalars import Expression, as_expression, symbol, symbols_in
-from lagrangia.algebra.with_casadi import CORNERS, STEPS, operations_in
+from lagrangia.algebra.with_casadi import STEPS, operations_in
 from lagrangia.base.diagnostics import fail
 from lagrangia.base.records import dataclass
 from lagrangia.dynamics.directions import Directions, components_of
@@ -31,7 +31,6 @@ from lagrangia.dynamics.same_conditions import bends_by, multiples, without_fact
 
 Free = Callable[[Mapping[Pair, Expression]], frozenset[Pair]]
 _NONE = ca.SX(0, 1)
-_UNCROSSED = ALL_JUMPS | CORNERS  # both sides may be equal on one side of where these begin to be
 
 
 @dataclass
@@ -53,16 +52,15 @@ class Finding:
     either: set[Pair] = field(default_factory=set)  # the same, of which so far only the larger or the smaller is asked for
     squares: dict[int, Expression] = field(default_factory=dict)  # by the numbers of their roots: of lengths
     sides: dict[Pair, set[int]] = field(default_factory=dict)  # `side_on_level` of what jumps with them
+    compared: dict[int, frozenset[Pair]] = field(default_factory=dict)  # by the numbers of what bends or jumps with them
+    inside: set[Pair] = field(default_factory=set)  # those of both sides of equalities
 
     def __post_init__(self) -> None:
         self.directions, self.movers = Directions(self.numbering), symbols_in(self.moving)
 
     def note(self, op: int, numbers: list[int], operands: list[Expression]) -> None:
         """Of an instruction."""
-        keys = [self.numbering.keys[k] for k in numbers]
-        if op == ca.OP_MUL and all(key[0] == ca.OP_EQ for key in keys):
-            a, b = (ordered(int(key[1]), int(key[2])) for key in keys)
-            self.both[a, b] = None
+        self._note_both(op, numbers)
         if op == ca.OP_SQRT and components_of(self.numbering, number := self.numbering.of(op, numbers)):
             self.squares[number] = operands[0]
         for direction in self.directions.found(op, numbers):
@@ -71,9 +69,11 @@ class Finding:
         if self.is_driven(op, operands):
             self.found = driven_conditions(self.numbering, op, numbers, operands, self.level) | self.found
             return
+        self._note_compared(op, numbers)
         rest = rest_asked(self.numbering, op, numbers)
         if rest is not None:
             self.asked.append(rest[0])
+            self.inside.update(*(self.compared.get(k, ()) for k in rest[0][0]))
             self._note_square(operands)
             if op in (ca.OP_EQ, ca.OP_NE):
                 self.equalities[ordered(*numbers)] = as_expression(operands[0] - operands[1] if numbers[0] < numbers[1]
@@ -97,6 +97,19 @@ class Finding:
             return
         if self._moves(g):
             self.found[pair] = g
+
+    def _note_both(self, op: int, numbers: list[int]) -> None:
+        keys = [self.numbering.keys[k] for k in numbers]
+        if op == ca.OP_MUL and all(key[0] == ca.OP_EQ for key in keys):
+            a, b = (ordered(int(key[1]), int(key[2])) for key in keys)
+            self.both[a, b] = None
+
+    def _note_compared(self, op: int, numbers: list[int]) -> None:
+        pair = pair_of(self.numbering, op, numbers) if op in (*RELATIONS, *SIGNS) else None
+        parts = [self.compared[k] for k in numbers if k in self.compared]
+        if pair is not None or parts:
+            own = frozenset() if pair is None else frozenset({pair})
+            self.compared[self.numbering.of(op, numbers)] = own.union(*parts)
 
     def _difference(self, op: int, numbers: list[int], operands: list[Expression], pair: Pair) -> Expression:
         """What changes its sign where the operation bends or jumps."""
@@ -141,14 +154,14 @@ class Finding:
         return not self.movers.isdisjoint(symbols_in(x))
 
     def _note_equal(self, pair: Pair) -> None:
-        """Of a == b: where it changes, if they are no rates and neither jump nor bend."""
+        """Of a == b: where it changes, if they are no rates and do not jump."""
         g = self.equalities[pair]
         if self.may_cross(g) and not is_rate(self.v, g):
             self.found.setdefault(pair, g)
 
     def may_cross(self, g: Expression) -> bool:
-        """Whether g changes, and neither jumps nor bends: with a corner both sides may stay equal on one side."""
-        return self._moves(g) and operations_in(g).isdisjoint(_UNCROSSED)
+        """Whether g changes, and does not jump."""
+        return self._moves(g) and operations_in(g).isdisjoint(ALL_JUMPS)
 
     def _note_square(self, operands: list[Expression]) -> None:
         """Of a^2 > 0, a^4 > 0 or a^2 == 0: a."""
@@ -210,7 +223,9 @@ def conditions_in(forces: Sequence[ca.SX], movers: ca.SX, v: ca.SX, numbering: N
     same = multiples(found | finding.equalities, v, known[1], numbering) if finding.equalities else {}
     found |= {pair: g for pair, g in finding.equalities.items() if pair in same and same[pair].of in found}
     rests, equal = _rests(v, found, finding.asked), _equal(v, found, finding.asked)
-    for pair in equal:
+    inside = {pair: found[pair] for pair in finding.inside if pair in found}
+    rates = {pair: g for pair, g in inside.items() if is_rate(v, g)}
+    for pair in equal.union(inside.keys() - rates.keys(), free(rates) if rates and free is not None else ()):
         finding.sides.setdefault(pair, set()).add(HALF)
     found = _without_unused(forces, found, rests, numbering, equal) if rests or equal else found
     return found, rests, tuple(cone for cone in finding.both if all(pair in rests for pair in cone)), finding.sides
@@ -233,10 +248,10 @@ def _rests(v: ca.SX, found: Mapping[Pair, Expression], asked: Sequence[Sequence[
 
 
 def _equal(v: ca.SX, found: Mapping[Pair, Expression], asked: Sequence[Sequence[Pair]]) -> frozenset[Pair]:
-    """Places of which it is asked whether both sides are equal, where these cross: with a corner they may stay so on one side."""
+    """Places of which it is asked whether both sides are equal, where these do not jump."""
     known = [next((pair for pair in pairs if pair in found), None) for pairs in asked]
     places = [pair for pair in known if pair is not None and not is_rate(v, found[pair])]
-    return frozenset(pair for pair in places if operations_in(found[pair]).isdisjoint(_UNCROSSED))
+    return frozenset(pair for pair in places if operations_in(found[pair]).isdisjoint(ALL_JUMPS))
 
 
 def _without_unused(forces: Sequence[ca.SX], found: Mapping[Pair, Expression], rests: Mapping[Pair, Expression],

@@ -5,7 +5,7 @@ from types import MappingProxyType
 
 import casadi as ca
 
-from lagrangia.algebra.numbering import Numbering
+from lagrangia.algebra.numbering import Numbering, rebuilt
 from lagrangia.algebra.scalars import Expression, apply, as_expression, operate, symbols_in
 from lagrangia.dynamics.directions import Direction, Directions, Factor, is_product, length_power, sides
 from lagrangia.dynamics.driven_conditions import COUNTED, SIDED, Pair, is_of_one_side, sides_of
@@ -111,13 +111,14 @@ class Holding:
         self.has_sides = any(map(is_of_one_side, places))
         self.jumps = dict[int, tuple[Expression, frozenset[int]]]()  # of expressions by their hashes: the shares they jump with
         self.products = dict[int, tuple[int, list[int], list[Expression]]]()  # by their numbers
+        self.levels = dict[Pair, tuple[Expression, Expression]]()  # both sides of halves, what moves first
         self.directions = Directions(numbering)
         rates = frozenset(k for pair, s in places.items() if self._shares_in(s) for k in pair)
         self.roots = Roots(numbering, rates - {numbering.of_number(0.0)}, self._combined)
 
     def made(self, op: int, numbers: list[int], operands: list[Expression]) -> Expression:
         """An instruction with switches for its conditions."""
-        if (rests := self._rests(op, numbers)) is not None:
+        if (rests := self._rests(op, numbers, operands)) is not None:
             return rests
         if self.has_sides and op in SIDED and (told := self._told_apart(op, numbers)) is not None:
             return told
@@ -125,12 +126,40 @@ class Holding:
             return as_expression(-self._whole(ca.OP_FLOOR, as_expression(-operands[0]), self.places[opposite]))
         pair = pair_of(self.numbering, op, numbers)
         if pair is not None and pair in self.places:
+            if pair in self.halves and op not in WHOLE:
+                a, b = operands if op in RELATIONS else (operands[0], as_expression(0.0))
+                self.levels[pair] = (b, a) if a.is_constant() else (a, b)
             return self._noted_length(op, numbers, self._switched(op, numbers, operands, pair), pair)
         if (root := self.roots.made(op, numbers, operands)) is not None:
             return root
         self.roots.note(op, numbers, operands)
         directed = self._directed(op, numbers, operands)
         return self._combined(op, operands) if directed is None else directed
+
+    def _on_levels(self, operands: list[Expression], asked: Sequence[Pair]) -> list[Expression] | None:
+        """With what bends or jumps in them on its level just there, not but for rounding: max(y, 0) == 0. None: nothing does, but
+        what is asked."""
+        own, places = symbols_in(ca.vertcat(*operands)), dict[int, tuple[Expression, list[tuple[Expression, Expression]]]]()
+        for pair, (moving, level) in self.levels.items():
+            s = self.places[pair]
+            if pair not in asked and not own.isdisjoint(symbols_in(s) & self.symbols.keys()):
+                places.setdefault(self.numbering.number(moving), (moving, []))[1].append((as_expression(s * (1 - s)), level))
+        if not places or not own.isdisjoint(self.shares):
+            return None
+
+        def on_levels(number: int, moving: Expression) -> Expression:
+            for is_half, level in places[number][1]:
+                moving = as_expression(ca.if_else(is_half, level, moving))
+            return moving
+
+        def make(op: int, numbers: list[int], operands: list[Expression]) -> Expression | None:
+            number = self.numbering.of(op, numbers)
+            return on_levels(number, operate(op, operands)) if number in places else None
+
+        made = rebuilt(operands, self.numbering, make)
+        bare = [(moving, on_levels(number, moving)) for number, (moving, _) in places.items() if moving.is_symbolic()]
+        made = ca.substitute(made, *([ca.vertcat(*column)] for column in zip(*bare, strict=True))) if bare else made
+        return list(map(as_expression, made))
 
     def _told_apart(self, op: int, numbers: list[int]) -> Expression | None:
         """By switches of both sides, of what may be equal for a while."""
@@ -149,15 +178,23 @@ class Holding:
             self.roots.note_length(self.numbering.of(op, numbers), clipped, bool(self._shares_in(self.places[pair])))
         return value
 
-    def _rests(self, op: int, numbers: list[int]) -> Expression | None:
+    def _rests(self, op: int, numbers: list[int], operands: list[Expression]) -> Expression | None:
         asked = rest_asked(self.numbering, op, numbers) if self.rests or self.halves else None
         if asked is None:
             return None
         rest = next((self.rests[pair] for pair in asked[0] if pair in self.rests), None)
-        s = next((self.places[pair] for pair in asked[0] if pair in self.halves), None) if rest is None else None
-        if s is not None:  # which is a half where both are equal
-            rest = as_expression(4 * s * (1 - s))
-        return rest if rest is None or asked[1] else as_expression(1.0 - rest)
+        if rest is not None:
+            return rest if asked[1] else as_expression(1.0 - rest)
+        s = next((self.places[pair] for pair in asked[0] if pair in self.halves), None)
+        equal = None if s is None else as_expression(4 * s * (1 - s))  # a half where both are equal
+        on_levels = self._on_levels(operands, asked[0])
+        bending = _NOTHING if s is None else (symbols_in(ca.vertcat(*operands)) & self.symbols.keys()) - symbols_in(s)
+        if on_levels is None and not bending:
+            return equal if equal is None or asked[1] else as_expression(1.0 - equal)
+        told = self._combined(op, on_levels or operands)  # with a corner both may be equal on one side of it
+        if equal is None:
+            return told
+        return as_expression(ca.fmax(equal, told) if asked[1] else ca.fmin(1.0 - equal, told))
 
     def _switched(self, op: int, numbers: list[int], operands: list[Expression], pair: Pair) -> Expression:
         is_positive = self.places[pair]  # a > b, where a has the smaller number
