@@ -68,6 +68,20 @@ def test_results_are_those_of_the_motion(pendulum: lag.Model) -> None:
     assert (outcomes["energy"] < 1e-8).all()
 
 
+@pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
+def test_what_is_compiled_first_goes_in_lanes_too() -> None:
+    """Bit by bit as otherwise. Lanes ask for tapes of what stands under roots, too, where code for eight at once is no good."""
+    found = {}
+    for native in (None, True, False):
+        model = lag.load(EXAMPLES / "spring_pendulum.lag")
+        model.native = native
+        sweep = model.simulate_many(initial={"bob.center.x": np.linspace(0.1, 0.6, 9)}, outputs=["final(bob.center.x)"],
+                                    stop=1.0, jobs=1)
+        found[native] = sweep.ledger.results.tobytes()
+        assert sweep.ledger.lanes.runs == 9 and sweep.ledger.lanes.alone == 0
+    assert found[True] == found[None] == found[False]
+
+
 @pytest.mark.parametrize(("outputs", "stop"), [(MEASURES, 2.0), (ENDS, 2.0), (ENDS, 30.0)])
 def test_a_run_does_not_depend_on_its_company(pendulum: lag.Model, outputs: str, stop: float) -> None:
     """Bit by bit: fewer runs, another order, one after another in the same lane. After many steps more than states is

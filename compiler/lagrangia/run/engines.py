@@ -164,11 +164,7 @@ def _load_whole(
         from lagrangia.native.build import require_compiler
 
         build = _start_scene_build(scene, runtime.compiler or require_compiler(), scene.tapes, is_implicit)
-        compiled = Model.from_library(build.finish())
-        if scene.tables:  # the library has none
-            model.adopt(compiled)
-        else:
-            model = compiled
+        model.adopt(Model.from_library(build.finish()))  # what is asked of tapes beside the code, as lanes do, is there, too
     _ = runtime.library  # built and loaded now
     upgrade = Upgrade(runtime, [(scene, model)], is_implicit) if native is None else None
     return Engine(runtime, model, "native" if native else "tape", time.perf_counter() - begin, upgrade)

@@ -328,7 +328,7 @@ class Model:
             code = getattr(other.struct, name).code
             if code:
                 getattr(self.struct, name).code = code
-        for name in ("wide", "wide_each", "wide_roots", "wide_energies", "taylor", "wide_taylor"):
+        for name in ("wide", "wide_whole", "wide_each", "wide_roots", "wide_energies", "taylor", "wide_taylor"):
             setattr(self.struct, name, getattr(other.struct, name))
         self._kept = (self._kept, other)
 
