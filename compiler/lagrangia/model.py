@@ -352,7 +352,7 @@ class Model(Analysed, Swept):
             self.completed()
         if solver == "islands" and self.engine is not None:
             self._engine = divided(self.engine, self.scene, self.native)
-        if self.native and has_runtime() and not has_compiler():
+        if self.native and not self._has_engine and has_runtime() and not has_compiler():
             self._refuse(solver, "--engine tape")
         if solver == "implicit" and solver not in self._engines:
             self._engines[solver] = load_engine(self.scene, self._runtime, self.native, WAYS[solver].number)
