@@ -27,8 +27,11 @@ pytestmark = [pytest.mark.slow, pytest.mark.skipif(importlib.util.find_spec("zig
 PATH = EXAMPLES / "double_pendulum.lag"
 FOR = {"2": "all", "3": "aarch64-linux"}  # whose sources differ in little, and whose folders are named otherwise
 _FOLDER = TemporaryDirectory(prefix="lagrangia-platforms-")
-# Loads the library as an importer does, makes 100 steps of Co-Simulation and prints where the arms are.
+# Loads the library as an importer does, makes 100 steps of Co-Simulation and prints where the arms are. For Windows without
+# mingw's C library, which zig would compile for it alone.
 DRIVER = """
+#define __CRT__NO_INLINE 1
+#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include "fmi2Functions.h"
@@ -36,6 +39,18 @@ DRIVER = """
 #include <windows.h>
 #define LOAD(path) ((void *)LoadLibraryA(path))
 #define FIND(library, name) ((void *)GetProcAddress((HMODULE)library, name))
+static int told(const char *format, ...)
+{
+    char text[1000];
+    va_list values;
+    DWORD written;
+    va_start(values, format);
+    const int length = __stdio_common_vsprintf(_CRT_INTERNAL_PRINTF_STANDARD_SNPRINTF_BEHAVIOR, text, sizeof text, format, NULL,
+                                               values);
+    va_end(values);
+    return WriteFile(GetStdHandle(STD_OUTPUT_HANDLE), text, (DWORD)length, &written, NULL);
+}
+#define printf told
 #else
 #include <dlfcn.h>
 #define LOAD(path) dlopen(path, RTLD_NOW)
@@ -47,17 +62,17 @@ static void logger(fmi2ComponentEnvironment e, fmi2String n, fmi2Status s, fmi2S
 
 #define GET(name) name##TYPE *name##_ = (name##TYPE *)FIND(library, #name); if (!name##_) return 2;
 
-int main(int count, char **arguments)
+static int driven(void)
 {
     const fmi2CallbackFunctions callbacks = {logger, calloc, free, NULL, NULL};
     const fmi2ValueReference references[] = {1, 2};
     double x[2] = {0, 0};
-    void *library = count == 3 ? LOAD(arguments[1]) : NULL;
+    void *library = LOAD(LIBRARY);
     if (!library)
         return 1;
     GET(fmi2Instantiate) GET(fmi2SetupExperiment) GET(fmi2EnterInitializationMode) GET(fmi2ExitInitializationMode) GET(fmi2DoStep)
     GET(fmi2GetReal) GET(fmi2Terminate) GET(fmi2FreeInstance)
-    fmi2Component c = fmi2Instantiate_("one", fmi2CoSimulation, arguments[2], NULL, &callbacks, 0, 0);
+    fmi2Component c = fmi2Instantiate_("one", fmi2CoSimulation, TOKEN, NULL, &callbacks, 0, 0);
     if (!c || fmi2SetupExperiment_(c, 1, 1e-8, 0, 0, 0) || fmi2EnterInitializationMode_(c) || fmi2ExitInitializationMode_(c))
         return 3;
     for (int k = 0; k < 100; ++k)
@@ -70,6 +85,12 @@ int main(int count, char **arguments)
     fmi2FreeInstance_(c);
     return 0;
 }
+
+#ifdef _WIN32
+void mainCRTStartup(void) { ExitProcess((UINT)driven()); }
+#else
+int main(void) { return driven(); }
+#endif
 """
 
 
@@ -127,13 +148,14 @@ def driven(platform: str, runner: list[str], folder: Path, environment: dict[str
     with zipfile.ZipFile(archives()["2"]) as archive:
         archive.extractall(folder)
     (folder / "driver.c").write_text(DRIVER)
-    program = "driver.exe" if kind.suffix == ".dll" else "driver"
-    compiler = [sys.executable, "-m", "ziglang", "cc", "-target", kind.target, "-O1", f"-I{standard_headers()}"]
-    libraries = [] if kind.suffix == ".dll" else ["-ldl"]
-    subprocess.run([*compiler, "-o", program, "driver.c", *libraries], cwd=folder, check=True, capture_output=True)
-    guid = read_model_description(str(archives()["2"])).guid
-    library = f"binaries/{kind.fmi2}/DoublePendulum{kind.suffix}"
-    done = subprocess.run([*runner, program, library, guid], cwd=folder, env=os.environ | environment, capture_output=True,
+    named = {"LIBRARY": f"binaries/{kind.fmi2}/DoublePendulum{kind.suffix}",
+             "TOKEN": read_model_description(str(archives()["2"])).guid}
+    compiler = [sys.executable, "-m", "ziglang", "cc", "-target", kind.target]
+    flags = ["-O1", f"-I{standard_headers()}", *(f'-D{name}="{value}"' for name, value in named.items())]
+    libraries = ("-Wl,-e,mainCRTStartup", *build._FOR_WINDOWS) if kind.suffix == ".dll" else ("-ldl",)
+    for arguments in ([*flags, "-c", "driver.c", "-o", "driver.o"], ["-o", "driver.exe", "driver.o", *libraries]):
+        subprocess.run([*compiler, *arguments], cwd=folder, check=True, capture_output=True)
+    done = subprocess.run([*runner, "./driver.exe"], cwd=folder, env=os.environ | environment, capture_output=True,
                           text=True, check=False, timeout=300)
     assert done.returncode == 0, (done.returncode, done.stdout, done.stderr)
     return [float(x) for x in done.stdout.split()]
