@@ -15,7 +15,7 @@ from lagrangia.native.build import build
 @contextmanager
 def in_registers(kind: str, built: Path) -> Iterator[None]:
     """As on a processor of this kind. Where its library does not come with the package it is compiled into a folder of `built`,
-    at -O1, which changes no digit and takes less time."""
+    at -O0, which changes no digit and takes less time."""
     found = prebuilt.find(data_folder("runtime"))
     own = found.with_stem(kind) if found and found.with_stem(kind).exists() else None
     with pytest.MonkeyPatch.context() as patch:
@@ -31,4 +31,4 @@ def in_registers(kind: str, built: Path) -> Iterator[None]:
 def built_quickly() -> Path:
     """The run time by the compiler that is named, or found, kept in the cache that is named."""
     folder = data_folder("runtime")
-    return build("runtime", prebuilt.sources(folder), include=[folder], level="-O1")
+    return build("runtime", prebuilt.sources(folder), include=[folder], level="-O0")
