@@ -268,3 +268,12 @@ def test_what_a_joint_does_not_feel_stands_on_its_parent(kind: str) -> None:
     else:
         assert body.mass == 0.0 and (kind == "rotation" or (body.moment[2] == 0.0 and body.is_flat))
     check(joints, 1 + len(joints[1].coordinates))
+
+
+def test_mass_that_has_come_far_stays_alone() -> None:
+    """At the origin of every ninth link; all the rest that a hinge does not feel is handed on there, too."""
+    joints = chain(27, [None], None)
+    bodies = [link.body for link in lay_axes(joints)[0]]
+    assert all(body is not None and body.is_flat and body.moment[2] == 0.0 for body in bodies)
+    assert [k for k, body in enumerate(bodies) if body is not None and body.mass] == [0, 9, 18]
+    check(joints, 27)

@@ -38,7 +38,7 @@ from lagrangia.frames.spatial_inertia import (
 )
 
 _MOST_SLID = 8  # links in a row
-_LEAST_SINE = 0.25  # between two hinges whose common perpendicular is at most four times as far as where they are written
+_LEAST_SINE = 0.12  # between two hinges whose common perpendicular is at most eight times as far as where they are written
 _EXACT = 4e-16  # what differs less from 0, 1 or -1 is that number: cos(pi/2) is 6e-17
 
 

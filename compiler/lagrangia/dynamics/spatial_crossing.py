@@ -157,7 +157,7 @@ class Crossing:
         back = put(y, wy, minus(0.0, times(b, near)))
         put(z, wy, minus(0.0, times(b, far)))
         put(wy, w, minus(0.0, times(b, minus(of(y, wy), back))))
-        put(wy, wy, times(b, times(b, of(y, y))))
+        put(wy, wy, times(times(b, b), of(y, y)))
         return found
 
     def wrench_to_parent(self, wrench: Sequence[Scalar]) -> Vector:

@@ -3,16 +3,19 @@
 A hinge moves no point of its axis: the mass of what it carries, the first moment along the axis and as much second moment about
 everything across as one likes may be points on the axis, and those the parent's. Likewise the mass at the centre of a ball
 joint, and the second moment of what a slider carries. No weight or bias changes, since twists do not tell the two apart.
+Mass grows from joint to joint, so that it stays now and then; the rest lessens with each tilt.
 Source: Gautier and Khalil, Direct calculation of minimum set of inertial parameters of serial robots (1990).
 """
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 from lagrangia.algebra.duals import Scalar, is_zero, minus, plus, times
 from lagrangia.base.records import dataclass
 from lagrangia.frames.spatial_inertia import SAME, RigidInertia, scaled
 
-_MOST_HANDED = 8  # joints in a row: what is far away and taken back again costs digits
+_MOST_HANDED = 8  # joints in a row over which mass goes: it grows with each, and what is taken back costs digits
+_LARGEST_COSINE = 0.9  # between hinges
 _AXIS = (0.0, 0.0, 1.0)
 _STILL = (0.0, 0.0, 0.0)
 _NO_MOMENT = (_STILL,) * 3
@@ -40,33 +43,35 @@ def regrouped(meetings: Sequence[Meeting], bodies: Sequence[RigidInertia | None]
     for k in reversed(range(len(found))):
         body, at = found[k], meetings[k]
         carrier = found[at.parent] if at.parent is not None else None
-        if body is None or body.is_nothing or at.kind == "screw" or handed[k] >= _MOST_HANDED:
+        if body is None or body.is_nothing or at.kind == "screw" or (at.parent is not None and carrier is None):
             continue
-        if at.parent is not None and carrier is None:
+        if (is_far := handed[k] >= _MOST_HANDED) and not _is_aslant(at):
             continue
-        kept, given = _split(body, at)
+        kept, given = _split(body, at, keeps_mass=is_far)
         if carrier is None:
             found[k] = kept
         elif at.parent is not None and _cost(kept) + _cost(more := carrier.with_other(given)) < _cost(body) + _cost(carrier):
             found[k], found[at.parent] = kept, more
-            handed[at.parent] = max(handed[at.parent], handed[k] + 1)
+            handed[at.parent] = max(handed[at.parent], 0 if is_far else handed[k] + 1)
     return found
 
 
-def _split(body: RigidInertia, at: Meeting) -> tuple[RigidInertia, RigidInertia]:
-    """What a joint feels, in the axes of its link, and what it does not, in those of the parent's."""
+def _split(body: RigidInertia, at: Meeting, keeps_mass: bool) -> tuple[RigidInertia, RigidInertia]:
+    """What a joint feels, in the axes of its link, and what it does not, in those of the parent's. The mass may stay, at the
+    origin of a hinge's link."""
     if at.kind == "rotation":
         return (RigidInertia(0.0, body.moment, body.second_moment),
                 RigidInertia(body.mass, _STILL, _NO_MOMENT).placed(SAME, at.centre))
     if at.kind == "shift":
         return RigidInertia(body.mass, body.moment, _NO_MOMENT), RigidInertia(0.0, _STILL, body.second_moment)
     kept, across = _without_axis(body)
-    along = RigidInertia(body.mass, (0.0, 0.0, body.moment[2]), ((across, 0.0, 0.0), (0.0, across, 0.0), _STILL))
+    mass = 0.0 if keeps_mass else body.mass
+    along = RigidInertia(mass, (0.0, 0.0, body.moment[2]), ((across, 0.0, 0.0), (0.0, across, 0.0), _STILL))
     along = along.placed(SAME, (0.0, 0.0, minus(0.0, at.ahead)))
     J = [[times(along.second_moment[0][0], minus(1.0 if i == j else 0.0, times(x, y))) for j, y in enumerate(at.axis)]
          for i, x in enumerate(at.axis)]
-    given = RigidInertia(body.mass, scaled(along.moment[2], at.axis), J)
-    return kept, given.placed(SAME, at.centre)
+    given = RigidInertia(mass, scaled(along.moment[2], at.axis), J)
+    return replace(kept, mass=body.mass) if keeps_mass else kept, given.placed(SAME, at.centre)
 
 
 def _without_axis(body: RigidInertia) -> tuple[RigidInertia, Scalar]:
@@ -75,6 +80,12 @@ def _without_axis(body: RigidInertia) -> tuple[RigidInertia, Scalar]:
     across = times(0.5, minus(plus(J[0][0], J[1][1]), J[2][2]))
     J[0][0], J[1][1] = minus(J[0][0], across), minus(J[1][1], across)
     return RigidInertia(0.0, [*body.moment[:2], 0.0], J, is_flat=True), across
+
+
+def _is_aslant(at: Meeting) -> bool:
+    """Whether a hinge is tilted against the parent's so that second moments about both lessen from one to the next."""
+    z = at.axis[2]
+    return at.kind == "turn" and isinstance(z, float) and abs(z) <= _LARGEST_COSINE
 
 
 def _cost(body: RigidInertia) -> int:
