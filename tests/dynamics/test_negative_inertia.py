@@ -1,6 +1,7 @@
 """Kinetic energies of people's own that are negative for some motion end a run, and say where they stand."""
 
 from collections.abc import Callable
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -51,3 +52,17 @@ def test_scenes_that_are_too_large_to_look_at_are_told(n: int, is_told: bool, sc
     each = " ".join(f"kinetic 1[kg]*der(x{i})^2/2; potential 1[N/m]*x{i}^2;" for i in range(n))
     told = scene(f"model Many coordinate Length {', '.join(f'x{i}' for i in range(n))}; energy {each} end Many;").warnings
     assert any("L0745" in warning for warning in told) == is_told
+
+
+def test_pages_functions_and_fmus_tell_it_as_runs_do(scene: Write, tmp_path: Path) -> None:
+    """They wrote equations of -1 kg, gave accelerations and an FMU that cannot start."""
+    model = scene(ADDED.replace("sign = -1", "sign = 1"))
+    for write in (lambda given: model.equations(parameters=given, numbers=True),
+                  lambda given: model.export_fmu(tmp_path / "added.fmu", parameters=given)):
+        assert write({"sign": -0.25})
+        with pytest.raises(lag.LagError, match=r"L0506(.|\n)*:4:3"):
+            write({"sign": -1})
+    rhs = model.functions(given="sign")["rhs"]
+    for sign, right in ((-0.25, -2), (-1, np.nan)):
+        found = float(rhs(0, 1, 0, [], model.parameter_values({"sign": sign})))
+        np.testing.assert_allclose(found, right)

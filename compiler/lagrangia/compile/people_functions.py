@@ -10,6 +10,7 @@ from lagrangia.compile.told_positions import ToldPositions, told_positions
 from lagrangia.constraints.parameters import parameters_of
 from lagrangia.constraints.rows import Constraints
 from lagrangia.dynamics.motion import Motion, mass_matrix
+from lagrangia.dynamics.negative_inertia import without_negative_inertia
 from lagrangia.frames.kinematics import Kinematics
 from lagrangia.language.delays import refuse_delays
 from lagrangia.language.samplers import refuse_held
@@ -28,9 +29,11 @@ def people_functions(
     A constrained scene has four more, for its m constraints: M dv/dt + h + J^T lambda = 0, J dv/dt + bias = 0.
     Phi(t, q) = 0, the holonomic ones (m or fewer rows);  J (m, n);  bias (m,): the rates of the constraints at dv/dt = 0,
     differentiated once more;  lambda (m,): the multipliers. At states off the constraints rhs and lambda keep d2 Phi/dt2 = 0.
+    rhs is NaN where kinetic energies of the scene's own are negative for some motion.
     """
     refuse_held(kinematics.graph.model, "M, h and accelerations as functions")
     refuse_delays(kinematics.graph.model, "M, h and accelerations as functions")
+    motion = without_negative_inertia(kinematics, motion)
     (_a, y, *_), told = state_space(kinematics, motion, constraints, outputs)[1], told_positions(kinematics)
     expressions = {
         "M": [mass_matrix(motion)], "h": [motion.h], "rhs": [motion.acceleration], "energies": [motion.T, motion.V, motion.D],

@@ -5,11 +5,14 @@ positive definite, energy is lost in one motion without end to another, and wher
 pivots of M = L D L^T stand in the accelerations, as what adds nothing as long as they are positive.
 """
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import casadi as ca
 
 from lagrangia.base.diagnostics import Report, Span, fail
+from lagrangia.constraints.parameters import default_parameters
+from lagrangia.dynamics.energies import evaluate_energies
 from lagrangia.dynamics.motion import Motion, mass_matrix
 from lagrangia.frames.kinematics import Kinematics
 
@@ -42,15 +45,30 @@ def without_negative_inertia(kinematics: Kinematics, motion: Motion) -> Motion:
             held is not None and held.regular is None and motion.unsolved is None):
         return motion
     margins = _margins(mass_matrix(motion))
-    if any(x.is_constant() and not float(x) >= 0 for x in margins):
-        fail("L0506", "the kinetic energy is negative for some motion: the mass matrix is not positive definite", places[0],
-             "make every mass positive, and what couples two rates smaller")
+    _refuse_negative(margins, places[0])
     nothing = nothing_unless([x for x in margins if not x.is_constant()], ca.vertcat(motion.t, motion.q, motion.v, motion.u))
     if held is not None and held.regular is not None:
         regular = replace(held.regular, acceleration=held.regular.acceleration + nothing)
         motion = replace(motion, constrained=replace(held, regular=regular))
     unsolved = motion.unsolved and replace(motion.unsolved, acceleration=motion.unsolved.acceleration + nothing)
     return replace(motion, acceleration=motion.acceleration + nothing, unsolved=unsolved)
+
+
+def refuse_negative_inertia(kinematics: Kinematics, parameters: Sequence[float] | None = None) -> None:
+    """Raises LagError L0506 where M is not positive definite whatever the motion, with these values of all parameters, or those
+    that are declared: of what no run is made of, which tells it."""
+    places, rates = written_inertias(kinematics), ca.vertcat(*kinematics.symbols.rates.values())
+    if places and 0 < rates.numel() <= _MOST_COORDINATES:
+        energies, (p, declared) = evaluate_energies(kinematics), default_parameters(kinematics)
+        M = ca.hessian(energies.total(energies.kinetic), rates)[0]
+        known = ca.substitute(ca.vertcat(*_margins(M)), p, declared if parameters is None else ca.DM([*parameters]))
+        _refuse_negative([known[k] for k in range(known.numel())], places[0])
+
+
+def _refuse_negative(margins: list[ca.SX], place: Span) -> None:
+    if any(x.is_constant() and not float(x) >= 0 for x in margins):
+        fail("L0506", "the kinetic energy is negative for some motion: the mass matrix is not positive definite", place,
+             "make every mass positive, and what couples two rates smaller")
 
 
 def nothing_unless(margins: list[ca.SX], state: ca.SX) -> ca.SX:

@@ -64,6 +64,7 @@ def build_fmu_model(model: Exportable, parameters: Mapping[str, float] | None = 
     """Runs the scene over its experiment once, for nominal values. Raises LagError for parameters it does not have."""
     import numpy as np
 
+    from lagrangia.dynamics.negative_inertia import refuse_negative_inertia
     from lagrangia.fmu.derivatives import build_derivatives
 
     scene = model.scene
@@ -71,6 +72,7 @@ def build_fmu_model(model: Exportable, parameters: Mapping[str, float] | None = 
     given = tuple(float(x) for x in model.parameter_values(parameters))
     settable = tuple(not known.locked and (known.value is not None or bool(mask))
                      for known, mask in zip(scene.parameters, values.mask, strict=True))
+    refuse_negative_inertia(model.compilation.kinematics, given)
     evaluations, start, nominal = find_states(model, parameters)
     length, attitudes = scene.stop - scene.start, scene.notes.get("attitudes", {})
     has_drift = scene.sizes["n_multipliers"] or attitudes

@@ -15,6 +15,7 @@ from lagrangia.base.records import dataclass
 from lagrangia.compile.pipeline import compile_energies, compile_file, deep_recursion
 from lagrangia.constraints.parameters import default_parameters, find_odd_inertias
 from lagrangia.dynamics.impulses import rates_jump
+from lagrangia.dynamics.negative_inertia import refuse_negative_inertia
 from lagrangia.frames.kinematics import Kinematics
 from lagrangia.language.frame_attributes import component_named
 from lagrangia.language.given_values import Given
@@ -108,6 +109,8 @@ def write_equations(path: Path, request: Request, model: str | None = None, stru
     _check_size(kinematics, request)
     odd = find_odd_inertias(kinematics)
     odd.raise_errors()
+    if request.has_numbers:
+        refuse_negative_inertia(kinematics)
     with deep_recursion():
         scene = build_symbolic(kinematics, constraints, request.form == "linear", request.angles, request.format == "sympy")
         begin = cache(lambda: start_of(request.parameters, path, model, structural, request.angles))
