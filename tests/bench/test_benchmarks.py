@@ -35,7 +35,7 @@ COMMANDS = [
     ["rollouts.py", "--runs", "20", "--repeats", "1"],
     ["ensemble.py", "--runs", "20", "--repeats", "1"],
     ["lanes_errors.py", "--runs", "9", "--stop", "0.2", *(f"{EXAMPLES}/{name}.lag" for name in ("chain", "four_bar"))],
-    pytest.param(["fmu_steps.py", "--repeats", "2"], marks=pytest.mark.slow, id="fmu_steps.py --repeats"),
+    ["fmu_steps.py", "--engine", "tape", "--repeats", "2"],
     pytest.param(["suite.py", "--scenes", "pendulum,four-bar", "--solvers", "erk,casadi:erk,heyoka,mujoco,exudyn,rumoca", *TINY],
                  marks=pytest.mark.slow, id="suite.py --scenes"),
 ]

@@ -1,6 +1,6 @@
 """What a communication step of an FMU costs beside the native run: 1 000 steps of 1 ms of the double pendulum at 1e-6.
 
-    python tests/benchmarks/fmu_steps.py [--scene NAME] [--repeats N]
+    python tests/benchmarks/fmu_steps.py [--scene NAME] [--repeats N] [--engine native|tape]
 
 Both are called from a loop in C: fmiDoStep of the binary in the FMU, and lag_run_advance for the 1 000 times at once. Then the
 same with the states read by fmiGetReal after each step. Initialisation is not counted, in neither. The ways take turns, and the
@@ -136,7 +136,7 @@ def native_way(clock: ctypes.CDLL, model: lag.Model) -> Way:
     return seconds
 
 
-def measure(scene: str, repeats: int) -> dict[str, float]:
+def measure(scene: str, repeats: int, engine: str) -> dict[str, float]:
     """Shortest time of each way, in s."""
     clock = ctypes.CDLL(str(build("fmu_clock", CLOCK)))
     for name in ("clock_fmi2", "clock_fmi3", "clock_native"):
@@ -146,7 +146,7 @@ def measure(scene: str, repeats: int) -> dict[str, float]:
         ways: dict[str, Way] = {"native": native_way(clock, model)}
         for version in ("2", "3"):
             path = Path(folder) / f"{version}.fmu"
-            export_fmu(model, Export(version, platforms=(host_platform() or "host",)), path)
+            export_fmu(model, Export(version, platforms=(host_platform() or "host",), engine=engine), path)
             fmu = Fmu(clock, Path(fmpy.extract(str(path))), version)
             ways[f"FMI {version}"] = lambda fmu=fmu: fmu.seconds(0)  # type: ignore[misc]
             ways[f"FMI {version}, states read"] = lambda fmu=fmu: fmu.seconds(99)  # type: ignore[misc]
@@ -162,8 +162,9 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--scene", default="double_pendulum")
     parser.add_argument("--repeats", type=int, default=300)
+    parser.add_argument("--engine", choices=("native", "tape"), default="native", help="of the FMUs")
     options = parser.parse_args()
-    found = measure(options.scene, options.repeats)
+    found = measure(options.scene, options.repeats, options.engine)
     for name, seconds in found.items():
         ratio = seconds / found["native"]
         print(f"{name:22} {1e6 * seconds:8.1f} us for {STEPS} steps of {H:g} s, {ratio:.2f} times the native run")
