@@ -44,8 +44,8 @@ ACTS = {
     "end": ("_exit(0);", "the FMU ended the process that ran it"),
     "memory": ('char *x = malloc((size_t)9 << 30); if (!x) { puts("no memory"); fflush(stdout); } else memset(x, 1, 1); abort();',
                "no memory"),
-    "endless": ("for (;;) sleep(1);", "given up after 4 s"),
-    "endless noise": ('for (;;) puts("noise, noise, noise, noise, noise, noise, noise");', "given up after 4 s"),
+    "endless": ("for (;;) sleep(1);", "given up after 2 s"),
+    "endless noise": ('for (;;) puts("noise, noise, noise, noise, noise, noise, noise");', "given up after 2 s"),
 }
 OUTSIDE = """const char *kept = "KEPT", *other = "KEPT2"; char name[4096];
     int out = fopen(kept, "a") || fopen(other, "w") || !unlink(kept) || !rename(kept, other) || !symlink("/etc", other)
@@ -76,7 +76,7 @@ def test_foreign_code_has_limits(act: str, tmp_path: Path) -> None:
     code, said = ACTS[act]
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as heard:
         heard.bind(("127.0.0.1", 0))
-        outcome = outcome_of(code.replace("PORT", str(heard.getsockname()[1])), tmp_path, 4 if "endless" in act else 20)
+        outcome = outcome_of(code.replace("PORT", str(heard.getsockname()[1])), tmp_path, 2 if "endless" in act else 20)
         assert said in outcome.explanation and len(outcome.log) <= 20_000 and "\x1b" not in outcome.explanation
         heard.settimeout(3.5 if act == "child" else 0.01)
         with pytest.raises(TimeoutError):
