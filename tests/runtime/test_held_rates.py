@@ -119,3 +119,39 @@ def test_what_moves_freely_is_not_taken_for_held(scene: Write, condition: str) -
     equation when {condition} then n = pre(n) + 1; end when; end Free;""")
     for solver in ("auto", "erk5", "implicit"):
         assert list(model.simulate(at=[0.9, 1.1, 2.0], solver=solver)["n"]) == [0, 1, 1], solver
+
+
+HOLDS = "DryFriction f(F = 2, rate = b.v);"
+SLOPE = HOLDS + "  AppliedForce p(at = b.center, force = {-1.2, 0});"
+STATIC = "DryFriction f(F = 2, F_static = 3, rate = b.v);  AppliedForce p(at = b.center, force = {if time > 0.6 then 2.5 else 0, 0});"
+BELT = "DryFriction f(F = 0.5, rate = b.v - 0.1*time);"
+RATCHET = "AppliedForce p(at = b.center, force = {-2, 0});"
+
+
+@pytest.mark.parametrize(("holds", "law", "right"), [
+    (HOLDS, "if b.v > 0 then 1 else 0", 0.5), (HOLDS, "if b.v >= 0 then 1 else 0", 2), (HOLDS, "if -3*b.v > 0 then 1 else 0", 0),
+    (HOLDS, "if b.v > 0 and time > 0.25 then 1 else 0", 0.25), (HOLDS, "if b.v == 0 then 1 else 0", 1.5),
+    (SLOPE, "sign(b.v)", 1 / 3.2), (SLOPE, "if b.v >= 0 then 1 else 0", 2), (STATIC, "if b.v > 0 then 1 else 0", 0.5),
+    (STATIC, "sign(b.v)", 0.5), (BELT, "if b.v - 0.1*time > 0 then 1 else 0", 1 / 0.6), (RATCHET, "if b.v > 0 then 1 else 0", 0.5)])
+def test_others_know_what_is_held_on_its_level(scene: Write, holds: str, law: str, right: float) -> None:
+    """For how long the block moves: the share of friction was counted while it sticks (1.25 s for 0.5)."""
+    stop = "when b.v < 0 then reinit(b.v, 0); end when;" if holds == RATCHET else ""
+    model = scene(f"""model Timer  World world(gravity = {{0, 0}});  Block b(m = 1, base = world, v(start = 1));  {holds}
+      Time y(start = 0);  equation der(y) = {law};  {stop} end Timer;""")
+    for solver in ("auto", "erk", "erk5", "erk9", "adams", "implicit", "taylor"):
+        assert model.simulate(at=[0.0, 2.0], solver=solver)["y"][-1] == pytest.approx(right, abs=1e-7), solver
+
+
+@pytest.mark.parametrize(("law", "sliding", "stuck"), [
+    ("work -0.2[N]*(if b.v > 0 then 1 else 0) on c.s;", -0.2, 0), ("work -0.2[N]*(if b.v >= 0 then 1 else 0) on c.s;", -0.2, -0.2),
+    ("work (if b.v > 0 then -0.2 elseif b.v < 0 then 0.3 else 0.1) on c.s;", -0.2, 0.1)])
+def test_forces_on_others_and_their_work_know_it_too(scene: Write, law: str, sliding: float, stuck: float) -> None:
+    model = scene(f"""model Pushed  World world(gravity = {{0, 0}});  Block b(m = 1, base = world, v(start = 1));  {HOLDS}
+      Block c(m = 1, base = world, v(start = 1));  energy {law} end Pushed;""")
+    v, x = 1 + 0.5 * sliding, 0.5 + sliding / 8
+    for solver in ("auto", "erk9", "implicit", "taylor"):
+        run = model.simulate(at=[0.0, 2.0], solver=solver)
+        assert run["c.s"][-1] == pytest.approx(x + 1.5 * v + 1.125 * stuck, abs=1e-7), solver
+        assert abs(run.energy.residual[-1]) < 1e-9, solver
+    table = model.simulate_many(parameters={"b.m": [1.0] * 9}, outputs=["c.s"], stop=2)
+    assert [*table["c.s"]] == pytest.approx([x + 1.5 * v + 1.125 * stuck] * 9, abs=1e-7)

@@ -25,6 +25,7 @@ from lagrangia.compile.mode_places import (
     mode_functions,
 )
 from lagrangia.compile.requirements import find_requirements
+from lagrangia.compile.right_hand_side import right_hand_side
 from lagrangia.constraints.initial import InitialConditions, initial_function, start_function
 from lagrangia.constraints.parameters import all_parameters, at_start, scalars
 from lagrangia.constraints.rows import Constraints
@@ -84,15 +85,15 @@ def build_functions(
     motion = without_negative_inertia(kinematics, motion)
     made, modes = motion.unsolved or motion, kinematics.algebra.modes
     symbols, multipliers = _multipliers(made)
-    power, energy = _power(made, made.source_power), ca.vertcat(motion.T, motion.V, motion.H)
+    energy = ca.vertcat(motion.T, motion.V, motion.H)
     jacobian = build_jacobian(kinematics, made, is_implicit)
     flow = [hamilton.velocity, hamilton.force] if hamilton else []
     sampling, delaying, kick = find_sampling(kinematics), find_delaying(kinematics), find_kick(kinematics, motion)
     switches = find_switches(motion, delaying.values, bends_by_inputs(kinematics))
     found, hoisted = _hoisted(settled(motion, switches, {
-        "rhs": switches.hold([made.acceleration, power, multipliers]), "energies": [energy],
-        "outputs": switches.hold([y, guarding.values]),
-        **_constrained(made, energy, switches), "flow": flow, "jacobian": switches.hold(jacobian.values), "kick": [kick.rates],
+        "rhs": right_hand_side(kinematics, made, switches, made.acceleration, made.source_power, multipliers),
+        "energies": [energy], "outputs": switches.hold([y, guarding.values]), **_constrained(kinematics, made, energy, switches),
+        "flow": flow, "jacobian": switches.hold(jacobian.values), "kick": [kick.rates],
         "delayed": switches.hold([ca.densify(delaying.values)]), **_watched(motion, switches)}), motion.p)
     t, q, v, a, u, c, d = motion.t, motion.q, motion.v, motion.a, motion.u, hoisted.c, kinematics.algebra.mode_symbols
     state, labels = [t, q, v, u, d, c], ["t", "q", "v", "u", "d", "c"]
@@ -110,7 +111,7 @@ def build_functions(
     patterns |= {"reset_places": _reset_places(kinematics, motion), **_kept_places(kinematics, motion, switches.edge.numel() > 0)}
     patterns |= _start_patterns(table) | _patterns(kinematics, jacobian, switches, modes) | delaying.patterns | guarding.patterns
     refused |= _refusals(jacobian, bool(len(patterns.get("cones", ()))), bool(delaying.stated))
-    return Functions(table, names, tuple(kind for _, kind in events_of(modes)), power.numel(),
+    return Functions(table, names, tuple(kind for _, kind in events_of(modes)), found["rhs"][1].numel(),
                      bool(y.numel()) and ca.depends_on(y, ca.vertcat(a, symbols)), patterns, refused,
                      {**jacobian.sizes, **guarding.sizes(ca.vertcat(a, symbols)), **_switch_sizes(motion, switches),
                       "breaks_rise": int(delaying.rises)}, pays, hoisted.settled, find_thresholds(motion, switches), guarding)
@@ -150,12 +151,12 @@ def _refusals(jacobian: Jacobian, has_cones: bool, is_late: bool) -> dict[str, s
 def build_island_functions(kinematics: Kinematics, motion: Motion) -> Functions:
     """For some coordinates that are run by themselves: what moves them, without energies and outputs."""
     motion = without_negative_inertia(kinematics, motion)
-    power, modes = _power(motion, motion.source_power), kinematics.algebra.modes
-    (_, multipliers), jacobian = _multipliers(motion), build_jacobian(kinematics, motion)
+    (_, multipliers), jacobian, modes = _multipliers(motion), build_jacobian(kinematics, motion), kinematics.algebra.modes
     kick = find_kick(kinematics, motion)
     switches = find_switches(motion, None, bends_by_inputs(kinematics))
     found, hoisted = _hoisted({
-        "rhs": switches.hold([motion.acceleration, power, multipliers]), **_constrained(motion, ca.SX(0, 1), switches),
+        "rhs": right_hand_side(kinematics, motion, switches, motion.acceleration, motion.source_power, multipliers),
+        **_constrained(kinematics, motion, ca.SX(0, 1), switches),
         "jacobian": switches.hold(jacobian.values), "kick": [kick.rates],
         **_watched(motion, switches)}, motion.p)
     d = kinematics.algebra.mode_symbols
@@ -165,7 +166,7 @@ def build_island_functions(kinematics: Kinematics, motion: Motion) -> Functions:
         kinematics, motion, hoisted.values) | _functions_of_constraints(motion, found, d, c) | mode_functions(motion, modes)
     table |= _kick_function(state, found["kick"], kick.before)
     patterns, refused, pays = _add_linear(table, kinematics, motion)
-    return Functions(table, (), tuple(kind for _, kind in events_of(modes)), power.numel(), False,
+    return Functions(table, (), tuple(kind for _, kind in events_of(modes)), found["rhs"][1].numel(), False,
                      patterns | _patterns(kinematics, jacobian, switches, modes),
                      refused, {**jacobian.sizes, **_switch_sizes(motion, switches)}, pays, hoisted.settled)
 
@@ -236,17 +237,17 @@ def _functions_of_constraints(motion: Motion, found: Mapping[str, list[ca.SX]], 
     return table
 
 
-def _constrained(motion: Motion, energy: ca.SX, switches: Switches) -> dict[str, list[ca.SX]]:
+def _constrained(kinematics: Kinematics, motion: Motion, energy: ca.SX, switches: Switches) -> dict[str, list[ca.SX]]:
     """Results of the functions that only constraints ask for. `energy`: {T, V, H}, empty where nobody asks for them."""
     held = motion.constrained
     if held is None:
         return {}
     found = {"place": [held.place], "steer": [held.steer], "residual": [held.rows.phi, held.rows.rate]}
     if held.regular is not None:
-        power = _power(motion, held.regular.source_power)
-        found["regular"] = [*switches.hold([held.regular.acceleration, power]), held.regular.doubt]
-        if held.regular.place.numel():
-            found["nearest"] = _nearest(motion, held, held.regular, energy)
+        x = held.regular
+        found["regular"] = [*right_hand_side(kinematics, motion, switches, x.acceleration, x.source_power), x.doubt]
+        if x.place.numel():
+            found["nearest"] = _nearest(motion, held, x, energy)
     return found
 
 
@@ -273,12 +274,6 @@ def _flow_functions(motion: Motion, hamilton: Hamilton | None, flow: list[ca.SX]
     return {"momentum": ca.Function("momentum", [motion.q, motion.v, motion.p], [momentum], ["q", "v", "p"], ["Mv"]),
             "velocity": ca.Function("velocity", [motion.q, hamilton.p, c], [velocity], ["q", "p", "c"], ["v"]),
             "force": ca.Function("force", [motion.q, motion.v, c], [force], ["q", "v", "c"], ["dp"])}
-
-
-def _power(motion: Motion, source: ca.SX) -> ca.SX:
-    """Taken out and put in; empty where there are neither."""
-    has_power = not (motion.dissipated_power.is_zero() and motion.source_power.is_zero())
-    return ca.vertcat(motion.dissipated_power, source) if has_power else ca.SX(0, 1)
 
 
 def _add_linear(table: dict[str, ca.Function], kinematics: Kinematics,

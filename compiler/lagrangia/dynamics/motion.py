@@ -165,7 +165,7 @@ def build_motion(kinematics: Kinematics, energies: Energies, constraints: Constr
     moved = tau * ca.gradient(D, tau)  # what supports that move do to dampers
     dissipated, source = ca.dot(v, damping) + moved, ca.dot(force, v) - tau * dL_dt + moved
     is_sum = not _knows(kinematics, T) and is_quadratic(mechanism, v)
-    H = T + V if is_sum else ca.dot(_kept_rates(kinematics, v), momentum.value) - T + V
+    H = T + V if is_sum else ca.dot(kept_rates(kinematics, v), momentum.value) - T + V
     short = _collected(kinematics, energies, bodies, momentum, damping, bool(constraints.rows))
     T, V, D, H, dissipated, source = _on_time([T, V, D, H, dissipated, source], kinematics)
     constrained = None
@@ -198,10 +198,11 @@ def _stepped(kinematics: Kinematics) -> ca.SX:
     return ca.vertcat(ca.SX(0, 1), *(kinematics.symbols.rates[name] for name in kept))
 
 
-def _kept_rates(kinematics: Kinematics, v: ca.SX) -> ca.SX:
+def kept_rates(kinematics: Kinematics, v: ca.SX) -> ca.SX:
     """The rates whose energies count, (n,): 0 in the places of first-order states."""
-    signals = {state.coordinate for state in kinematics.graph.model.states.values()}
-    return ca.vertcat(ca.SX(0, 1), *[0.0 if name in signals else v[k] for k, name in enumerate(kinematics.symbols.rates)])
+    rates, states = kinematics.symbols.rates, kinematics.graph.model.states.values()
+    signals = {rates[state.coordinate].__hash__() for state in states}
+    return ca.vertcat(ca.SX(0, 1), *[0.0 if x.__hash__() in signals else x for x in v.elements()])
 
 
 def _require_coordinates(kinematics: Kinematics) -> None:

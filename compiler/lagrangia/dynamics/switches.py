@@ -22,8 +22,9 @@ import casadi as ca
 from lagrangia.algebra.numbering import Numbering, rebuilt
 from lagrangia.algebra.scalars import Expression, as_expression, symbol, symbols_in
 from lagrangia.algebra.with_casadi import CORNERS, operations_in
+from lagrangia.base.later import Later
 from lagrangia.base.records import dataclass
-from lagrangia.dynamics.acting_rates import that_may_hold
+from lagrangia.dynamics.acting_rates import groups_in, groups_of_rates, places_in, that_may_hold
 from lagrangia.dynamics.driven_conditions import Pair, driven_conditions, is_of_one_side, sides_of
 from lagrangia.dynamics.found_conditions import Finding, conditions_in, finding_in, is_rate, only_jumps
 from lagrangia.dynamics.held_switches import (
@@ -73,15 +74,59 @@ class Switches:
     # whether the switch is in no other force
     at_level: "dict[Pair, int]" = field(default_factory=dict)  # `side_on_level` of places and aliases with which something jumps
     edge: ca.SX = field(default_factory=lambda: ca.SX(0, 1))  # (0 or 1,): what conditions of events that may be held have beside
+    groups: tuple[int, ...] = ()  # of rates, where there are several: those of one are accelerated together
+    reach: "dict[Pair, frozenset[int]]" = field(default_factory=dict)  # of shares: the groups of the rates that they hold
 
     def hold(self, expressions: Sequence[ca.SX]) -> list[ca.SX]:
         """The same with the symbols in place of what they stand for."""
         if not self.places:
             return list(expressions)
-        halves = frozenset(pair for pair, side in self.at_level.items() if side in (HALF, OF_WHOLE) and not self._is_share(pair))
         holding = Holding(self.places | self.aliases, self.shares, self.rests | self.rest_aliases, self.numbering, self.nothing,
-                          halves)
+                          self._halves)
         return rebuilt(expressions, self.numbering, holding.made)
+
+    def hold_rows(self, expressions: Sequence[ca.SX]) -> list[ca.SX]:
+        """The same, of which the first is a row for each rate."""
+        held = self.hold(expressions)
+        return [self._apart(expressions[0], held[0]), *held[1:]] if self.reach else held
+
+    def hold_power(self, power: ca.SX, forces: Later[ca.SX], rates: ca.SX) -> ca.SX:
+        """Held power, taken out and put in by forces (n,) against `rates`, with their rows as they are held."""
+        if not self.reach or not power.numel():
+            return power
+        (held,) = self.hold([forces.value])
+        return power + ca.vertcat(0, ca.dot(rates, held - self._apart(forces.value, held)))
+
+    def _apart(self, rows: ca.SX, held: ca.SX) -> ca.SX:
+        """Held rows, one of each rate: a rate that forces on others hold is on its level there, where its switch is no share."""
+        shares, found = list(self.reach), dict[int, ca.SX]()
+        told = places_in(held, ca.vertcat(*(self.places[pair] for pair in shares)))
+        apart = [frozenset(shares[k] for k in own if group not in self.reach[shares[k]])
+                 for group, own in zip(self.groups, told, strict=True)]
+        for pairs in dict.fromkeys(x for x in apart if x):
+            own = [row for row, x in enumerate(apart) if x == pairs]
+            found |= zip(own, ca.vertsplit(self._on_level(ca.densify(rows)[own], pairs)), strict=True)
+        return ca.vertcat(*(found.get(row, x) for row, x in enumerate(ca.vertsplit(held)))) if found else held
+
+    def _on_level(self, rows: ca.SX, pairs: frozenset[Pair]) -> ca.SX:
+        """Held, and both sides of these equal while something holds them so."""
+        held, symbols = self.rests | self.rest_aliases, ca.vertcat(*(self.places[pair] for pair in pairs))
+        levels = {pair: symbol("level") for pair in pairs}
+        others = {pair for pair, x in self.aliases.items() if ca.depends_on(x, symbols)} | pairs
+        aliases = ca.substitute([*self.aliases.values()], [symbols], [ca.vertcat(*levels.values())]) if self.aliases else []
+        places = self.places | levels | dict(zip(self.aliases, map(as_expression, aliases), strict=True))
+        rests = {pair: x for pair, x in held.items() if pair not in others or not x.is_constant()}
+        own = frozenset(self.places[pair].__hash__() for pair in pairs)
+        holding = Holding(places, self.shares - own, rests, self.numbering, self.nothing, self._halves | others)
+        (made,) = rebuilt([rows], self.numbering, holding.made)
+        is_held = [self.rests[pair] if pair in self.rests else s * (1 - s)
+                   for pair, s in zip(pairs, ca.vertsplit(symbols), strict=True)]
+        values = [ca.if_else(x, 0.5, s) for x, s in zip(is_held, ca.vertsplit(symbols), strict=True)]
+        return ca.substitute(made, ca.vertcat(*levels.values()), ca.vertcat(*values))
+
+    @property
+    def _halves(self) -> frozenset[Pair]:
+        return frozenset(pair for pair, side in self.at_level.items() if side in (HALF, OF_WHOLE) and not self._is_share(pair))
 
     def rates_of(self, x: ca.SX, motion: Motion) -> ca.SX:
         """Along the motion, while all is held."""
@@ -174,13 +219,17 @@ def find_switches(motion: Motion, late: ca.SX | None = None, bends: Sequence[ca.
     slopes, places = ca.SX.sym("du", motion.u.numel()), {pair: symbol(f"s_{k}") for k, pair in enumerate(found)}
     loose = _that_hold_nothing(known, found, places, rests, same, numbering) if not others else frozenset()
     rests, cones = _without_free(rests, cones, loose, sides)
-    shares = frozenset(places[pair].__hash__() for pair, g in found.items() if pair not in loose and is_rate(motion.v, g))
+    sharing = [pair for pair, g in found.items() if pair not in loose and is_rate(motion.v, g)]
+    shares = frozenset(places[pair].__hash__() for pair in sharing)
+    groups = groups_of_rates(known) if shares and not others else ()
+    reach = {pair: groups_in(found[pair], motion.v, groups) for pair in sharing} if len(set(groups)) > 1 else {}
     edge = motion.impacts.edge if shares or motion.impacts.may_hold else _NONE
     values = ca.vertcat(ca.SX(0, 1), *found.values(), *_values_of_events(motion, slopes, edge))
     symbols = ca.vertcat(ca.SX(0, 1), *places.values(), ca.SX.sym("event", 2 * events.numel()), motion.impacts.forces)
     lengths = sum(pair in signs for pair in found)
     rates = _rates_of(values, motion, slopes)
-    switches = Switches(symbols, values, rates, slopes, places, shares, rests, cones, numbering, lengths=lengths)
+    switches = Switches(symbols, values, rates, slopes, places, shares, rests, cones, numbering, lengths=lengths, groups=groups,
+                        reach=reach)
     at_level = _at_level(sides, {*found, *same}, same)
     switches = _with_aliases(replace(switches, edge=edge, at_level=at_level), same, ca.veccat(known.h, *laws))
     return replace(switches, rubs=_find_rubs(motion, switches)) if motion.impacts.pressing else switches
@@ -191,7 +240,9 @@ def _that_hold_nothing(known: Motion, found: Mapping[Pair, Expression], places: 
     """Of conditions on rates, those whose forces hold none of these."""
     rates = {pair: g for pair, g in found.items() if is_rate(known.v, g)}
     aliases = {pair: x.switch(places) for pair, x in same.items()}
-    return frozenset(rates) - that_may_hold(known, rates, {**places, **aliases}, rests, numbering) if rates else frozenset()
+    if not rates:
+        return frozenset()
+    return frozenset(rates) - that_may_hold(known, rates, {**places, **aliases}, rests, numbering, groups_of_rates(known))
 
 
 def _that_nothing_holds(known: Motion, numbering: Numbering, alone: Mapping[Pair, Expression]) -> frozenset[Pair]:

@@ -85,7 +85,7 @@ def _equations(compilation: Compilation, outputs: tuple[str, ...],
     t, q, v, *given = symbols
     told = told_positions(kinematics)
     switches = find_switches(motion, find_delaying(kinematics).values, bends_by_inputs(kinematics))
-    found = settled(motion, switches, {"held": switches.hold([a, y]), "switches": [switches.values, switches.rates]})
+    found = settled(motion, switches, {"held": switches.hold_rows([a, y]), "switches": [switches.values, switches.rates]})
     (a, y), (_, rates) = found["held"], found["switches"]
     shares = ca.vertcat(switches.symbols, motion.impacts.impulses) if switches.symbols.numel() else ca.SX(0, 1)
     (rates,) = ca.substitute([rates], [motion.a], [a])

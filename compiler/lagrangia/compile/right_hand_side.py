@@ -1,0 +1,20 @@
+"""What steps evaluate of a motion, with its conditions held by switches."""
+
+import casadi as ca
+
+from lagrangia.dynamics.motion import Motion, kept_rates
+from lagrangia.dynamics.switches import Switches
+from lagrangia.frames.kinematics import Kinematics
+
+
+def right_hand_side(kinematics: Kinematics, motion: Motion, switches: Switches, acceleration: ca.SX, source: ca.SX,
+                    *others: ca.SX) -> list[ca.SX]:
+    """Accelerations (n,), power as of `power_of`, and others; `source`: the power put in where accelerations are these."""
+    a, power, *others_held = switches.hold_rows([acceleration, power_of(motion, source), *others])
+    return [a, switches.hold_power(power, motion.inertial, kept_rates(kinematics, motion.v)), *others_held]
+
+
+def power_of(motion: Motion, source: ca.SX) -> ca.SX:
+    """Taken out and put in, (2,); empty where there are neither."""
+    has_power = not (motion.dissipated_power.is_zero() and motion.source_power.is_zero())
+    return ca.vertcat(motion.dissipated_power, source) if has_power else ca.SX(0, 1)
