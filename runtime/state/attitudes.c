@@ -7,7 +7,7 @@
  * (M.D. Shuster, A survey of attitude representations, J. Astronautical Sciences 41 (1993), eq. 338). It is regular up to a turn of
  * 360 degrees. Each step begins at s = 0: what the step before has turned goes into the reference, which is state and lies in four
  * modes, real part first. Its sums are compensated and its norm is kept, so that it neither drifts nor tires in long runs; and its
- * sign is continuous, since the real part of what a step turns is positive.
+ * sign is continuous, as s is within a step.
  */
 #include "state/attitudes.h"
 
@@ -107,7 +107,8 @@ void lag_attitudes_keep(LagRun *run)
     }
 }
 
-/* Only what it changes by is rounded, and that by rounding of itself. */
+/* Only what it changes by is rounded, and that by rounding of itself. The excess of the norm comes off what it is then: that before lies
+ * against it where a step turns more than half a turn. */
 void lag_attitude_turn_on(const double *s, double *reference, double *carry)
 {
     const double *r = reference;
@@ -121,7 +122,7 @@ void lag_attitude_turn_on(const double *s, double *reference, double *carry)
     };
     double next[4];
     for (int k = 0; k < 4; ++k) {
-        const double whole = change[k] - excess * r[k] + carry[k], sum = r[k] + whole, taken = sum - r[k];
+        const double whole = change[k] - excess * (r[k] + change[k]) + carry[k], sum = r[k] + whole, taken = sum - r[k];
         next[k] = sum;
         carry[k] = (r[k] - (sum - taken)) + (whole - taken);
     }

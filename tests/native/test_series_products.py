@@ -9,7 +9,14 @@ import pytest
 
 import lagrangia as lag
 from lagrangia.native.series import find_series
-from lagrangia.native.series_products import in_factors, in_squares, late_last, with_numbers_inside, without_quotients
+from lagrangia.native.series_products import (
+    in_factors,
+    in_squares,
+    late_last,
+    with_numbers_inside,
+    with_numbers_outside,
+    without_quotients,
+)
 from lagrangia.native.series_writer import OPERANDS, Instruction, Writer
 from lagrangia.native.tapes import JetOp, Tape
 
@@ -19,7 +26,7 @@ VALUES: Mapping[JetOp, Callable[..., float]] = {
     JetOp.NEG: operator.neg, JetOp.TWICE: lambda a: 2 * a, JetOp.ADD: operator.add, JetOp.SUB: operator.sub,
     JetOp.SCALE: operator.mul, JetOp.PRODUCT: operator.mul, JetOp.SQUARE: lambda a: a * a,
     JetOp.PRODUCT_AND: lambda a, b, c: a * b + c, JetOp.PRODUCT_FROM: lambda a, b, c: c - a * b}
-DRAWN = (JetOp.NEG, JetOp.TWICE, JetOp.SCALE, *4 * (JetOp.ADD, JetOp.SUB), *5 * (JetOp.PRODUCT,))
+DRAWN = (*2 * (JetOp.NEG, JetOp.TWICE, JetOp.SCALE), *4 * (JetOp.ADD, JetOp.SUB), *5 * (JetOp.PRODUCT,))
 
 
 def empty() -> Writer:
@@ -28,7 +35,8 @@ def empty() -> Writer:
 
 def rewritten(writer: Writer, found: Sequence[int]) -> list[Instruction]:
     shared = in_factors(writer, in_squares(writer.instructions, found), found)
-    return late_last(with_numbers_inside(writer, shared, found), found, frozenset({0, 1}))
+    inside = with_numbers_inside(writer, shared, found)
+    return late_last(with_numbers_outside(writer, inside, found), found, frozenset({0, 1}))
 
 
 def values(writer: Writer, instructions: Sequence[Instruction], found: Sequence[int]) -> list[float]:

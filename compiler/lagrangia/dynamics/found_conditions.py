@@ -8,7 +8,7 @@ import casadi as ca
 
 from lagrangia.algebra.numbering import Numbering, rebuilt
 from lagrangia.algebra.scalars import Expression, as_expression, symbol, symbols_in
-from lagrangia.algebra.with_casadi import STEPS, operations_in
+from lagrangia.algebra.with_casadi import CORNERS, STEPS, operations_in
 from lagrangia.base.diagnostics import fail
 from lagrangia.base.records import dataclass
 from lagrangia.dynamics.directions import Directions, components_of
@@ -160,8 +160,9 @@ class Finding:
             self.found.setdefault(pair, g)
 
     def may_cross(self, g: Expression) -> bool:
-        """Whether g changes, and does not jump."""
-        return self._moves(g) and operations_in(g).isdisjoint(ALL_JUMPS)
+        """Whether g changes, and does not jump, nor bends where it is of rates: with a corner both sides may stay equal on one
+        side, of which the condition that bends is to tell."""
+        return self._moves(g) and operations_in(g).isdisjoint(ALL_JUMPS | CORNERS if is_rate(self.v, g) else ALL_JUMPS)
 
     def _note_square(self, operands: list[Expression]) -> None:
         """Of a^2 > 0, a^4 > 0 or a^2 == 0: a."""
@@ -172,7 +173,7 @@ class Finding:
             root = as_expression(root.dep(0))
         number = self.numbering.number(root)
         pair = ordered(number, self.numbering.of_number(0.0))
-        if self._moves(root):
+        if self.may_cross(root):
             self.found.setdefault(pair, root if pair[0] == number else as_expression(-root))
 
     def _note_direction(self, square: Expression) -> None:
