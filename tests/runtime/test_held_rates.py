@@ -123,7 +123,7 @@ def test_what_moves_freely_is_not_taken_for_held(scene: Write, condition: str) -
 
 HOLDS = "DryFriction f(F = 2, rate = b.v);"
 SLOPE = HOLDS + "  AppliedForce p(at = b.center, force = {-1.2, 0});"
-STATIC = "DryFriction f(F = 2, F_static = 3, rate = b.v);  AppliedForce p(at = b.center, force = {if time > 0.6 then 2.5 else 0, 0});"
+STATIC = "DryFriction f(F = 2, F_static = 3, rate = b.v);  AppliedForce p(at = b.center, force = {2.5*step(time - 0.6), 0});"
 BELT = "DryFriction f(F = 0.5, rate = b.v - 0.1*time);"
 RATCHET = "AppliedForce p(at = b.center, force = {-2, 0});"
 
@@ -132,7 +132,8 @@ RATCHET = "AppliedForce p(at = b.center, force = {-2, 0});"
     (HOLDS, "if b.v > 0 then 1 else 0", 0.5), (HOLDS, "if b.v >= 0 then 1 else 0", 2), (HOLDS, "if -3*b.v > 0 then 1 else 0", 0),
     (HOLDS, "if b.v > 0 and time > 0.25 then 1 else 0", 0.25), (HOLDS, "if b.v == 0 then 1 else 0", 1.5),
     (SLOPE, "sign(b.v)", 1 / 3.2), (SLOPE, "if b.v >= 0 then 1 else 0", 2), (STATIC, "if b.v > 0 then 1 else 0", 0.5),
-    (STATIC, "sign(b.v)", 0.5), (BELT, "if b.v - 0.1*time > 0 then 1 else 0", 1 / 0.6), (RATCHET, "if b.v > 0 then 1 else 0", 0.5)])
+    (STATIC, "sign(b.v)", 0.5), (BELT, "if b.v - 0.1*time > 0 then 1 else 0", 1 / 0.6),
+    (RATCHET, "if b.v > 0 then 1 else 0", 0.5)])
 def test_others_know_what_is_held_on_its_level(scene: Write, holds: str, law: str, right: float) -> None:
     """For how long the block moves: the share of friction was counted while it sticks (1.25 s for 0.5)."""
     stop = "when b.v < 0 then reinit(b.v, 0); end when;" if holds == RATCHET else ""
@@ -143,7 +144,8 @@ def test_others_know_what_is_held_on_its_level(scene: Write, holds: str, law: st
 
 
 @pytest.mark.parametrize(("law", "sliding", "stuck"), [
-    ("work -0.2[N]*(if b.v > 0 then 1 else 0) on c.s;", -0.2, 0), ("work -0.2[N]*(if b.v >= 0 then 1 else 0) on c.s;", -0.2, -0.2),
+    ("work -0.2[N]*(if b.v > 0 then 1 else 0) on c.s;", -0.2, 0),
+    ("work -0.2[N]*(if b.v >= 0 then 1 else 0) on c.s;", -0.2, -0.2),
     ("work (if b.v > 0 then -0.2 elseif b.v < 0 then 0.3 else 0.1) on c.s;", -0.2, 0.1)])
 def test_forces_on_others_and_their_work_know_it_too(scene: Write, law: str, sliding: float, stuck: float) -> None:
     model = scene(f"""model Pushed  World world(gravity = {{0, 0}});  Block b(m = 1, base = world, v(start = 1));  {HOLDS}

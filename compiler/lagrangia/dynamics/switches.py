@@ -219,20 +219,24 @@ def find_switches(motion: Motion, late: ca.SX | None = None, bends: Sequence[ca.
     slopes, places = ca.SX.sym("du", motion.u.numel()), {pair: symbol(f"s_{k}") for k, pair in enumerate(found)}
     loose = _that_hold_nothing(known, found, places, rests, same, numbering) if not others else frozenset()
     rests, cones = _without_free(rests, cones, loose, sides)
-    sharing = [pair for pair, g in found.items() if pair not in loose and is_rate(motion.v, g)]
+    sharing = {pair: g for pair, g in found.items() if pair not in loose and is_rate(motion.v, g)}
     shares = frozenset(places[pair].__hash__() for pair in sharing)
-    groups = groups_of_rates(known) if shares and not others else ()
-    reach = {pair: groups_in(found[pair], motion.v, groups) for pair in sharing} if len(set(groups)) > 1 else {}
     edge = motion.impacts.edge if shares or motion.impacts.may_hold else _NONE
     values = ca.vertcat(ca.SX(0, 1), *found.values(), *_values_of_events(motion, slopes, edge))
     symbols = ca.vertcat(ca.SX(0, 1), *places.values(), ca.SX.sym("event", 2 * events.numel()), motion.impacts.forces)
-    lengths = sum(pair in signs for pair in found)
-    rates = _rates_of(values, motion, slopes)
-    switches = Switches(symbols, values, rates, slopes, places, shares, rests, cones, numbering, lengths=lengths, groups=groups,
-                        reach=reach)
-    at_level = _at_level(sides, {*found, *same}, same)
-    switches = _with_aliases(replace(switches, edge=edge, at_level=at_level), same, ca.veccat(known.h, *laws))
+    switches = Switches(symbols, values, _rates_of(values, motion, slopes), slopes, places, shares, rests, cones, numbering,
+                        lengths=sum(pair in signs for pair in found), edge=edge)
+    switches = replace(_with_reach(switches, known, {} if others else sharing), at_level=_at_level(sides, {*found, *same}, same))
+    switches = _with_aliases(switches, same, ca.veccat(known.h, *laws))
     return replace(switches, rubs=_find_rubs(motion, switches)) if motion.impacts.pressing else switches
+
+
+def _with_reach(switches: Switches, known: Motion, sharing: Mapping[Pair, Expression]) -> Switches:
+    """With the groups that forces hold together, if there are several."""
+    groups = groups_of_rates(known) if sharing else ()
+    if len(set(groups)) <= 1:
+        return switches
+    return replace(switches, groups=groups, reach={pair: groups_in(g, known.v, groups) for pair, g in sharing.items()})
 
 
 def _that_hold_nothing(known: Motion, found: Mapping[Pair, Expression], places: Mapping[Pair, Expression],
