@@ -157,3 +157,27 @@ def test_forces_on_others_and_their_work_know_it_too(scene: Write, law: str, sli
         assert abs(run.energy.residual[-1]) < 1e-9, solver
     table = model.simulate_many(parameters={"b.m": [1.0] * 9}, outputs=["c.s"], stop=2)
     assert [*table["c.s"]] == pytest.approx([x + 1.5 * v + 1.125 * stuck] * 9, abs=1e-7)
+
+
+@pytest.mark.parametrize(("law", "right"), [
+    ("b.v == 0 and c.v == 0", 1), ("b.v <> 0 or c.v <> 0", 1), ("b.v == 0 or c.v == 0", 1.5)])
+def test_two_that_stick_are_asked_about_together(scene: Write, law: str, right: float) -> None:
+    """Each by a friction of its own: they are no components of one slip, and were never found at rest together."""
+    model = scene(f"""model Both  World world(gravity = {{0, 0}});  Block b(m = 1, base = world, v(start = 1));  {HOLDS}
+      Block c(m = 1, base = world, v(start = 1));  DryFriction g(F = 1, rate = c.v);
+      Time y(start = 0);  equation der(y) = if {law} then 1 else 0; end Both;""")
+    for solver in ("auto", "erk9", "implicit"):
+        assert model.simulate(at=[0.0, 2.0], solver=solver)["y"][-1] == pytest.approx(right, abs=1e-7), solver
+
+
+def test_forces_of_loops_know_what_is_held_elsewhere(scene: Write) -> None:
+    """A torque on the crank that asks for the rate of a block which sticks is as one for ever, and so are the reactions."""
+    text = """model Loop  World world(gravity = {0, -9.81});
+      Block b(m = 1, base = world, v(start = 1));  DryFriction f(F = 2, rate = b.v);
+      Revolute O(a = world, phi(start = 40[deg], fixed = true)), A(a = crank.b), B(a = coupler.b, b = rocker.b),
+               C(a = shift(world, {1, 0}), phi(start = 75[deg]));
+      Bar crank(m = 1, L = 0.4, a = O.b), coupler(m = 2, L = 1, a = A.b), rocker(m = 1.5, L = 0.8, a = C.b);
+      output Force x = B.reaction[1], y = C.reaction[2];  energy work -3[N.m]*(if %s then 1 else 0) on O.phi; end Loop;"""
+    asked, always = (scene(text % law).simulate(at=[0.0, 1.0, 2.0], tolerance=1e-9) for law in ("b.v >= 0", "time >= 0"))
+    for name in ("O.phi", "x", "y"):
+        assert asked[name] == pytest.approx(always[name], rel=1e-6), name

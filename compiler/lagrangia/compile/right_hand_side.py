@@ -8,10 +8,11 @@ from lagrangia.frames.kinematics import Kinematics
 
 
 def right_hand_side(kinematics: Kinematics, motion: Motion, switches: Switches, acceleration: ca.SX, source: ca.SX,
-                    *others: ca.SX) -> list[ca.SX]:
-    """Accelerations (n,), power as of `power_of`, and others; `source`: the power put in where accelerations are these."""
-    a, power, *others_held = switches.hold_rows([acceleration, power_of(motion, source), *others])
-    return [a, switches.hold_power(power, motion.inertial, kept_rates(kinematics, motion.v)), *others_held]
+                    *multipliers: ca.SX) -> list[ca.SX]:
+    """Accelerations (n,), power as of `power_of`, and multipliers, if given; `source`: the power put in where these are so."""
+    rows = motion.constrained.rows.rate if multipliers and motion.constrained is not None else None
+    a, power, *held = switches.hold_rows([acceleration, power_of(motion, source), *multipliers], rows, motion.v)
+    return [a, switches.hold_power(power, motion.inertial, kept_rates(kinematics, motion.v)), *held]
 
 
 def power_of(motion: Motion, source: ca.SX) -> ca.SX:

@@ -60,7 +60,6 @@ class Finding:
 
     def note(self, op: int, numbers: list[int], operands: list[Expression]) -> None:
         """Of an instruction."""
-        self._note_both(op, numbers)
         if op == ca.OP_SQRT and components_of(self.numbering, number := self.numbering.of(op, numbers)):
             self.squares[number] = operands[0]
         for direction in self.directions.found(op, numbers):
@@ -97,12 +96,6 @@ class Finding:
             return
         if self._moves(g):
             self.found[pair] = g
-
-    def _note_both(self, op: int, numbers: list[int]) -> None:
-        keys = [self.numbering.keys[k] for k in numbers]
-        if op == ca.OP_MUL and all(key[0] == ca.OP_EQ for key in keys):
-            a, b = (ordered(int(key[1]), int(key[2])) for key in keys)
-            self.both[a, b] = None
 
     def _note_compared(self, op: int, numbers: list[int]) -> None:
         pair = pair_of(self.numbering, op, numbers) if op in (*RELATIONS, *SIGNS) else None

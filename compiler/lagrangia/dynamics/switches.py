@@ -76,33 +76,41 @@ class Switches:
     edge: ca.SX = field(default_factory=lambda: ca.SX(0, 1))  # (0 or 1,): what conditions of events that may be held have beside
     groups: tuple[int, ...] = ()  # of rates, where there are several: those of one are accelerated together
     reach: "dict[Pair, frozenset[int]]" = field(default_factory=dict)  # of shares: the groups of the rates that they hold
+    halves: frozenset[Pair] = frozenset()  # those that are no shares and 0.5 on their level
 
     def hold(self, expressions: Sequence[ca.SX]) -> list[ca.SX]:
         """The same with the symbols in place of what they stand for."""
         if not self.places:
             return list(expressions)
         holding = Holding(self.places | self.aliases, self.shares, self.rests | self.rest_aliases, self.numbering, self.nothing,
-                          self._halves)
+                          self.halves)
         return rebuilt(expressions, self.numbering, holding.made)
 
-    def hold_rows(self, expressions: Sequence[ca.SX]) -> list[ca.SX]:
-        """The same, of which the first is a row for each rate."""
+    def hold_rows(self, expressions: Sequence[ca.SX], rows: ca.SX | None = None, v: ca.SX | None = None) -> list[ca.SX]:
+        """The same, of which the first is a row for each rate, and the last one for each of `rows`, made of the rates v."""
         held = self.hold(expressions)
-        return [self._apart(expressions[0], held[0]), *held[1:]] if self.reach else held
+        if not self.reach:
+            return held
+        held[0] = self._apart(expressions[0], held[0], self.groups)
+        if rows is not None and v is not None:
+            groups = [next((self.groups[k] for k in found), -1) for found in places_in(rows, v)]
+            held[-1] = self._apart(expressions[-1], held[-1], groups)
+        return held
 
     def hold_power(self, power: ca.SX, forces: Later[ca.SX], rates: ca.SX) -> ca.SX:
         """Held power, taken out and put in by forces (n,) against `rates`, with their rows as they are held."""
         if not self.reach or not power.numel():
             return power
         (held,) = self.hold([forces.value])
-        return power + ca.vertcat(0, ca.dot(rates, held - self._apart(forces.value, held)))
+        return power + ca.vertcat(0, ca.dot(rates, held - self._apart(forces.value, held, self.groups)))
 
-    def _apart(self, rows: ca.SX, held: ca.SX) -> ca.SX:
-        """Held rows, one of each rate: a rate that forces on others hold is on its level there, where its switch is no share."""
+    def _apart(self, rows: ca.SX, held: ca.SX, groups: Sequence[int]) -> ca.SX:
+        """Held rows, each of a group of rates: a rate that forces on others hold is on its level there, where its switch is no
+        share."""
         shares, found = list(self.reach), dict[int, ca.SX]()
         told = places_in(held, ca.vertcat(*(self.places[pair] for pair in shares)))
         apart = [frozenset(shares[k] for k in own if group not in self.reach[shares[k]])
-                 for group, own in zip(self.groups, told, strict=True)]
+                 for group, own in zip(groups, told, strict=True)]
         for pairs in dict.fromkeys(x for x in apart if x):
             own = [row for row, x in enumerate(apart) if x == pairs]
             found |= zip(own, ca.vertsplit(self._on_level(ca.densify(rows)[own], pairs)), strict=True)
@@ -112,28 +120,22 @@ class Switches:
         """Held, and both sides of these equal while something holds them so."""
         held, symbols = self.rests | self.rest_aliases, ca.vertcat(*(self.places[pair] for pair in pairs))
         levels = {pair: symbol("level") for pair in pairs}
-        others = {pair for pair, x in self.aliases.items() if ca.depends_on(x, symbols)} | pairs
-        aliases = ca.substitute([*self.aliases.values()], [symbols], [ca.vertcat(*levels.values())]) if self.aliases else []
-        places = self.places | levels | dict(zip(self.aliases, map(as_expression, aliases), strict=True))
-        rests = {pair: x for pair, x in held.items() if pair not in others or not x.is_constant()}
         own = frozenset(self.places[pair].__hash__() for pair in pairs)
-        holding = Holding(places, self.shares - own, rests, self.numbering, self.nothing, self._halves | others)
+        shapes = {pair: x for pair, x in self.aliases.items() if not own.isdisjoint(symbols_in(x))}
+        on_levels = ca.substitute([*shapes.values()], [symbols], [ca.vertcat(*levels.values())]) if shapes else []
+        places = self.places | levels | self.aliases | dict(zip(shapes, map(as_expression, on_levels), strict=True))
+        others = pairs | shapes.keys()
+        rests = {pair: x for pair, x in held.items() if pair not in others or not x.is_constant()}
+        holding = Holding(places, self.shares - own, rests, self.numbering, self.nothing, self.halves | others)
         (made,) = rebuilt([rows], self.numbering, holding.made)
         is_held = [self.rests[pair] if pair in self.rests else s * (1 - s)
                    for pair, s in zip(pairs, ca.vertsplit(symbols), strict=True)]
         values = [ca.if_else(x, 0.5, s) for x, s in zip(is_held, ca.vertsplit(symbols), strict=True)]
         return ca.substitute(made, ca.vertcat(*levels.values()), ca.vertcat(*values))
 
-    @property
-    def _halves(self) -> frozenset[Pair]:
-        return frozenset(pair for pair, side in self.at_level.items() if side in (HALF, OF_WHOLE) and not self._is_share(pair))
-
     def rates_of(self, x: ca.SX, motion: Motion) -> ca.SX:
         """Along the motion, while all is held."""
         return _rates_of(x, motion, self.slopes)
-
-    def _is_share(self, pair: Pair) -> bool:
-        return not self.shares.isdisjoint(symbols_in((self.places | self.aliases)[pair]))
 
     @property
     def rest_symbols(self) -> ca.SX:
@@ -314,8 +316,10 @@ def _with_aliases(switches: Switches, same: Same, forces: ca.SX) -> Switches:
     holding = Holding(places | aliases, switches.shares, rests | held, numbering, nothing)
     moot = _moot_rests(forces, holding, switches.cones)
     held = {pair: same[pair].rests(moot.get(x, x), places) for pair, x in held.items()}
+    halves = frozenset(pair for pair, side in switches.at_level.items()
+                       if side in (HALF, OF_WHOLE) and switches.shares.isdisjoint(symbols_in(holding.places[pair])))
     return replace(switches, rests={pair: x for pair, x in rests.items() if x not in moot}, aliases=aliases, nothing=nothing,
-                   rest_aliases=held | {pair: moot[x] for pair, x in rests.items() if x in moot})
+                   halves=halves, rest_aliases=held | {pair: moot[x] for pair, x in rests.items() if x in moot})
 
 
 def _values_of_events(motion: Motion, slopes: ca.SX, edge: ca.SX) -> list[ca.SX]:
