@@ -1,5 +1,6 @@
 """Places and states that stand on a level of a condition in a force: nothing moves them to a side of it."""
 
+import re
 from collections.abc import Callable
 
 import pytest
@@ -170,14 +171,17 @@ def test_equalities_with_corners(law: str, forces: tuple[float, float, float], s
     ("max(x, 0) == 0", 1, 0), ("min(x, 0) == 0", 0, 1), ("max(x, 0)^2 > 0", 0, 1), ("max(x, 0) == x", 0, 1),
     ("abs(x) == x", 0, 1), ("min(max(x, 0), 0.1) == 0", 1, 0)])
 def test_equalities_with_corners_of_what_passes(law: str, below: float, above: float, scene: Write) -> None:
-    """A rate, a state and a place that go through 0 at 1 s; max(x, 0)^2 > 0 of a rate that sinks acted all the time."""
-    moves = {"a.v/1[m/s]": "Block a(m = 1, base = world, v(start = {0})); energy work -({0})*1[N] on a.s;",
-             "y": "Real y(start = {0}); equation der(y) = -({0})*1[1/s];",
-             "a.s/1[m]": "Block a(m = 1, base = world, s(start = {0}), v(start = -({0})));"}
-    for x, move in moves.items():
-        for start, parts in ((0.4, (above, below)), (-0.4, (below, above))):
-            model = scene(f"""model M World world(gravity = {{0, 0}}); Block c(m = 1, base = world, v(start = 1)); Real x = {x};
-                energy work -0.3*(if {law} then 1 else 0)*1[N] on c.s; {move.format(start)} end M;""")
-            for solver in SOLVERS:
-                found = model.simulate(at=[2.0], solver=solver, tolerance=1e-8)["c.s"][0]
-                assert found == pytest.approx(2 - 0.45 * parts[0] - 0.15 * parts[1], abs=1e-7), (x, start, solver)
+    """Rates and states that go through 0 at 1 s, both ways; max(x, 0)^2 > 0 of a rate that sinks acted all the time."""
+    movers = {"a.v/1[m/s]": 0.4, "b.v/1[m/s]": -0.4, "y": 0.4, "z": -0.4}
+    pushed = [re.sub(r"\bx\b", x, law) for x in movers]
+    model = scene(f"""model M World world(gravity = {{0, 0}}); Block c[4](each m = 1, each base = world, each v(start = 1));
+        Block a(m = 1, base = world, v(start = 0.4)), b(m = 1, base = world, v(start = -0.4));
+        Real y(start = 0.4), z(start = -0.4);
+        energy work -0.4[N] on a.s; work 0.4[N] on b.s;
+        {"".join(f"work -0.3[N]*(if {x} then 1 else 0) on c[{k + 1}].s;" for k, x in enumerate(pushed))}
+        equation der(y) = -0.4[1/s]; der(z) = 0.4[1/s]; end M;""")
+    for solver in SOLVERS:
+        found = model.simulate(at=[2.0], solver=solver, tolerance=1e-8)
+        for k, (x, start) in enumerate(movers.items()):
+            early, late = (above, below) if start > 0 else (below, above)
+            assert found[f"c[{k + 1}].s"][0] == pytest.approx(2 - 0.45 * early - 0.15 * late, abs=1e-7), (x, solver)
