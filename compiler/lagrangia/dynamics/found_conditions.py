@@ -46,7 +46,7 @@ class Finding:
     driven: frozenset[int]  # of those that go their way whatever moves
     found: dict[Pair, Expression] = field(default_factory=dict)
     asked: list[tuple[Pair, ...]] = field(default_factory=list)
-    both: dict[tuple[Pair, Pair], None] = field(default_factory=dict)
+    both: dict[tuple[Pair, Pair], bool] = field(default_factory=dict)  # whether these are the components of a direction
     equalities: dict[Pair, Expression] = field(default_factory=dict)
     equal: dict[Pair, bool] = field(default_factory=dict)  # which may be equal for a while: how these are compared
     either: set[Pair] = field(default_factory=set)  # the same, of which so far only the larger or the smaller is asked for
@@ -60,6 +60,7 @@ class Finding:
 
     def note(self, op: int, numbers: list[int], operands: list[Expression]) -> None:
         """Of an instruction."""
+        self._note_both(op, numbers)
         if op == ca.OP_SQRT and components_of(self.numbering, number := self.numbering.of(op, numbers)):
             self.squares[number] = operands[0]
         for direction in self.directions.found(op, numbers):
@@ -96,6 +97,12 @@ class Finding:
             return
         if self._moves(g):
             self.found[pair] = g
+
+    def _note_both(self, op: int, numbers: list[int]) -> None:
+        keys = [self.numbering.keys[k] for k in numbers]
+        if op == ca.OP_MUL and all(key[0] == ca.OP_EQ for key in keys):
+            a, b = (ordered(int(key[1]), int(key[2])) for key in keys)
+            self.both.setdefault((a, b), False)
 
     def _note_compared(self, op: int, numbers: list[int]) -> None:
         pair = pair_of(self.numbering, op, numbers) if op in (*RELATIONS, *SIGNS) else None
@@ -180,7 +187,7 @@ class Finding:
         for pair, number, x in zip((a, b), numbers, components, strict=True):
             self.found.setdefault(pair, x if pair[0] == number else as_expression(-x))
         self.asked += [(a,), (b,)]
-        self.both[a, b] = None
+        self.both[a, b] = True
 
 
 def finding_in(movers: ca.SX, v: ca.SX, numbering: Numbering, known: tuple[ca.SX, ca.SX, ca.SX]) -> Finding:
@@ -222,7 +229,7 @@ def conditions_in(forces: Sequence[ca.SX], movers: ca.SX, v: ca.SX, numbering: N
     for pair in equal.union(inside.keys() - rates.keys(), free(rates) if rates and free is not None else ()):
         finding.sides.setdefault(pair, set()).add(HALF)
     found = _without_unused(forces, found, rests, numbering, equal) if rests or equal else found
-    return found, rests, tuple(cone for cone in finding.both if all(pair in rests for pair in cone)), finding.sides
+    return found, rests, _cones(v, found, rests, finding.both), finding.sides
 
 
 def only_jumps(x: Expression, moving: ca.SX) -> bool:
@@ -233,6 +240,14 @@ def only_jumps(x: Expression, moving: ca.SX) -> bool:
 def is_rate(v: ca.SX, g: Expression) -> bool:
     """Whether it changes with velocities."""
     return not symbols_in(v).isdisjoint(symbols_in(g))
+
+
+def _cones(v: ca.SX, found: Mapping[Pair, Expression], rests: Mapping[Pair, Expression], both: Mapping[tuple[Pair, Pair], bool]
+           ) -> tuple[tuple[Pair, Pair], ...]:
+    """Of what is asked about together, components of one slip: rates of their own are none, unless they stand in a direction."""
+    known, moving = [cone for cone in both if all(pair in rests for pair in cone)], symbols_in(v)
+    return tuple((a, b) for a, b in known
+                 if both[a, b] or not moving.isdisjoint(symbols_in(found[a]) & symbols_in(found[b])))
 
 
 def _rests(v: ca.SX, found: Mapping[Pair, Expression], asked: Sequence[Sequence[Pair]]) -> dict[Pair, Expression]:
