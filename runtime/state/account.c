@@ -209,7 +209,12 @@ static int is_unexplained(LagRun *run, double t, const double *y, double miss)
     if (miss > explained(run))
         run->statistics.energy_stored = lag_max(energy_of_rates(run, t, y), run->statistics.energy_stored);
     const double left = miss - explained(run);
-    return left > DOUBTS * run->blurred_energy && left > NOISES * rounding_of(run, t, y) && left > NOISES * rounding_of_loads(run, t, y);
+    if (left <= 0)
+        return 0;
+    if (left > DOUBTS * run->blurred_energy && left > NOISES * rounding_of(run, t, y) && left > NOISES * rounding_of_loads(run, t, y))
+        return 1;
+    run->statistics.energy_rounding = lag_max(miss, run->statistics.energy_rounding);
+    return 0;
 }
 
 /* The account is open from the first row on at which the largest miss is more than what explains it, unless that comes to do so. */

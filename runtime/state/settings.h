@@ -51,6 +51,7 @@ typedef struct {
     double energy_risen;    /* largest H - H(0) seen */
     double energy_given;    /* largest work - dissipated seen: what H could rise by */
     double energy_open;     /* time of the first row from which on the account misses by more than the tolerance explains */
+    double energy_rounding; /* largest miss that is explained by rounding, not by the tolerance */
     double unsure_time;     /* of the first row of which an output is not known: rounding decides it */
     double jam_time;        /* of the first impulse without a collision: friction pressed further what slid, and no force held it */
     double constraint_residual;      /* largest |Phi| in rows */

@@ -125,6 +125,7 @@ class Statistics:
     unsure_output: int = 0
     unsure_time: float = 0.0
     energy_open: float = 0.0
+    energy_rounding: float = 0.0
     energy_is_open: bool = False
     steps_by: tuple[int, ...] = ()  # of them all, those of each solver, by its number
     choice: Choice = field(default_factory=Choice)  # the row that decided last which solver goes on
@@ -193,6 +194,7 @@ class _Statistics(c.Structure):
         ("energy_risen", c.c_double),
         ("energy_given", c.c_double),
         ("energy_open", c.c_double),
+        ("energy_rounding", c.c_double),
         ("unsure_time", c.c_double),
         ("jam_time", c.c_double),
         ("constraint_residual", c.c_double),

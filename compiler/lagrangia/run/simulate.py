@@ -427,12 +427,12 @@ def _rises_from_nothing(progress: Progress) -> bool:
 
 
 def _missed_energy(progress: Progress) -> float:
-    """By how much the energy account misses, relative; 0 for short runs, unless that is DOUBTFUL and no rounding. CasADi's
-    integrators do not tell their steps."""
-    statistics = progress.statistics
-    if statistics is None or not 0 < statistics.energy_size < math.inf:
+    """By how much the energy account misses, relative; 0 where rounding explains it, and for short runs, unless that is
+    DOUBTFUL and more than LITTLE. CasADi's integrators do not tell their steps."""
+    s = progress.statistics
+    if s is None or not 0 < s.energy_size < math.inf or s.energy_residual <= s.energy_rounding:
         return 0.0
-    missed = statistics.energy_residual / statistics.energy_size
-    is_long = (statistics.steps or progress.rows) > _MANY_STEPS
-    return missed if is_long or (missed > DOUBTFUL and statistics.energy_residual > _LITTLE) else 0.0
+    missed = s.energy_residual / s.energy_size
+    is_long = (s.steps or progress.rows) > _MANY_STEPS
+    return missed if is_long or (missed > DOUBTFUL and s.energy_residual > _LITTLE) else 0.0
 
