@@ -195,6 +195,14 @@ def symbols_in(x: ca.SX) -> frozenset[int]:
     return frozenset(map(ca.SX.element_hash, ca.symvar(x)))
 
 
+def places_in(x: ca.SX, symbols: ca.SX) -> list[set[int]]:
+    """Of each row, the places of the symbols that it depends on."""
+    found = [set[int]() for _ in range(x.numel())]
+    for row, column in zip(*ca.jacobian_sparsity(ca.densify(x), symbols).get_triplet(), strict=True):
+        found[row].add(column)
+    return found
+
+
 def apply(operation: int, a: Any, b: Any) -> Any:
     """One of CasADi's OP_... of two operands."""
     if a.__class__ is not Expression:

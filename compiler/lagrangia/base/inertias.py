@@ -15,7 +15,7 @@ def principal(own: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np
 
 
 def are_of_a_body(own: Sequence[float]) -> bool:
-    """Whether three moments, or nine entries of a symmetric matrix, surely are no such: of plain numbers, without principal axes.
+    """Whether three moments, or nine entries of a symmetric matrix, surely are those of some body, without principal axes.
 
     No moment is more than the other two together where half the trace, less the matrix, is negative along no axis (Sylvester).
     """

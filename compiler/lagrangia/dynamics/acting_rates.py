@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 import casadi as ca
 
 from lagrangia.algebra.numbering import Numbering, rebuilt
-from lagrangia.algebra.scalars import Expression, symbols_in
+from lagrangia.algebra.scalars import Expression, places_in, symbols_in
 from lagrangia.dynamics.driven_conditions import Pair
 from lagrangia.dynamics.held_switches import Holding
 from lagrangia.dynamics.motion import Motion
@@ -75,11 +75,3 @@ def _felt(motion: Motion) -> set[int]:
         found = found.union(*places_in(held.rows.rate, motion.v))
     pressing = set[int]().union(*places_in(values, motion.impacts.forces))
     return found.union(*(contact for k, contact in enumerate(_contacts(motion)) if k in pressing))
-
-
-def places_in(x: ca.SX, symbols: ca.SX) -> list[set[int]]:
-    """Of each row, the places of the symbols that it depends on."""
-    found = [set[int]() for _ in range(x.numel())]
-    for row, column in zip(*ca.jacobian_sparsity(ca.densify(x), symbols).get_triplet(), strict=True):
-        found[row].add(column)
-    return found

@@ -20,11 +20,11 @@ from types import MappingProxyType
 import casadi as ca
 
 from lagrangia.algebra.numbering import Numbering, rebuilt
-from lagrangia.algebra.scalars import Expression, as_expression, symbol, symbols_in
+from lagrangia.algebra.scalars import Expression, as_expression, places_in, symbol, symbols_in
 from lagrangia.algebra.with_casadi import CORNERS, operations_in
 from lagrangia.base.later import Later
 from lagrangia.base.records import dataclass
-from lagrangia.dynamics.acting_rates import groups_in, groups_of_rates, places_in, that_may_hold
+from lagrangia.dynamics.acting_rates import groups_in, groups_of_rates, that_may_hold
 from lagrangia.dynamics.driven_conditions import Pair, driven_conditions, is_of_one_side, sides_of
 from lagrangia.dynamics.found_conditions import Finding, conditions_in, finding_in, is_rate, only_jumps
 from lagrangia.dynamics.held_switches import (

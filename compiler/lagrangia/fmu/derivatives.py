@@ -19,6 +19,7 @@ from itertools import accumulate, pairwise
 
 import casadi as ca
 
+from lagrangia.algebra.scalars import places_in
 from lagrangia.compile.functions import state_space
 from lagrangia.compile.instructions import tape_of
 from lagrangia.compile.pipeline import Compilation
@@ -166,11 +167,4 @@ def _product(unknowns: ca.SX, x: ca.SX, seed: ca.SX, transposed: bool) -> ca.SX:
 
 
 def _rows(unknowns: ca.SX, knowns: ca.SX) -> tuple[tuple[int, ...], ...]:
-    count = int(unknowns.numel())
-    if count == 0 or knowns.numel() == 0:
-        return ((),) * count
-    sparsity = ca.jacobian_sparsity(unknowns, knowns)
-    rows: list[list[int]] = [[] for _ in range(count)]
-    for row, column in zip(*sparsity.get_triplet(), strict=True):
-        rows[row].append(column)
-    return tuple(tuple(sorted(row)) for row in rows)
+    return tuple(tuple(sorted(row)) for row in places_in(unknowns, knowns))
