@@ -223,7 +223,7 @@ class ClosedTree:
             found = ca.ldl_solve(ca.densify(column(*[gaps[row] for row in self.last])), *self._factors)
             for row, value in zip(self.last, scalars_in(ca.densify(found)), strict=True):
                 multipliers[row] = value
-        return self._root_to_leaf(gaps, left, multipliers), multipliers
+        return self._root_to_leaf(gaps, left, multipliers, acting), multipliers
 
     def rates(self, x: Sequence[Scalar]) -> Vector:
         """J x, (m,): what the wrenches feel of the bodies' motion where the coordinates have the rates x."""
@@ -262,9 +262,14 @@ class ClosedTree:
                 loads[parent] = added(loads[parent], self.carriers[k].wrench_to_parent(p))
         return left
 
-    def _root_to_leaf(self, gaps: Vector, left: Mapping[int, Scalar], multipliers: Vector) -> Vector:
+    def _alone(self, acting: Granted | None) -> Vector:
+        """Of coordinates that no carrier has, (n,), which are of inertia 1; 0 of the others."""
+        carried = {index for carrier in self.carriers for index, _ in carrier.directions}
+        return [0.0 if acting is None or k in carried else acting.r[k] for k in range(self.size)]
+
+    def _root_to_leaf(self, gaps: Vector, left: Mapping[int, Scalar], multipliers: Vector, acting: Granted | None) -> Vector:
         """The accelerations; the multipliers are added."""
-        found: Vector = [0.0] * self.size
+        found = self._alone(acting)
         twists: list[Vector] = []
         for k, carrier in enumerate(self.carriers):
             A = carrier.twist_to_child(twists[carrier.parent]) if carrier.parent is not None else [0.0] * self.span

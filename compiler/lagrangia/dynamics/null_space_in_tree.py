@@ -58,6 +58,12 @@ class NullSpaceInTree(NullSpace):
         return self.tree.bodies.carriers()
 
     @cached_property
+    def _uncarried(self) -> list[int]:
+        """The places of coordinates that move no body, as those whose rates are first-order states."""
+        moved = {index for carrier in self._carriers for index, _ in carrier.directions}
+        return [j for j, k in enumerate(self.tree.chosen) if k not in moved]
+
+    @cached_property
     def _partial(self) -> list[list[Vector]]:
         """The twists t_i of all carriers, for each independent coordinate."""
         return [twists_of(self._carriers, self._by_places(self._motions[:, j])) for j in range(self._motions.size2())]
@@ -65,13 +71,14 @@ class NullSpaceInTree(NullSpace):
     @cached_property
     def _factors(self) -> tuple[ca.SX, ca.SX, list[int]]:
         """Of N^T M N, (d, d)."""
-        d = len(self._partial)
-        mass = ca.SX(d, d)
+        uncarried = self._uncarried
+        motions = self._motions[uncarried, :]
+        mass = motions.T @ self.M[uncarried, uncarried] @ motions
         for j, twists in enumerate(self._partial):
             momenta = self._momenta_of(twists)
             for i in range(j + 1):
                 if not is_zero(value := _power(self._partial[i], momenta)):
-                    mass[i, j] = mass[j, i] = value
+                    mass[i, j] = mass[j, i] = mass[i, j] + value
         return tuple(ca.ldl(mass, True))
 
     def _momenta_of(self, twists: Sequence[Vector]) -> list[Vector]:

@@ -6,6 +6,7 @@ da = P z' + Tz z + Tx x, where x and z are entries of dq and dv. Virtual motion 
     M' z' + C' z + K' x = -P^T (E0 s + E1 s' + E2 s''),   M' = P^T M P, C' = P^T (C P + M Tz), K' = P^T (C S + K N + M Tx)
 
 with M, C, K as in linearization.py. Of a wheel that rolls forward, x' is not z alone: a small turn aside makes it leave its line.
+First-order states are among z; nothing depends on the coordinates whose rates they are.
 """
 
 from dataclasses import replace
@@ -28,6 +29,7 @@ from lagrangia.study.linearization import (
     lengths_of_rows,
     observation,
     pivots,
+    with_signals,
 )
 from lagrangia.study.moved import Held, Moment, State, Study
 from lagrangia.study.small_motion import SmallMotion
@@ -130,10 +132,8 @@ def moving_linearization(parts: TangentParts, held: Held, given: Given, a: Matri
 
 def about_motion(study: Study, e: SmallMotion, state: State, pace: float) -> Linearization:
     """About q, v and, behind the multipliers, forces of contacts and shares of friction. Time goes on: supports that move have
-    their rates and accelerations; where it matters, `pace` is 0 and the motion not steady. Raises LagError L0916, RunError."""
-    if study.scene.flowing:
-        fail("L0916", "not supported yet: first-order states in small motion of a scene that moves while constraints hold it",
-             study.c.flat.span, "linearise about the equilibrium found from there: --about equilibrium")
+    their rates and accelerations; where it matters, `pace` is 0 and the motion not steady. Raises LagError L0916 where a support
+    is what excites, RunError."""
     centred, place, choice = _centred(study, e, state, pace)
     here = _at(centred, e, place, choice).linear
     size = _STEADY * float(np.abs(here.A).max(initial=1e-300))
@@ -146,16 +146,21 @@ def about_motion(study: Study, e: SmallMotion, state: State, pace: float) -> Lin
     word = ("the motion there is steady: free rates stay as they are" if is_steady else "the motion there is not steady: the "
             "matrices are of that moment, and eigenvalues do not tell whether it is stable")
     seen = (_SEEN,) if study.turned.names else ()
-    return replace(here, notes=(*here.notes, word, *seen))
+    return _told(study, here, word, *seen)
 
 
 def in_turning_axes(study: Study, e: SmallMotion, state: State, pace: float) -> Linearization | None:
     """About q, v and the rest, as `about_motion`, where the motion is steady in axes that turn with it; else None."""
-    if pace == 0.0 or e.is_timed or study.scene.flowing or not state[1].any():
+    if pace == 0.0 or e.is_timed or not state[1].any():
         return None
     centred, place, choice = _centred(study, e, state, pace)
     found = TurningAxes(centred, e, place, lambda other, there: _at(other, e, there, choice)).found()
-    return None if found is None else replace(found, notes=(*found.notes, _TURNS))
+    return None if found is None else _told(study, found, _TURNS)
+
+
+def _told(study: Study, linear: Linearization, *notes: str) -> Linearization:
+    """With these notes, and first-order states by their names."""
+    return with_signals(replace(linear, notes=(*linear.notes, *notes)), study.scene.signals)
 
 
 def _centred(study: Study, e: SmallMotion, state: State, pace: float) -> tuple[Study, State, Choice]:

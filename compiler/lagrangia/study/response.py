@@ -126,7 +126,7 @@ def transfer(linear: Linearization, omega: float) -> NDArray[np.complex128]:
         w[row, k] = s**order
     force = sum(F * s**k for k, F in enumerate(linear.F))
     try:
-        if t.W.shape[1] == t.M.shape[0] == len(linear.coordinates) and not linear.has_signals:
+        if t.W.shape[1] == t.M.shape[0] == len(linear.coordinates) and not (linear.has_signals or linear.free_rates):
             x = np.linalg.solve(s * s * t.M + s * t.C + t.K, force)
             z = np.vstack([x, s * x])
         else:
