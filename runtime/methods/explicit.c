@@ -23,8 +23,8 @@
 
 const LagTableau lag_dop853_tableau = {LAG_DOP853_STAGES, LAG_DOP853_ALL_STAGES, LAG_DOP853_DENSE_ROWS, lag_dop853_node,
                                         lag_dop853_stage, &lag_dop853_error5, &lag_dop853_error3, lag_dop853_dense, 0, 1};
-static const LagTableau TSIT5 = {LAG_TSIT5_STAGES, LAG_TSIT5_STAGES + 1, LAG_TSIT5_DENSE_ROWS, lag_tsit5_node,
-                                 lag_tsit5_stage, &lag_tsit5_error, NULL, lag_tsit5_dense, 1, 2};
+const LagTableau lag_tsit5_tableau = {LAG_TSIT5_STAGES, LAG_TSIT5_STAGES + 1, LAG_TSIT5_DENSE_ROWS, lag_tsit5_node,
+                                       lag_tsit5_stage, &lag_tsit5_error, NULL, lag_tsit5_dense, 1, 2};
 const LagTableau lag_verner9_tableau = {LAG_VERNER9_STAGES, LAG_VERNER9_STAGES + 1, 0, lag_verner9_node,
                                    lag_verner9_stage, &lag_verner9_error, NULL, NULL, 0, 0.6};
 enum { LONG = 16 }; /* coordinates from which on lanes pay, where numbers were written a moment ago */
@@ -41,7 +41,7 @@ static void layout(LagExplicit *s, const LagTableau *tableau, const LagMotion *m
 
 static void layout_dop853(void *self, const LagMotion *m, LagArena *arena) { layout(self, &lag_dop853_tableau, m, arena); }
 
-static void layout_tsit5(void *self, const LagMotion *m, LagArena *arena) { layout(self, &TSIT5, m, arena); }
+static void layout_tsit5(void *self, const LagMotion *m, LagArena *arena) { layout(self, &lag_tsit5_tableau, m, arena); }
 
 static void layout_verner9(void *self, const LagMotion *m, LagArena *arena) { layout(self, &lag_verner9_tableau, m, arena); }
 
@@ -248,7 +248,7 @@ static double attempt_dop853(void *self, LagMotion *m, double t_new, const LagSc
 
 static double attempt_tsit5(void *self, LagMotion *m, double t_new, const LagScale *scale, int *worst)
 {
-    return attempt(self, m, &TSIT5, t_new, scale, worst);
+    return attempt(self, m, &lag_tsit5_tableau, t_new, scale, worst);
 }
 
 static double attempt_verner9(void *self, LagMotion *m, double t_new, const LagScale *scale, int *worst)

@@ -35,7 +35,7 @@ typedef struct {
     int has_other_stages;    /* those of a shorter step, which looked into the latest one */
 } LagExplicit;
 
-extern const LagTableau lag_verner9_tableau, lag_dop853_tableau;
+extern const LagTableau lag_verner9_tableau, lag_dop853_tableau, lag_tsit5_tableau;
 
 extern const LagMethod lag_verner9; /* Verner 9(8) */
 extern const LagMethod lag_dop853; /* Dormand-Prince 8(5,3) */

@@ -23,7 +23,7 @@ static const double LEAVES = 1e9; /* steps in vain of a motion that is left to o
 int lag_wide_explicit_serves(const LagModel *model)
 {
     const int other_modes = model->n_modes - 4 * model->n_attitudes; /* than references */
-    const int happens = model->n_switches + model->n_resets + model->n_cones + model->n_delays + other_modes;
+    const int happens = model->n_looks + model->n_switches + model->n_resets + model->n_cones + model->n_delays + other_modes;
     const int is_other = model->n_islands + model->n_multipliers;
     return happens + is_other == 0 && (model->wide_each || lag_usual_rhs(model)->tape) && model->n > 0;
 }
@@ -60,6 +60,11 @@ static void layout_dop853(void *self, const LagRun *like, LagArena *arena)
     layout(self, &lag_dop853_tableau, lag_dop853.order, like, arena);
 }
 
+static void layout_tsit5(void *self, const LagRun *like, LagArena *arena)
+{
+    layout(self, &lag_tsit5_tableau, lag_tsit5.order, like, arena);
+}
+
 /* -------- motions come and go */
 
 static void enter(void *self, int lane, LagRun *run)
@@ -88,9 +93,7 @@ static int load(void *self, int lane, LagRun *run)
     LagWideExplicit *s = self;
     const LagMotion *m = &run->motion;
     const int is_at_rest = run->scale.is_resting || run->rests || m->strength > 0 || !(m->t > m->t_old);
-    if (run->methods.self != &run->methods.dop853 && run->methods.self != &run->methods.verner9)
-        return 0;
-    if (is_at_rest || run->stiffness.passes > 0)
+    if (run->methods.solver != s->lanes.solver || is_at_rest || run->stiffness.passes > 0)
         return 0;
     lag_wide_steps_load(&s->lanes, lane, run);
     s->run[lane] = run;
@@ -360,8 +363,8 @@ static void step(void *self)
         stage(s, i);
     for (int lane = 0; lane < LAG_ABREAST; lane += LAG_WIDE)
         finish(s, lane);
-    estimate(s);
     evaluate_at(s, s->lanes.next, s->lanes.made, s->k[stages]);
+    estimate(s);
     for (int lane = 0; lane < LAG_ABREAST; lane += LAG_WIDE)
         judge(s, lane);
     for (int lane = 0; lane < LAG_ABREAST; ++lane) {
@@ -374,3 +377,4 @@ static void step(void *self)
 
 const LagWideMethod lag_wide_verner9 = {LAG_SOLVER_ERK9, layout_verner9, load, NULL, NULL, enter, show, step, 1};
 const LagWideMethod lag_wide_dop853 = {LAG_SOLVER_ERK, layout_dop853, load, NULL, NULL, enter, show, step, 0};
+const LagWideMethod lag_wide_tsit5 = {LAG_SOLVER_ERK5, layout_tsit5, load, NULL, NULL, enter, show, step, 0};

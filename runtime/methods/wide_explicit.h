@@ -33,7 +33,7 @@ typedef struct {
 /* Whether motions of this model can be stepped so. */
 int lag_wide_explicit_serves(const LagModel *model);
 
-/* By Verner's pair, whose steps end at rows; by that of Dormand and Prince, which tells what is between. */
-extern const LagWideMethod lag_wide_verner9, lag_wide_dop853;
+/* By Verner's pair, whose steps end at rows; by those of Dormand and Prince and of Tsitouras, which tell what is between. */
+extern const LagWideMethod lag_wide_verner9, lag_wide_dop853, lag_wide_tsit5;
 
 #endif

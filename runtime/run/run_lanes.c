@@ -13,16 +13,27 @@ static const double CAREFUL = 16; /* by which iterated collocation errs less tha
 
 /* -------- whether lanes serve */
 
+/* That of the pair which somebody has named, or NULL. */
+static const LagWideMethod *named_pair(const LagSettings *settings)
+{
+    switch (settings->solver) {
+    case LAG_SOLVER_ERK: return &lag_wide_dop853;
+    case LAG_SOLVER_ERK5: return &lag_wide_tsit5;
+    case LAG_SOLVER_ERK9: return &lag_wide_verner9;
+    default: return NULL;
+    }
+}
+
 static int is_asked(const LagSettings *settings)
 {
-    const int32_t solver = settings->solver;
-    return (solver == LAG_SOLVER_AUTO || solver == LAG_SOLVER_STEPWISE || solver == LAG_SOLVER_TAYLOR) && settings->max_steps == 0;
+    const int is_free = lag_methods_turn(settings) || settings->solver == LAG_SOLVER_TAYLOR;
+    return (is_free || named_pair(settings)) && settings->max_steps == 0;
 }
 
 /* What swings back the way it came is read from steps that are kept, which takes no time. */
 static int fits(const LagModel *model, const LagSettings *settings)
 {
-    if (settings->solver == LAG_SOLVER_TAYLOR)
+    if (settings->solver == LAG_SOLVER_TAYLOR || named_pair(settings))
         return 1;
     switch (lag_run_solver(model, settings, NULL)) {
     case LAG_SOLVER_PIRK: case LAG_SOLVER_ERK9: case LAG_SOLVER_ERK: case LAG_SOLVER_ERK5: case LAG_SOLVER_ADAMS: case LAG_SOLVER_TAYLOR:
@@ -53,19 +64,21 @@ static int is_plain(const LagModel *model, const LagSweep *sweep)
 
 /* -------- birth and death */
 
-/* By series where equations are short, in space where series serve a run alone; else by a Runge-Kutta pair: where somebody looks inside steps, by that which has dense output. */
+/* By the pair that is named; else by series where equations are short, in space where series serve a run alone; else by a Runge-Kutta
+ * pair: where somebody looks inside steps, by that which has dense output. */
 static int choose(LagRunLanes *s, const LagModel *model, const LagSettings *settings)
 {
     const LagBatch *batch = s->batch;
+    const LagWideMethod *pair = named_pair(settings);
     s->steps = &s->taylor.lanes;
     s->method = &lag_wide_taylor;
     const int32_t alone = lag_run_solver(model, settings, NULL);
     const int is_long = model->n_attitudes > 0 && alone != LAG_SOLVER_TAYLOR && lag_wide_explicit_serves(model);
-    if (!is_long && lag_wide_taylor_serves(model))
+    if (!pair && !is_long && lag_wide_taylor_serves(model))
         return 1;
     s->steps = &s->explicit.lanes;
     const int is_looked_into = batch->n_at < batch->sweep.n_reductions || s->is_guarded;
-    s->method = is_looked_into || settings->tolerance > MOST_TOLERANCE ? &lag_wide_dop853 : &lag_wide_verner9;
+    s->method = pair ? pair : is_looked_into || settings->tolerance > MOST_TOLERANCE ? &lag_wide_dop853 : &lag_wide_verner9;
     s->explicit.caution = alone == LAG_SOLVER_PIRK ? CAREFUL : 1;
     return settings->solver != LAG_SOLVER_TAYLOR && lag_wide_explicit_serves(model);
 }

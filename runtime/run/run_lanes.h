@@ -2,9 +2,9 @@
  * the next one.
  *
  * Steps are those of series (wide_taylor.h), or of Runge-Kutta pairs (wide_explicit.h), of what choice.c would leave to such
- * methods, and as good: a run whose steps turn out to be bound by stability, that steps do not get on with, that a guard ends, or
- * whose energy account does not close, is made again alone, as it would be without lanes. The pair is another one where somebody
- * looks inside steps, as guards do: digits within the tolerance are others then. Whether and how a run goes in a lane depends on nothing but itself, and so do its digits.
+ * methods, or of the pair that is asked for, and as good: a run whose steps turn out to be bound by stability, that steps do not get on with, that a guard ends, or
+ * whose energy account does not close, is made again alone, as it would be without lanes. A pair that is chosen is another one where
+ * somebody looks inside steps, as guards do: digits within the tolerance are others then. Whether and how a run goes in a lane depends on nothing but itself, and so do its digits.
  */
 #ifndef LAG_RUN_LANES_H
 #define LAG_RUN_LANES_H

@@ -49,6 +49,10 @@ def advanced(model: lag.Model, job: Job, values: np.ndarray) -> tuple[np.ndarray
         return results, outcomes, batch.lanes
 
 
+def one_by_one(job: Job) -> Job:
+    return replace(job, sweep=replace(job.sweep, in_lanes=False))
+
+
 @pytest.fixture(scope="module")
 def pendulum() -> lag.Model:
     return lag.load(EXAMPLES / "double_pendulum.lag")
@@ -62,7 +66,7 @@ def test_results_are_those_of_the_motion(pendulum: lag.Model) -> None:
     assert lanes.runs == job.runs and lanes.alone == 0 and (outcomes["kind"] == 0).all()
     assert lanes.steps > 0.75 * lanes.room
     other, reference = prepared(pendulum, MEASURES, tolerance=1e-12, solver="erk")
-    exact, _, none = advanced(other, reference, values)
+    exact, _, none = advanced(other, one_by_one(reference), values)
     assert none == Lanes()
     assert found == pytest.approx(exact, abs=2e-7)
     assert (outcomes["energy"] < 1e-8).all()
@@ -116,7 +120,7 @@ def test_what_is_stiff_is_made_alone() -> None:
     values = job.variations.values(0, job.runs)
     found, outcomes, lanes = advanced(suited, job, values)
     assert lanes.alone > 0 and lanes.runs > 0 and (outcomes["kind"] == 0).all()
-    apart = replace(job, sweep=replace(job.sweep, in_lanes=False))
+    apart = one_by_one(job)
     alone = advanced(suited, apart, values)[0]
     assert alone[-1].tobytes() == found[-1].tobytes()
     assert alone == pytest.approx(found, abs=1e-6)
@@ -157,7 +161,7 @@ def test_runs_that_a_guard_ends_are_made_alone() -> None:
         Request(stop=3.0, tolerance=1e-8, initial={"hinge.phi": np.linspace(0.2, 1.7, 16)}), Design())
     values = job.variations.values(0, job.runs)
     found, outcomes, lanes = advanced(suited, job, values)
-    alone, others, none = advanced(suited, replace(job, sweep=replace(job.sweep, in_lanes=False)), values)
+    alone, others, none = advanced(suited, one_by_one(job), values)
     ended = np.array([k for k in range(16) if others["kind"][k] or found[k].tobytes() == alone[k].tobytes()])
     assert none == Lanes() and lanes.runs + lanes.alone == 16 and lanes.runs > 5 and lanes.alone == len(ended) > 3
     assert outcomes["kind"].tolist() == others["kind"].tolist() and outcomes["warned"].tolist() == others["warned"].tolist()
@@ -403,7 +407,7 @@ def test_attitudes_turn_in_lanes(second: str, asked: str, tolerance: float, with
     found, outcomes, lanes = advanced(suited, job, values)
     assert lanes.runs == job.runs and (outcomes["kind"] == 0).all()
     other, reference = prepared(tolerance=1e-12, solver="erk")
-    exact, _, none = advanced(other, reference, values)
+    exact, _, none = advanced(other, one_by_one(reference), values)
     assert none == Lanes() and found == pytest.approx(exact, abs=within)
     backward = advanced(suited, job, values[::-1])[0]
     assert found.tobytes() == np.ascontiguousarray(backward[::-1]).tobytes()
@@ -439,7 +443,7 @@ end Thrown;""")
         measures, Request(stop=1.5, tolerance=1e-9, parameters={"T": np.linspace(0.3, 1.0, 11)}), Design())
     values = job.variations.values(0, job.runs)
     found, _, lanes = advanced(suited, job, values)
-    alone, _, none = advanced(suited, replace(job, sweep=replace(job.sweep, in_lanes=False)), values)
+    alone, _, none = advanced(suited, one_by_one(job), values)
     assert none == Lanes() and lanes.runs == 11 and found == pytest.approx(alone, abs=2e-8)
 
 
@@ -461,7 +465,7 @@ def test_a_run_that_passes_by_what_is_under_a_root_is_made_alone() -> None:
     values = job.variations.values(0, job.runs)
     found, _, lanes = advanced(suited, job, values)
     assert lanes.runs + lanes.alone == 12 and 1 <= lanes.alone <= 5
-    alone = advanced(suited, replace(job, sweep=replace(job.sweep, in_lanes=False)), values)[0]
+    alone = advanced(suited, one_by_one(job), values)[0]
     are_same = [one.tobytes() == other.tobytes() for one, other in zip(found, alone, strict=True)]
     assert are_same[0] and sum(are_same) == lanes.alone and not any(are_same[5:])
 

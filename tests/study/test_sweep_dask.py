@@ -132,6 +132,15 @@ def test_from_python_and_with_failures(cluster: Cluster) -> None:
     assert model.simulate_many(stop=1.0, dask=cluster.address).runs == 1, "nothing varied"
 
 
+def test_workers_take_the_engine_that_is_asked_for(cluster: Cluster) -> None:
+    """A worker's cache has the scene as a whole where engine 'native' asks for it, and nothing of it where nobody does."""
+    for native in (False, True):
+        model = lag.load(EXAMPLES / "double_pendulum.lag")
+        model.native = native
+        model.simulate_many(initial={"elbow.phi": np.linspace(0.1, 1, 16)}, stop=1.0, dask=cluster.address)
+        assert any(any((cluster.folder / f"cache-{k}").glob("scene-*")) for k in range(2)) == native
+
+
 def test_a_cluster_without_workers_is_told(cluster: Cluster, monkeypatch: pytest.MonkeyPatch) -> None:
     for worker in cluster.workers:
         worker.kill()

@@ -56,8 +56,7 @@ def write_c(
     lines = [f"/* {_comment(name)}: generated, do not edit. */", *INCLUDES]
     lines += ['#include "numbers/jets.h"', f'#include "numbers/{"wide_jets" if lanes else "wide"}.h"']
     wide_series = write_wide_series(series, _expression, _number) if lanes and isinstance(series, Series) else []
-    has_each = lanes and not wide_series
-    wide, whole = _write_abreast(tapes, has_each, bool(sizes.get("may_repeat"))) if "rhs" not in data else ([], [])
+    wide, whole = _write_abreast(tapes, lanes, bool(sizes.get("may_repeat"))) if "rhs" not in data else ([], [])
     beside = _write_beside(tapes) if wide_series else {}
     functions, initializers = write_functions(tapes, data, () if wide else (_usual(tapes),))
     lines += [*write_tables(tables), "", *functions]
@@ -75,7 +74,7 @@ def write_c(
     lines += ["    .taylor = taylor,"] if isinstance(series, Series) else []
     lines += ["    .wide = wide,"] if wide else []
     lines += ["    .wide_whole = wide_whole,"] if whole else []
-    lines += ["    .wide_each = wide_each,"] if wide and has_each else []
+    lines += ["    .wide_each = wide_each,"] if wide and lanes else []
     lines += ["    .wide_taylor = wide_taylor,"] if wide_series else []
     lines += [f"    .wide_{name} = wide_{name}{'_each' if name == 'roots' else ''}," for name in beside]
     return "\n".join([*lines, "};", ""])

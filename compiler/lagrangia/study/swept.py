@@ -29,6 +29,7 @@ class Swept(ABC):
 
     origin: Origin
     scene: Scene
+    native: bool | None  # as in `load_engine`
 
     @abstractmethod
     def reporting(self, names: Sequence[str]) -> Self:

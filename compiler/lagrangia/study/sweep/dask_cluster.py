@@ -68,7 +68,7 @@ def _load(text: str) -> tuple[Engine, Sweep]:
         raise RuntimeError("the worker has another version of lagrangia")
     given = plain["sweep"]
     given["settings"] = Settings(**given["settings"])
-    engine = load_engine(from_json(plain["scene"]), solver=Solver(given["settings"].solver))
+    engine = load_engine(from_json(plain["scene"]), native=plain["native"], solver=Solver(given["settings"].solver))
     if engine is None:
         raise RuntimeError("the worker has neither a run time nor a C compiler (pip install ziglang brings one)")
     given["reductions"] = [Reduction(**reduction) for reduction in given["reductions"]]
@@ -78,20 +78,22 @@ def _load(text: str) -> tuple[Engine, Sweep]:
 # -------------------------------------------------------------------- here
 
 
-def pack(job: Job) -> str:
-    """What `run_there` needs of a job."""
-    return json.dumps({"runtime": digest(data_folder("runtime")), "scene": to_json(job.scene), "sweep": asdict(job.sweep)})
+def pack(job: Job, native: bool | None) -> str:
+    """What `run_there` needs of a job; `native` as in `load_engine`."""
+    return json.dumps({"runtime": digest(data_folder("runtime")), "scene": to_json(job.scene), "sweep": asdict(job.sweep),
+                       "native": native})
 
 
-def run_on_dask(job: Job, address: str, ledger: Ledger, watch: Watch | None = None, keeper: Keeper | None = None) -> bool:
+def run_on_dask(job: Job, address: str, ledger: Ledger, watch: Watch | None = None, keeper: Keeper | None = None,
+                native: bool | None = None) -> bool:
     """Runs what the ledger misses on the cluster of the scheduler at this address; the keeper has a run's rows before the ledger.
-    False when the keyboard interrupted it.
+    `native`: as in `load_engine`. False when the keyboard interrupted it.
 
     Raises LagError L0716 when there is no such cluster, RunError when the workers cannot do it or the cluster goes away; the
     ledger keeps what was done.
     """
     with _connected(address) as client, _there(client, address, ledger):
-        tasks = _Tasks(job, client, ledger, keeper)
+        tasks = _Tasks(job, client, ledger, keeper, native)
         try:
             while tasks.submit():
                 tasks.collect()
@@ -168,9 +170,9 @@ def _silence() -> "Iterator[None]":
 class _Tasks:
     """The pieces that are on their way."""
 
-    def __init__(self, job: Job, client: Any, ledger: Ledger, keeper: Keeper | None) -> None:
+    def __init__(self, job: Job, client: Any, ledger: Ledger, keeper: Keeper | None, native: bool | None) -> None:
         self.job, self.client, self.ledger, self.keeper = job, client, ledger, keeper
-        self.text = client.submit(str, pack(job), pure=False)
+        self.text = client.submit(str, pack(job, native), pure=False)
         self.together = ABREAST if job.sweep.in_lanes else 1
         self.pace = Pace(max(_PIECE, _PIECE_A_THREAD * self._threads()), self.together)
         self.pieces = Pieces(ledger.missing(), self._threads())

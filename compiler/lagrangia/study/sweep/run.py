@@ -31,6 +31,8 @@ _TABLES = (".csv", ".txt", ".dat", ".parquet", ".pq")
 class Loaded(Protocol):
     """A model, of which only the native code is wanted, and only where it is used."""
 
+    native: bool | None  # as in `load_engine`
+
     def engine_for(self, solver: str) -> Engine | None:
         """The engine that a solver wants; None without a C compiler."""
 
@@ -67,7 +69,7 @@ def run_job(job: Job, model: Loaded, ledger: Ledger, *, jobs: int | None = None,
     for last in looks(job.runs) if job.until is not None else (job.runs,):
         ledger.wanted = last
         is_whole = (run_on_threads(job, engine, ledger, jobs or cores(), watch, keeper) if engine is not None
-                    else run_on_dask(job, str(dask), ledger, watch, keeper))
+                    else run_on_dask(job, str(dask), ledger, watch, keeper, model.native))
         if not is_whole or (job.until is not None and job.until.holds(ledger.results[:last])):
             break
     if is_whole and last < job.runs:
