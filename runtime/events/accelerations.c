@@ -3,9 +3,10 @@
 #include <math.h>
 #include <string.h>
 
+#include "events/rest.h"
+#include "events/spent.h"
 #include "model/function.h"
 #include "state/project.h"
-#include "events/rest.h"
 #include "numbers/wide.h"
 #include "model/wide_tape.h"
 
@@ -83,10 +84,23 @@ static inline int sliding(LagRun *run, Way way, double t, const double *q, const
     return 0;
 }
 
+/* And no more of them than there is, where that is asked for. */
+static inline int within_limits(LagRun *run, Way way, double t, const double *q, const double *v, double *a, double *power)
+{
+    if (!run->sliding.is_limited || run->sliding.count == 0)
+        return sliding(run, way, t, q, v, a, power);
+    lag_spent_begin(run);
+    int is_found = sliding(run, way, t, q, v, a, power);
+    while (is_found && lag_spent_reach(run))
+        is_found = sliding(run, way, t, q, v, a, power);
+    lag_spent_end(run);
+    return is_found;
+}
+
 int lag_accelerations(void *context, double t, const double *q, double *v, double *a, double *power)
 {
     LagRun *run = context;
-    return sliding(run, accelerations, t, run->careful ? bring_back(run, t, q, v) : q, v, a, power);
+    return within_limits(run, accelerations, t, run->careful ? bring_back(run, t, q, v) : q, v, a, power);
 }
 
 /* Of eight states, the way that serves them. Returns whether out[2] tells where that does not hold; -1: there is no such way. */
@@ -172,7 +186,7 @@ static void report(LagRun *run, const LagFunction *function, int needs_accelerat
     if (is_live)
         lag_switches_settle(run, t, y);
     if (needs_acceleration || run->sliding.count > 0) {
-        sliding(run, whole, t, q, v, run->acceleration, run->power);
+        within_limits(run, whole, t, q, v, run->acceleration, run->power);
         ++run->motion.evaluations;
     }
     lag_call(function, in, &results, run->work);

@@ -37,6 +37,9 @@ static void lay_out_holds(LagSliding *s, const LagModel *model, size_t count, La
     s->holds = lag_take_ints(arena, count);
     s->drift = lag_take(arena, 2 * (size_t)s->most);
     s->factored = lag_take(arena, (size_t)s->most);
+    s->which_all = lag_take_ints(arena, (size_t)s->most);
+    s->is_spent = lag_take_ints(arena, (size_t)s->most);
+    s->of_all = lag_take(arena, 2 * (size_t)s->most);
     lag_dense_lu_layout(&s->held, s->most, 0, arena);
     s->held.dependent = LAG_SLIDING_DEPENDENT;
     s->held.early = EARLY;
@@ -171,7 +174,8 @@ double lag_sliding_held(const LagRun *run, int i)
     const LagSliding *s = &run->sliding;
     if (!run->switches.slides[i] && !s->is_tied[i])
         return 0;
-    const double drift = LAG_SLIDING_FAR * lag_sliding_drift(run, i), drawn = s->drawn > 0 ? s->drawn * s->most_jump[i] : 0;
+    const double drift = LAG_SLIDING_FAR * lag_sliding_drift(run, i), most = lag_may_have_all(run, i) ? s->most_jump[i] : INFINITY;
+    const double drawn = s->drawn > 0 ? s->drawn * most : 0; /* contacts push with any force */
     return lag_min(MOVED * s->before[i], lag_max(drift, drawn));
 }
 

@@ -59,6 +59,10 @@ typedef struct {
     int grows;       /* something that slides had no force when it began to */
     int is_fresh;    /* the jumps that are known are those of the latest evaluation */
     int is_lost;     /* the latest evaluation found no shares */
+    int is_limited;  /* they are limited to what there is: spent.h */
+    int all, *which_all; /* so many slide, and which, while some of them have come to their limit; most */
+    double *of_all;  /* 2 most: what they are measured by, and rounding */
+    int *is_spent;   /* most: the latest that were limited gave all that there is, and held nothing */
     int *still;      /* n: coordinates that rest: rest.h */
     double *way;     /* most x n: change of accelerations by the share of each */
     int *holds;      /* n_switches: what each holds, LagHeld */

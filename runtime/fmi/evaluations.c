@@ -27,12 +27,17 @@ double *lag_instance_projected(LagInstance *s, double t, const double *x)
     return s->projected;
 }
 
-/* Accelerations at rates v; in Model Exchange, where slips in the plane do not turn round within a step. */
+/* Accelerations at rates v; in Model Exchange, where slips in the plane do not turn round within a step, and what slides does not give
+ * more than it has. */
 static int accelerations(LagInstance *s, double t, const double *q, double *v, double *a, double *power)
 {
     const double *sizes = s->fmu->nominal + s->model->n;
-    double *mirrored = s->kind == LAG_MODEL_EXCHANGE ? lag_cones_mirrored(s->run, t, q, v, sizes) : NULL;
-    return lag_accelerations(s->run, t, q, mirrored ? mirrored : v, a, power);
+    const int is_exchanged = s->kind == LAG_MODEL_EXCHANGE;
+    double *mirrored = is_exchanged ? lag_cones_mirrored(s->run, t, q, v, sizes) : NULL;
+    s->run->sliding.is_limited = is_exchanged;
+    const int is_found = lag_accelerations(s->run, t, q, mirrored ? mirrored : v, a, power);
+    s->run->sliding.is_limited = 0;
+    return is_found;
 }
 
 /* Slopes that lead back to the constraints, and to unit quaternions; 1 when all are finite. */
@@ -85,8 +90,11 @@ LagAnswer lag_instance_slope(LagInstance *s)
 
 LagAnswer lag_instance_outputs(LagInstance *s)
 {
-    if (!s->vital.outputs_are_current && s->run)
+    if (!s->vital.outputs_are_current && s->run) {
+        s->run->sliding.is_limited = s->kind == LAG_MODEL_EXCHANGE;
         lag_outputs(s->run, s->vital.t, lag_instance_projected(s, s->vital.t, s->x), s->outputs);
+        s->run->sliding.is_limited = 0;
+    }
     s->vital.outputs_are_current = 1;
     return LAG_ANSWER_OK;
 }

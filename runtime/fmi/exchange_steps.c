@@ -26,6 +26,8 @@ static const double SOONER = 100, MOST_SOONER = 0.01; /* tolerances, and at most
  * of inputs. */
 static const double CLOSE = 1e-6, CLOSER_THAN_LINES = 1e-4;
 
+enum { MOST_STEPS = 10000 }; /* of our run for one of an importer's */
+
 /* ---------------------------------------------------------------- inputs */
 
 /* Those that have jumped go on at the rates they had, of which no more is known. */
@@ -235,6 +237,7 @@ static int account_by_run(LagInstance *s, double h, double *sum, int *is_same)
 {
     LagRun *run = s->run;
     const int n = run->model->n;
+    const double *const rates = run->inputs.rates;
     const double coarse = run->impacts.coarse, left = h * fmin(SOONER * s->vital.tolerance, MOST_SOONER), end = s->vital.t - left;
     const int64_t events = run->statistics.events;
     int done = 0;
@@ -243,6 +246,8 @@ static int account_by_run(LagInstance *s, double h, double *sum, int *is_same)
     lag_exchange_stand_at(s, s->vital.last_time, lag_instance_plain(s, s->last));
     run->segment_over = 0;
     run->impacts.coarse = 0; /* errors are ours */
+    run->inputs.rates = NULL; /* inputs are on straight lines here, or held */
+    run->settings.max_steps = run->statistics.steps + MOST_STEPS;
     run->guards.is_idle = 1; /* and so is the motion between two completed steps */
     run->segment_end = fmax(run->segment_end, s->vital.t); /* events are the importer's */
     const int is_known = lag_segment_evaluate(run) == LAG_OK && lag_run_advance(run, &end, 1, s->row, &done, 0) == LAG_OK;
@@ -250,6 +255,8 @@ static int account_by_run(LagInstance *s, double h, double *sum, int *is_same)
     sum[0] = account[0] + left * s->power[0];
     sum[1] = account[1] + left * s->power[1];
     run->guards.is_idle = 0;
+    run->inputs.rates = rates;
+    run->settings.max_steps = 0;
     if (run->model->n_pieces > 0 && run->statistics.events != events) /* by inputs as they were foreseen */
         memcpy(run->d, s->modes, (size_t)run->model->n_modes * sizeof *run->d);
     lag_exchange_stand_at(s, s->vital.t, lag_instance_projected(s, s->vital.t, s->x));

@@ -144,15 +144,25 @@ static int call_adjoint(LagInstance *s, const Directions *d)
     return 1;
 }
 
-/* Where the share of the k-th that is held stands in d. */
-static int place_of_share(const LagInstance *s, int k) { return (int)(lag_share(s->run, s->run->sliding.which[k]) - s->run->d); }
+/* What holds of all that slides, into `next` of it: not what gives all that it has. Returns how much does. */
+static int gather_held(LagInstance *s)
+{
+    LagSliding *sliding = &s->run->sliding;
+    int count = 0;
+    for (int k = 0; k < sliding->count; ++k)
+        if (!sliding->is_spent[k])
+            sliding->next[count++] = sliding->which[k];
+    return count;
+}
 
-/* dR/ds, or its transpose, factored; the directions are 0 then. */
-static int factor_held(LagInstance *s, int is_transposed)
+/* Where the share of the k-th that is held stands in d. */
+static int place_of_share(const LagInstance *s, int k) { return (int)(lag_share(s->run, s->run->sliding.next[k]) - s->run->d); }
+
+/* dR/ds of so many that are held, or its transpose, factored; the directions are 0 then. */
+static int factor_held(LagInstance *s, int count, int is_transposed)
 {
     const LagSliding *sliding = &s->run->sliding;
     const Directions d = clear(s);
-    const int count = sliding->count;
     int is_known = 1;
     s->held.size = count;
     for (int k = 0; k < count && is_known; ++k) {
@@ -160,7 +170,7 @@ static int factor_held(LagInstance *s, int is_transposed)
         is_known = call_forward(s, &d);
         d.d[place_of_share(s, k)] = 0;
         for (int i = 0; i < count; ++i)
-            s->held.re[is_transposed ? k + count * i : i + count * k] = d.rate[sliding->which[i]];
+            s->held.re[is_transposed ? k + count * i : i + count * k] = d.rate[sliding->next[i]];
     }
     if (is_known)
         lag_dense_lu_factor(&s->held);
@@ -175,8 +185,8 @@ typedef void (*Fill)(LagInstance *s, const Directions *d, const void *what);
 static int find_forward(LagInstance *s, Fill fill, const void *what)
 {
     const LagSliding *sliding = &s->run->sliding;
-    const int count = sliding->count;
-    if (count > 0 && !factor_held(s, 0))
+    const int count = gather_held(s);
+    if (count > 0 && !factor_held(s, count, 0))
         return 0;
     const Directions d = clear(s);
     fill(s, &d, what);
@@ -185,7 +195,7 @@ static int find_forward(LagInstance *s, Fill fill, const void *what)
     if (count == 0)
         return 1;
     for (int k = 0; k < count; ++k)
-        s->held_rates[k] = -d.rate[sliding->which[k]];
+        s->held_rates[k] = -d.rate[sliding->next[k]];
     lag_dense_lu_solve(&s->held, s->held_rates, NULL);
     for (int k = 0; k < count; ++k)
         d.d[place_of_share(s, k)] = s->held_rates[k];
@@ -196,8 +206,8 @@ static int find_forward(LagInstance *s, Fill fill, const void *what)
 static int find_adjoint(LagInstance *s, Fill fill, const void *what)
 {
     const LagSliding *sliding = &s->run->sliding;
-    const int count = sliding->count;
-    if (count > 0 && !factor_held(s, 1))
+    const int count = gather_held(s);
+    if (count > 0 && !factor_held(s, count, 1))
         return 0;
     const Directions d = clear(s);
     fill(s, &d, what);
@@ -209,7 +219,7 @@ static int find_adjoint(LagInstance *s, Fill fill, const void *what)
         s->held_rates[k] = -d.d[place_of_share(s, k)];
     lag_dense_lu_solve(&s->held, s->held_rates, NULL);
     for (int k = 0; k < count; ++k)
-        d.rate[sliding->which[k]] = s->held_rates[k];
+        d.rate[sliding->next[k]] = s->held_rates[k];
     return call_adjoint(s, &d);
 }
 
