@@ -2,10 +2,12 @@
 
 from collections.abc import Callable
 from math import asin
+from pathlib import Path
 
 import pytest
 
 import lagrangia as lag
+from helpers.fmus import simulated
 from lagrangia.native.build import find_compiler
 
 pytestmark = pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
@@ -141,6 +143,64 @@ def test_others_know_what_is_held_on_its_level(scene: Write, holds: str, law: st
       Time y(start = 0);  equation der(y) = {law};  {stop} end Timer;""")
     for solver in ("auto", "erk", "erk5", "erk9", "adams", "implicit", "taylor"):
         assert model.simulate(at=[0.0, 2.0], solver=solver)["y"][-1] == pytest.approx(right, abs=1e-7), solver
+
+
+LOADED = "Force F = -3*sign(b.v);  AppliedForce g(at = b.center, force = {F, 0}), p(at = b.center, force = {-1, 0});"
+FIRM = "DryFriction f(F = 2, F_static = 3, rate = b.v);  AppliedForce p(at = b.center, force = {-1.2, 0});"
+BORNE = """import Rotational.*;  Inertia i(J = 1, w(start = 1));  BearingFriction r(tau_pos = [0, 2; 1, 3], peak = 1.2);
+  ConstantTorque w(tau_constant = -1.2);  equation  connect(i.flange_b, r.flange_a);  connect(r.flange_b, w.flange);"""
+
+
+@pytest.mark.parametrize(("holds", "y", "right"), [
+    (SLOPE, "if b.v > 0 then 1 else 0", 0), (SLOPE, "if b.v >= 0 then 1 else 0", 1), (SLOPE, "if b.v == 0 then 1 else 0", 1),
+    (SLOPE, "5*sign(b.v)", 0), (SLOPE, "if -3*b.v < 0 then 5 else 0", 0), (SLOPE, "if b.v > 0 then b.s else 7[m]", 7),
+    (FIRM, "abs(sign(b.v))", 0), (BELT, "if b.v - 0.1*time > 0 then 1 else 0", 0), (BELT, "sign(b.v - 0.1*time) + 3", 3),
+    (RATCHET, "if b.v > 0 then 1 else 0", 0), (LOADED, "if b.v < 0 then 3 else 0", 0),
+    (SLOPE, "f.F*sign(f.rate)", -1.2), (SLOPE, "2*b.s - f.F*sign(f.rate)*1[m/N]", 2 / 6.4 + 1.2), (LOADED, "F", 1),
+    (LOADED, "-F", -1), (FIRM, "(if b.v <> 0 then f.F else f.F_static)*sign(b.v)", -1.2), (BORNE, "r.tau", -1.2),
+    (BORNE, "sign(i.w)", 0)])
+def test_outputs_know_what_is_held_on_its_level(scene: Write, holds: str, y: str, right: float) -> None:
+    """But what the friction's own force is: `if b.v > 0 then 1 else 0` was 0.2 while it holds."""
+    parts, _, rest = holds.partition("equation")
+    stop = "when b.v < 0 then reinit(b.v, 0); end when;" if holds == RATCHET else ""
+    model = scene(f"""model Told  World world(gravity = {{0, 0}});  Block b(m = 1, base = world, v(start = 1));  {parts}
+      output Real y = {y};  equation {rest} {stop} end Told;""")
+    for solver in ("auto", "erk9", "implicit"):
+        assert model.simulate(at=[0.0, 2.0], solver=solver)["y"][-1] == pytest.approx(right, abs=1e-9), solver
+
+
+@pytest.mark.parametrize("kind", ["CoSimulation", "ModelExchange"])
+def test_outputs_of_fmus_know_it_too(tmp_path: Path, kind: str) -> None:
+    path = tmp_path / "told.lag"
+    path.write_text(f"""model Told  World world(gravity = {{0, 0}});  Block b(m = 1, base = world, v(start = 1));  {SLOPE}
+      output Real on = if b.v > 0 then 1 else 0, held = f.F*sign(f.rate)/1[N];  end Told;""", encoding="utf-8")
+    found = simulated(path, "2", kind, ["on", "held"], stop_time=2.0, output_interval=0.1, relative_tolerance=1e-9)
+    assert list(found["on"][[1, -1]]) == [1, 0]
+    assert found["held"][[1, -1]] == pytest.approx([2, -1.2], abs=1e-9)
+
+
+def test_reactions_of_trees_know_it(scene: Write) -> None:
+    """A force on the bar that asks for the rate of a block which sticks: as one that is given."""
+    text = """model Tree  World world(gravity = {0, -9.81});  Block b(m = 1, base = world, v(start = 1));  %s
+      Revolute O(a = world, phi(start = 0.3));  Bar bar(m = 1, L = 1, a = O.b);
+      output Force x = O.reaction[1], y = O.reaction[2];
+      AppliedForce p(at = bar.b, force = {if %s then -3 else 0, 1}); end Tree;"""
+    asked, given = (scene(text % (HOLDS, law)).simulate(at=[0.0, 1.0, 2.0], tolerance=1e-10)
+                    for law in ("b.v > 0", "time < 0.5"))
+    for name in ("O.phi", "x", "y"):
+        assert asked[name] == pytest.approx(given[name], rel=1e-7), name
+
+
+def test_what_pushes_back_feels_the_force_that_holds(scene: Write) -> None:
+    """A block rubs on another by a law of its own rate: the force is on both, and its impulse too, while it holds as well."""
+    model = scene(f"""model Third  World world(gravity = {{0, 0}});  Block b(m = 1, base = world, v(start = 1));  {LOADED}
+      Block c(m = 1, base = world);  AppliedForce back(at = c.center, force = {{-F, 0}});
+      Real y(start = 0, fixed = true);  equation der(y) = F/1[N.s];  end Third;""")
+    for solver in ("auto", "erk", "erk5", "erk9", "implicit", "taylor"):
+        run = model.simulate(at=[0.0, 2.0], solver=solver)
+        assert run["der(c.s)"][-1] == pytest.approx(-1, abs=1e-8), solver  # 3*0.25 - 1.75
+        assert run["y"][-1] == pytest.approx(1, abs=1e-8), solver
+        assert abs(run.energy.residual[-1]) < 1e-9, solver
 
 
 @pytest.mark.parametrize(("law", "sliding", "stuck"), [

@@ -4,7 +4,7 @@ For the run time, in the order that runtime/model/model.h states, with everythin
 (`hoist`: p -> c); for people the same equations as functions of t, q, v, u, p.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from itertools import islice, pairwise
 
@@ -33,6 +33,7 @@ from lagrangia.dynamics.constrained_motion import ConstrainedMotion, RegularMoti
 from lagrangia.dynamics.delaying import Delaying, find_delaying
 from lagrangia.dynamics.guarding import NOT_GUARDED, Guarding, find_guarding
 from lagrangia.dynamics.hamilton import Hamilton
+from lagrangia.dynamics.held_motion import HeldMotion, Put
 from lagrangia.dynamics.impulses import bends_by_inputs, find_kick
 from lagrangia.dynamics.jacobians import Jacobian, build_jacobian
 from lagrangia.dynamics.joint_loads import settled
@@ -81,7 +82,10 @@ def build_functions(
 ) -> Functions:
     """`outputs` are the names to report besides coordinates and rates; see language/observables.py. `is_implicit`: implicit steps
     are asked for, whose matrix else waits where it is large. Raises LagError L0701."""
-    names, y, guarding = _observed(kinematics, motion, constraints, outputs)
+    names, y, put = outputs_of(kinematics, motion, constraints, outputs)
+    guarding = find_guarding(kinematics)
+    told, guarded = put([y, guarding.values])
+    guarding = replace(guarding, values=guarded)
     motion = without_negative_inertia(kinematics, motion)
     made, modes = motion.unsolved or motion, kinematics.algebra.modes
     symbols, multipliers = _multipliers(made)
@@ -90,11 +94,12 @@ def build_functions(
     flow = [hamilton.velocity, hamilton.force] if hamilton else []
     sampling, delaying, kick = find_sampling(kinematics), find_delaying(kinematics), find_kick(kinematics, motion)
     switches = find_switches(motion, delaying.values, bends_by_inputs(kinematics))
+    held = HeldMotion(motion, switches)
     found, hoisted = _hoisted(settled(motion, switches, {
-        "rhs": right_hand_side(kinematics, made, switches, made.acceleration, made.source_power, multipliers),
-        "energies": [energy], "outputs": switches.hold([y, guarding.values]), **_constrained(kinematics, made, energy, switches),
-        "flow": flow, "jacobian": switches.hold(jacobian.values), "kick": [kick.rates],
-        "delayed": switches.hold([ca.densify(delaying.values)]), **_watched(motion, switches)}), motion.p)
+        "rhs": right_hand_side(kinematics, made, held, made.acceleration, made.source_power, multipliers),
+        "energies": [energy], "outputs": [held.outputs(y, put), *switches.hold([guarding.values])],
+        **_constrained(kinematics, made, energy, held), "flow": flow, "jacobian": switches.hold(jacobian.values),
+        "kick": [kick.rates], "delayed": switches.hold([ca.densify(delaying.values)]), **_watched(motion, switches)}), motion.p)
     t, q, v, a, u, c, d = motion.t, motion.q, motion.v, motion.a, motion.u, hoisted.c, kinematics.algebra.mode_symbols
     state, labels = [t, q, v, u, d, c], ["t", "q", "v", "u", "d", "c"]
     full = [t, q, v, a, symbols, u, ca.vertcat(d, switches.symbols, motion.impacts.impulses, switches.rest_symbols), c]
@@ -112,7 +117,7 @@ def build_functions(
     patterns |= _start_patterns(table) | _patterns(kinematics, jacobian, switches, modes) | delaying.patterns | guarding.patterns
     refused |= _refusals(jacobian, bool(len(patterns.get("cones", ()))), bool(delaying.stated))
     return Functions(table, names, tuple(kind for _, kind in events_of(modes)), found["rhs"][1].numel(),
-                     bool(y.numel()) and ca.depends_on(y, ca.vertcat(a, symbols)), patterns, refused,
+                     bool(told.numel()) and ca.depends_on(told, ca.vertcat(a, symbols)), patterns, refused,
                      {**jacobian.sizes, **guarding.sizes(ca.vertcat(a, symbols)), **_switch_sizes(motion, switches),
                       "breaks_rise": int(delaying.rises)}, pays, hoisted.settled, find_thresholds(motion, switches), guarding)
 
@@ -121,16 +126,6 @@ def _multipliers(motion: Motion) -> tuple[ca.SX, ca.SX]:
     """Their symbols, and what they are."""
     held = motion.constrained
     return (held.symbols, held.multipliers) if held else (ca.SX(0, 1), ca.SX(0, 1))
-
-
-def _observed(kinematics: Kinematics, motion: Motion, constraints: Constraints, outputs: tuple[str, ...]
-              ) -> tuple[tuple[str, ...], ca.SX, Guarding]:
-    """Names and values of outputs, and guards, with the reactions they ask for."""
-    names, y = _outputs(kinematics, outputs)
-    guarding = find_guarding(kinematics)
-    told = _with_reactions(ca.vertcat(y, guarding.values), kinematics, motion, constraints)
-    y, guarded = ca.vertsplit(told, [0, y.numel(), told.numel()])
-    return names, y, replace(guarding, values=guarded)
 
 
 def _observing_functions(full: list[ca.SX], y: ca.SX, guarded: ca.SX) -> dict[str, ca.Function]:
@@ -154,9 +149,10 @@ def build_island_functions(kinematics: Kinematics, motion: Motion) -> Functions:
     (_, multipliers), jacobian, modes = _multipliers(motion), build_jacobian(kinematics, motion), kinematics.algebra.modes
     kick = find_kick(kinematics, motion)
     switches = find_switches(motion, None, bends_by_inputs(kinematics))
+    held = HeldMotion(motion, switches)
     found, hoisted = _hoisted({
-        "rhs": right_hand_side(kinematics, motion, switches, motion.acceleration, motion.source_power, multipliers),
-        **_constrained(kinematics, motion, ca.SX(0, 1), switches),
+        "rhs": right_hand_side(kinematics, motion, held, motion.acceleration, motion.source_power, multipliers),
+        **_constrained(kinematics, motion, ca.SX(0, 1), held),
         "jacobian": switches.hold(jacobian.values), "kick": [kick.rates],
         **_watched(motion, switches)}, motion.p)
     d = kinematics.algebra.mode_symbols
@@ -237,7 +233,7 @@ def _functions_of_constraints(motion: Motion, found: Mapping[str, list[ca.SX]], 
     return table
 
 
-def _constrained(kinematics: Kinematics, motion: Motion, energy: ca.SX, switches: Switches) -> dict[str, list[ca.SX]]:
+def _constrained(kinematics: Kinematics, motion: Motion, energy: ca.SX, moving: HeldMotion) -> dict[str, list[ca.SX]]:
     """Results of the functions that only constraints ask for. `energy`: {T, V, H}, empty where nobody asks for them."""
     held = motion.constrained
     if held is None:
@@ -245,7 +241,7 @@ def _constrained(kinematics: Kinematics, motion: Motion, energy: ca.SX, switches
     found = {"place": [held.place], "steer": [held.steer], "residual": [held.rows.phi, held.rows.rate]}
     if held.regular is not None:
         x = held.regular
-        found["regular"] = [*right_hand_side(kinematics, motion, switches, x.acceleration, x.source_power), x.doubt]
+        found["regular"] = [*right_hand_side(kinematics, motion, moving, x.acceleration, x.source_power), x.doubt]
         if x.place.numel():
             found["nearest"] = _nearest(motion, held, x, energy)
     return found
@@ -321,6 +317,18 @@ def observer_of(kinematics: Kinematics, motion: Motion, constraints: Constraints
             found = ca.substitute(found, ca.vertcat(motion.t, motion.u), ca.vertcat(sides[0], sides[1][:motion.u.numel()]))
         y = ca.substitute(y, ca.vertcat(*[m.symbol for m in modes]), found)
     return ca.Function("observe", [motion.t, motion.q, motion.v, ca.vertcat(motion.u, *held), motion.p, *sides], [y])
+
+
+def outputs_of(kinematics: Kinematics, motion: Motion, constraints: Constraints, names: tuple[str, ...]
+               ) -> tuple[tuple[str, ...], ca.SX, Put]:
+    """Names and values of outputs, with symbols for the reactions that they ask for; and what puts these in."""
+    labels, y = _outputs(kinematics, names)
+    symbols, values = build_reactions(kinematics, motion.bodies, constraints, motion)
+
+    def put(expressions: Sequence[ca.SX]) -> list[ca.SX]:
+        return list(ca.substitute([*expressions], [symbols], [values])) if symbols.numel() else [*expressions]
+
+    return labels, y, put
 
 
 def depends_on_forces(kinematics: Kinematics, motion: Motion, name: str) -> bool:

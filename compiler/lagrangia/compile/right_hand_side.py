@@ -2,17 +2,17 @@
 
 import casadi as ca
 
+from lagrangia.dynamics.held_motion import HeldMotion
 from lagrangia.dynamics.motion import Motion, kept_rates
-from lagrangia.dynamics.switches import Switches
 from lagrangia.frames.kinematics import Kinematics
 
 
-def right_hand_side(kinematics: Kinematics, motion: Motion, switches: Switches, acceleration: ca.SX, source: ca.SX,
+def right_hand_side(kinematics: Kinematics, motion: Motion, held: HeldMotion, acceleration: ca.SX, source: ca.SX,
                     *multipliers: ca.SX) -> list[ca.SX]:
     """Accelerations (n,), power as of `power_of`, and multipliers, if given; `source`: the power put in where these are so."""
     rows = motion.constrained.rows.rate if multipliers and motion.constrained is not None else None
-    a, power, *held = switches.hold_rows([acceleration, power_of(motion, source), *multipliers], rows, motion.v)
-    return [a, switches.hold_power(power, motion.inertial, kept_rates(kinematics, motion.v)), *held]
+    a, power, *others = held.rows([acceleration, power_of(motion, source), *multipliers], rows, motion.v)
+    return [a, held.power(power, motion.inertial, kept_rates(kinematics, motion.v)), *others]
 
 
 def power_of(motion: Motion, source: ca.SX) -> ca.SX:

@@ -174,7 +174,7 @@ class Holding:
 
     def _noted_length(self, op: int, numbers: list[int], value: Expression, pair: Pair) -> Expression:
         if is_length(self.numbering, op, numbers):
-            clipped = self._noted(apply(ca.OP_FMAX, value, 0.0), self._jumps_of(value))
+            clipped = self._noted(apply(ca.OP_FMAX, value, 0.0), self.jumps_of(value))
             self.roots.note_length(self.numbering.of(op, numbers), clipped, bool(self._shares_in(self.places[pair])))
         return value
 
@@ -284,7 +284,7 @@ class Holding:
         held = self._combined(ca.OP_MUL, [both, held])
         moves = operate(ca.OP_DIV, [component, length])
         return self._noted(as_expression(held + operate(ca.OP_IF_ELSE_ZERO, [operate(ca.OP_NOT, [both]), moves])),
-                           self._jumps_of(held))
+                           self.jumps_of(held))
 
     def _factors(self, op: int, numbers: list[int], operands: list[Expression], is_below: bool = False
                  ) -> Iterator[tuple[Factor, Expression]]:
@@ -300,7 +300,7 @@ class Holding:
 
     def _combined(self, op: int, operands: Sequence[Expression]) -> Expression:
         """Products of what jumps with one share are linear in it, as its square is where it is 0 or 1."""
-        found = [self._jumps_of(x) for x in operands]
+        found = [self.jumps_of(x) for x in operands]
         common = found[0] & found[1] if op in _PRODUCTS else found[0] if op == ca.OP_SQ else _NOTHING
         if not common:
             return self._noted(self._plain(op, operands), _NOTHING.union(*found))
@@ -309,7 +309,7 @@ class Holding:
         return self._noted(as_expression(none + share * (whole - none)), _NOTHING.union(*found))
 
     def _with(self, x: Expression, share: Expression, value: int) -> Expression:
-        rest = self._jumps_of(x) - {share.__hash__()}
+        rest = self.jumps_of(x) - {share.__hash__()}
         return self._noted(as_expression(ca.substitute(x, share, value)), rest)
 
     def _plain(self, op: int, operands: Sequence[Expression]) -> Expression:
@@ -333,7 +333,8 @@ class Holding:
     def _shares_in(self, x: Expression) -> frozenset[int]:
         return self.shares & symbols_in(x) if self.shares else _NOTHING
 
-    def _jumps_of(self, x: Expression) -> frozenset[int]:
+    def jumps_of(self, x: Expression) -> frozenset[int]:
+        """The shares with which it jumps."""
         return self.jumps[x.__hash__()][1] if x.__hash__() in self.jumps else _NOTHING
 
     def _noted(self, x: Expression, jumps: frozenset[int]) -> Expression:

@@ -20,9 +20,8 @@ from types import MappingProxyType
 import casadi as ca
 
 from lagrangia.algebra.numbering import Numbering, rebuilt
-from lagrangia.algebra.scalars import Expression, as_expression, places_in, symbol, symbols_in
+from lagrangia.algebra.scalars import Expression, as_expression, symbol, symbols_in
 from lagrangia.algebra.with_casadi import CORNERS, operations_in
-from lagrangia.base.later import Later
 from lagrangia.base.records import dataclass
 from lagrangia.dynamics.acting_rates import groups_in, groups_of_rates, that_may_hold
 from lagrangia.dynamics.driven_conditions import Pair, driven_conditions, is_of_one_side, sides_of
@@ -82,56 +81,12 @@ class Switches:
         """The same with the symbols in place of what they stand for."""
         if not self.places:
             return list(expressions)
-        holding = Holding(self.places | self.aliases, self.shares, self.rests | self.rest_aliases, self.numbering, self.nothing,
-                          self.halves)
-        return rebuilt(expressions, self.numbering, holding.made)
+        return rebuilt(expressions, self.numbering, self.holding().made)
 
-    def hold_rows(self, expressions: Sequence[ca.SX], rows: ca.SX | None = None, v: ca.SX | None = None) -> list[ca.SX]:
-        """The same, of which the first is a row for each rate, and the last one for each of `rows`, made of the rates v."""
-        held = self.hold(expressions)
-        if not self.reach:
-            return held
-        held[0] = self._apart(expressions[0], held[0], self.groups)
-        if rows is not None and v is not None:
-            groups = [next((self.groups[k] for k in found), -1) for found in places_in(rows, v)]
-            held[-1] = self._apart(expressions[-1], held[-1], groups)
-        return held
-
-    def hold_power(self, power: ca.SX, forces: Later[ca.SX], rates: ca.SX) -> ca.SX:
-        """Held power, taken out and put in by forces (n,) against `rates`, with their rows as they are held."""
-        if not self.reach or not power.numel():
-            return power
-        (held,) = self.hold([forces.value])
-        return power + ca.vertcat(0, ca.dot(rates, held - self._apart(forces.value, held, self.groups)))
-
-    def _apart(self, rows: ca.SX, held: ca.SX, groups: Sequence[int]) -> ca.SX:
-        """Held rows, each of a group of rates: a rate that forces on others hold is on its level there, where its switch is no
-        share."""
-        shares, found = list(self.reach), dict[int, ca.SX]()
-        told = places_in(held, ca.vertcat(*(self.places[pair] for pair in shares)))
-        apart = [frozenset(shares[k] for k in own if group not in self.reach[shares[k]])
-                 for group, own in zip(groups, told, strict=True)]
-        for pairs in dict.fromkeys(x for x in apart if x):
-            own = [row for row, x in enumerate(apart) if x == pairs]
-            found |= zip(own, ca.vertsplit(self._on_level(ca.densify(rows)[own], pairs)), strict=True)
-        return ca.vertcat(*(found.get(row, x) for row, x in enumerate(ca.vertsplit(held)))) if found else held
-
-    def _on_level(self, rows: ca.SX, pairs: frozenset[Pair]) -> ca.SX:
-        """Held, and both sides of these equal while something holds them so."""
-        held, symbols = self.rests | self.rest_aliases, ca.vertcat(*(self.places[pair] for pair in pairs))
-        levels = {pair: symbol("level") for pair in pairs}
-        own = frozenset(self.places[pair].__hash__() for pair in pairs)
-        shapes = {pair: x for pair, x in self.aliases.items() if not own.isdisjoint(symbols_in(x))}
-        on_levels = ca.substitute([*shapes.values()], [symbols], [ca.vertcat(*levels.values())]) if shapes else []
-        places = self.places | levels | self.aliases | dict(zip(shapes, map(as_expression, on_levels), strict=True))
-        others = pairs | shapes.keys()
-        rests = {pair: x for pair, x in held.items() if pair not in others or not x.is_constant()}
-        holding = Holding(places, self.shares - own, rests, self.numbering, self.nothing, self.halves | others)
-        (made,) = rebuilt([rows], self.numbering, holding.made)
-        is_held = [self.rests[pair] if pair in self.rests else s * (1 - s)
-                   for pair, s in zip(pairs, ca.vertsplit(symbols), strict=True)]
-        values = [ca.if_else(x, 0.5, s) for x, s in zip(is_held, ca.vertsplit(symbols), strict=True)]
-        return ca.substitute(made, ca.vertcat(*levels.values()), ca.vertcat(*values))
+    def holding(self) -> Holding:
+        """What does so, of one set of expressions."""
+        return Holding(self.places | self.aliases, self.shares, self.rests | self.rest_aliases, self.numbering, self.nothing,
+                       self.halves)
 
     def rates_of(self, x: ca.SX, motion: Motion) -> ca.SX:
         """Along the motion, while all is held."""

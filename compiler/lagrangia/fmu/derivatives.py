@@ -20,12 +20,13 @@ from itertools import accumulate, pairwise
 import casadi as ca
 
 from lagrangia.algebra.scalars import places_in
-from lagrangia.compile.functions import state_space
+from lagrangia.compile.functions import outputs_of, state_space
 from lagrangia.compile.instructions import tape_of
 from lagrangia.compile.pipeline import Compilation
 from lagrangia.compile.told_positions import told_positions
 from lagrangia.constraints.parameters import all_parameters
 from lagrangia.dynamics.delaying import find_delaying
+from lagrangia.dynamics.held_motion import HeldMotion
 from lagrangia.dynamics.impulses import bends_by_inputs
 from lagrangia.dynamics.joint_loads import settled
 from lagrangia.dynamics.switches import find_switches
@@ -82,12 +83,17 @@ def _equations(compilation: Compilation, outputs: tuple[str, ...],
     rates of inputs, which come last."""
     kinematics, motion = compilation.struck, compilation.run
     made = motion.unsolved or motion
-    symbols, (a, y, place, steer) = state_space(kinematics, made, compilation.constraints, outputs)
+    symbols, (a, _, place, steer) = state_space(kinematics, made, compilation.constraints, outputs)
+    _, y, put = outputs_of(kinematics, made, compilation.constraints, outputs)
     t, q, v, *given = symbols
     told = told_positions(kinematics)
     switches = find_switches(motion, find_delaying(kinematics).values, bends_by_inputs(kinematics))
-    found = settled(motion, switches, {"held": switches.hold_rows([a, y]), "switches": [switches.values, switches.rates]})
-    (a, y), (_, rates) = found["held"], found["switches"]
+    moving, held = HeldMotion(motion, switches), made.constrained
+    multipliers, rows = (held.multipliers, held.rows.rate) if held else (ca.SX(0, 1), ca.SX(0, 1))
+    found = settled(motion, switches, {"rows": moving.rows([a, multipliers], rows, v), "y": [moving.outputs(y, put)],
+                                       "switches": [switches.values, switches.rates]})
+    (a, multipliers), (y,), (_, rates) = found["rows"], found["y"], found["switches"]
+    y = ca.densify(ca.substitute(y, ca.vertcat(motion.a, held.symbols if held else ca.SX(0, 1)), ca.vertcat(a, multipliers)))
     shares = ca.vertcat(switches.symbols, motion.impacts.impulses) if switches.symbols.numel() else ca.SX(0, 1)
     (rates,) = ca.substitute([rates], [motion.a], [a])
     Q, V = q, v
