@@ -461,3 +461,30 @@ def test_forces_beyond_all_numbers_have_no_rest(command: str, tmp_path: Path, ca
     assert main([command, str(tmp_path / "big.lag")]) == 1
     told = capfd.readouterr()
     assert "no equilibrium was found" in told.err and "DLASCL" not in told.out + told.err  # which LAPACK says past Python
+
+
+HELD = """World world(gravity = {0, 0}); Block b(m = 1, base = world); DryFriction f(F = 2, rate = b.v);
+  AppliedForce p(at = b.center, force = {-1, 0});"""
+
+
+@pytest.mark.parametrize(("law", "x"), [
+    ("if b.v > 0 then 1 else 0", 0), ("if b.v >= 0 then 1 else 0", 1), ("sign(b.v)", 0), ("if b.v == 0 then 3 else 0", 3)])
+def test_first_order_states_know_what_sticks_on_its_level(scene: Write, law: str, x: float) -> None:
+    """Nothing balanced: half of the condition was taken."""
+    model = scene(f"model Asked {HELD} Real x(start = 0.5); equation der(x) = 1[1/s]*(({law}) - x); end Asked;")
+    assert model.equilibrium().found[0].position["x"] == pytest.approx(x, abs=1e-12)
+
+
+@pytest.mark.parametrize(("law", "right"), [("if b.v > 0 then 1 else 0.6", 0.6), ("if b.v >= 0 then 1 else 0.6", 1),
+                                           ("if sign(b.v) == 0 then 0.6 else 1", 0.6)])
+def test_linear_models_know_it_too(scene: Write, law: str, right: float) -> None:
+    """Of stiffness, input and output of what is not held; B was 0.8."""
+    model = scene(f"""model Asked {HELD} Block c(m = 1, base = world); Spring k(k = 4, stretch = c.s); input Force u;
+      AppliedForce q(at = c.center, force = {{({law})*(u - c.s*1[N/m]), 0}}); output Length y = ({law})*c.s;
+      output Force held = f.F*sign(f.rate); end Asked;""")
+    linear = model.linearize(outputs=["y", "held"])
+    close(linear.A, [[0, 1], [-4 - right, 0]])
+    close(linear.B, [[0], [right]])
+    close(linear.output, [[right, 0], [0, 0]])
+    close(linear.outputs_at_point, [0, -1])
+    assert model.modes().modes[0].omega2 == pytest.approx(4 + right, abs=1e-12)

@@ -6,7 +6,7 @@ For the run time, in the order that runtime/model/model.h states, with everythin
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from itertools import islice, pairwise
+from itertools import islice
 
 import casadi as ca
 
@@ -26,8 +26,9 @@ from lagrangia.compile.mode_places import (
 )
 from lagrangia.compile.requirements import find_requirements
 from lagrangia.compile.right_hand_side import right_hand_side
-from lagrangia.constraints.initial import InitialConditions, initial_function, start_function
-from lagrangia.constraints.parameters import all_parameters, at_start, scalars
+from lagrangia.compile.start_functions import start_functions, start_patterns
+from lagrangia.constraints.initial import InitialConditions, start_function
+from lagrangia.constraints.parameters import all_parameters, scalars
 from lagrangia.constraints.rows import Constraints
 from lagrangia.dynamics.constrained_motion import ConstrainedMotion, RegularMotion
 from lagrangia.dynamics.delaying import Delaying, find_delaying
@@ -82,15 +83,11 @@ def build_functions(
 ) -> Functions:
     """`outputs` are the names to report besides coordinates and rates; see language/observables.py. `is_implicit`: implicit steps
     are asked for, whose matrix else waits where it is large. Raises LagError L0701."""
-    names, y, put = outputs_of(kinematics, motion, constraints, outputs)
-    guarding = find_guarding(kinematics)
-    told, guarded = put([y, guarding.values])
-    guarding = replace(guarding, values=guarded)
+    names, y, put, guarding = _observed(kinematics, motion, constraints, outputs)
     motion = without_negative_inertia(kinematics, motion)
     made, modes = motion.unsolved or motion, kinematics.algebra.modes
     symbols, multipliers = _multipliers(made)
-    energy = ca.vertcat(motion.T, motion.V, motion.H)
-    jacobian = build_jacobian(kinematics, made, is_implicit)
+    energy, jacobian = ca.vertcat(motion.T, motion.V, motion.H), build_jacobian(kinematics, made, is_implicit)
     flow = [hamilton.velocity, hamilton.force] if hamilton else []
     sampling, delaying, kick = find_sampling(kinematics), find_delaying(kinematics), find_kick(kinematics, motion)
     switches = find_switches(motion, delaying.values, bends_by_inputs(kinematics))
@@ -114,10 +111,10 @@ def build_functions(
               | _delay_functions(motion, delaying, [*state[:4], full[-2], c], found["delayed"]))
     patterns, refused, pays = _add_linear(table, kinematics, motion)
     patterns |= {"reset_places": _reset_places(kinematics, motion), **_kept_places(kinematics, motion, switches.edge.numel() > 0)}
-    patterns |= _start_patterns(table) | _patterns(kinematics, jacobian, switches, modes) | delaying.patterns | guarding.patterns
+    patterns |= start_patterns(table) | _patterns(kinematics, jacobian, switches, modes) | delaying.patterns | guarding.patterns
     refused |= _refusals(jacobian, bool(len(patterns.get("cones", ()))), bool(delaying.stated))
     return Functions(table, names, tuple(kind for _, kind in events_of(modes)), found["rhs"][1].numel(),
-                     bool(told.numel()) and ca.depends_on(told, ca.vertcat(a, symbols)), patterns, refused,
+                     bool(y.numel()) and ca.depends_on(put([y])[0], ca.vertcat(a, symbols)), patterns, refused,
                      {**jacobian.sizes, **guarding.sizes(ca.vertcat(a, symbols)), **_switch_sizes(motion, switches),
                       "breaks_rise": int(delaying.rises)}, pays, hoisted.settled, find_thresholds(motion, switches), guarding)
 
@@ -126,6 +123,13 @@ def _multipliers(motion: Motion) -> tuple[ca.SX, ca.SX]:
     """Their symbols, and what they are."""
     held = motion.constrained
     return (held.symbols, held.multipliers) if held else (ca.SX(0, 1), ca.SX(0, 1))
+
+
+def _observed(kinematics: Kinematics, motion: Motion, constraints: Constraints, outputs: tuple[str, ...]
+              ) -> tuple[tuple[str, ...], ca.SX, Put, Guarding]:
+    """`outputs_of`, and guards with the reactions they ask for."""
+    (names, y, put), guarding = outputs_of(kinematics, motion, constraints, outputs), find_guarding(kinematics)
+    return names, y, put, replace(guarding, values=put([guarding.values])[0])
 
 
 def _observing_functions(full: list[ca.SX], y: ca.SX, guarded: ca.SX) -> dict[str, ca.Function]:
@@ -175,7 +179,7 @@ def _functions_of_parameters(kinematics: Kinematics, motion: Motion, hoisted: ca
 
 def _sampled_functions(kinematics: Kinematics, motion: Motion, initial: InitialConditions, sampling: Sampling
                        ) -> dict[str, ca.Function]:
-    return _start_functions(kinematics, motion, initial) | _sampling_functions(kinematics, motion, sampling)
+    return start_functions(kinematics, motion, initial) | _sampling_functions(kinematics, motion, sampling)
 
 
 def _requirement_function(kinematics: Kinematics, motion: Motion) -> dict[str, ca.Function]:
@@ -389,41 +393,6 @@ def _outputs(kinematics: Kinematics, names: tuple[str, ...]) -> tuple[tuple[str,
     y = ca.densify(ca.vertcat(*values)) if values else ca.SX(0, 1)
     tau = kinematics.symbols.tau
     return labels, ca.substitute(y, tau, ca.SX(1)) if values else y
-
-
-def _start_functions(kinematics: Kinematics, motion: Motion, initial: InitialConditions) -> dict[str, ca.Function]:
-    if not initial.residual_spans:
-        return {}
-    return {"initial": initial_function(kinematics, initial), "momentum": _momentum_function(kinematics, motion, initial)}
-
-
-def _start_patterns(table: Mapping[str, ca.Function]) -> dict[str, tuple[int, ...]]:
-    """Of which values each start equation speaks, and which coordinates have momenta by each other's rates."""
-    if "initial" not in table:
-        return {}
-    gradients = table["initial"].sparsity_out("G")
-    _count, order, starts = table["momentum"].jac_sparsity(0, 1).scc()
-    blocks = {j: k for k, (first, end) in enumerate(pairwise(starts)) for j in order[first:end]}
-    return {"initial_pattern": (*gradients.colind(), *gradients.row()), "mass_blocks": tuple(blocks[j] for j in sorted(blocks))}
-
-
-def _momentum_function(kinematics: Kinematics, motion: Motion, initial: InitialConditions) -> ca.Function:
-    """M v at the start time, inputs zero: the metric in which start values are near to their guesses.
-
-    A lost coordinate s(q) is measured by what remains of M along its gradient g: count/sum(g_k^2/M_kk), over M_kk > 0.
-    """
-    q, v, p = motion.q, motion.v, motion.p
-    (momentum,) = at_start(kinematics, [ca.jtimes(motion.momentum, v, v)])
-    momenta = [momentum]
-    if initial.lost:
-        masses = ca.diag(ca.densify(ca.jacobian(momentum, v))).T
-        slopes = ca.densify(ca.jacobian(at_start(kinematics, [initial.lost_values])[0], q))
-        for k, rate in enumerate(ca.vertsplit(initial.lost_v)):
-            counted = ca.logic_and(masses > 0, slopes[k, :] != 0)
-            ease = ca.sum2(ca.if_else(counted, slopes[k, :] ** 2 / masses, 0))
-            momenta.append(ca.if_else(ease > 0, ca.sum2(counted) / ease, 0) * rate)
-    arguments = [ca.vertcat(q, initial.lost_q), ca.vertcat(v, initial.lost_v), p]
-    return ca.Function("momentum", arguments, [ca.densify(ca.vertcat(*momenta))], ["q", "v", "p"], ["Mv"])
 
 
 def _implicit_function(jacobian: Jacobian, steps: list[ca.SX], full: list[ca.SX], labels: list[str]) -> dict[str, ca.Function]:

@@ -31,7 +31,8 @@ class HeldMotion:
         self.shares = {x.__hash__(): pair for pair, x in switches.places.items() if x.__hash__() in switches.shares}
         self.all = frozenset(self.shares.values())
         symbols = ca.vertcat(ca.SX(0, 1), *switches.places.values())
-        self._level = Level(symbols, switches.values[: symbols.numel()], self.motion.v, switches.rest_symbols)
+        at_rest = ca.vertcat(ca.SX(0, 1), *(x for x in switches.rests.values() if x.is_symbolic()))
+        self._level = Level(symbols, switches.values[: symbols.numel()], self.motion.v, at_rest)
 
     def rows(self, expressions: Sequence[ca.SX], rows: ca.SX | None = None, v: ca.SX | None = None) -> list[ca.SX]:
         """Held expressions, the first a row for each rate, and the last one for each of `rows`, made of the rates v."""

@@ -196,6 +196,20 @@ def _with_reach(switches: Switches, known: Motion, sharing: Mapping[Pair, Expres
     return replace(switches, groups=groups, reach={pair: groups_in(g, known.v, groups) for pair, g in sharing.items()})
 
 
+def held_switches(motion: Motion, conditions: Mapping[Pair, Expression], rests: dict[Pair, Expression], numbering: Numbering
+                  ) -> Switches:
+    """Of conditions on rates alone, those that forces may hold: symbols of shares, and the rates as `values`; `rests`: whether
+    they are at rest."""
+    places = {pair: symbol(f"s_{k}") for k, pair in enumerate(conditions)}
+    held = that_may_hold(motion, conditions, places, rests, numbering, groups_of_rates(motion)) if conditions else frozenset()
+    places = {pair: s for pair, s in places.items() if pair in held}
+    symbols, values = (ca.vertcat(ca.SX(0, 1), *column) for column in (places.values(), (conditions[pair] for pair in places)))
+    shares = frozenset(s.__hash__() for s in places.values())
+    switches = Switches(symbols, values, places=places, shares=shares, numbering=numbering,
+                        rests={pair: x for pair, x in rests.items() if pair in held})
+    return _with_reach(switches, motion, {pair: conditions[pair] for pair in places})
+
+
 def _that_hold_nothing(known: Motion, found: Mapping[Pair, Expression], places: Mapping[Pair, Expression],
                        rests: Mapping[Pair, Expression], same: Same, numbering: Numbering) -> frozenset[Pair]:
     """Of conditions on rates, those whose forces hold none of these."""

@@ -7,23 +7,25 @@ but loads depends on time it goes on (pace 1): a frame that turns steadily keeps
 """
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
 import casadi as ca
 
-from lagrangia.algebra.numbering import Numbering, rebuilt
+from lagrangia.algebra.numbering import Numbering
 from lagrangia.algebra.scalars import Expression, as_expression
 from lagrangia.algebra.with_casadi import CORNERS, uses
 from lagrangia.base.diagnostics import fail
+from lagrangia.base.later import Later
 from lagrangia.base.records import dataclass
 from lagrangia.constraints.parameters import scalars
 from lagrangia.dynamics.driven_conditions import Pair
 from lagrangia.dynamics.energies import Energies, evaluate_energies, generalised_force
 from lagrangia.dynamics.found_conditions import conditions_in
-from lagrangia.dynamics.held_switches import Holding
+from lagrangia.dynamics.held_motion import HeldMotion
 from lagrangia.dynamics.reactions import build_reactions
-from lagrangia.dynamics.switches import jumps_at_rest
+from lagrangia.dynamics.switches import held_switches, jumps_at_rest
 from lagrangia.language.observables import observe
 from lagrangia.study.probes import Probe, ProbedKinematics, Triple, probe_kinematics
 
@@ -200,8 +202,8 @@ class _Parts:
         self.loads = energies.loads
         if loads := (*energies.loads, *motion.impacts.loads_in(free)):
             self.R = self.R - generalised_force(loads, q, v)
-        self.holds, self.holding = _find_holds(motion, energies, self)
-        self.R, self.unloaded = map(free.by_places, self.held([self.R, self.unloaded]))
+        self.holds, self.moving = _find_holds(motion, energies, self)
+        self.R, self.unloaded = (free.by_places(self.moving.rows([x])[0]) for x in self.still([self.R, self.unloaded]))
         rolling = ca.vertcat(ca.SX(0, 1), *[ca.SX(row.rate(free)) for row in rows if not row.is_holonomic])
         if rolling.numel() and ca.depends_on(rolling, ca.vertcat(*s)):
             fail("L0916", "not supported yet: an excitation of a constraint on velocities", free.graph.model.span)
@@ -217,12 +219,10 @@ class _Parts:
         """Second rates of the rows, (m,)."""
         return ca.vertcat(ca.SX(0, 1), *[ca.SX(row.second_rate(self.free)) for row in self.constraints.rows])
 
-    def held(self, values: Sequence[ca.SX]) -> list[ca.SX]:
-        """Without impulses, and with the shares of friction in place of the signs of rates."""
+    def still(self, values: Sequence[ca.SX]) -> list[ca.SX]:
+        """Without impulses."""
         impulses = self.motion.impacts.impulses
-        if impulses.numel():
-            values = ca.substitute(list(values), [impulses], [ca.SX.zeros(impulses.numel())])
-        return rebuilt(values, self.holding.numbering, self.holding.made) if self.holding.places else list(values)
+        return ca.substitute([*values], [impulses], [ca.SX.zeros(impulses.numel())]) if impulses.numel() else [*values]
 
     def function(self, name: str, values: list[ca.SX], seeds: Sequence[ca.SX] = ()) -> ca.Function:
         """Of the state, with the excitations at rest."""
@@ -252,11 +252,12 @@ class _Parts:
             for label, x in scalars(name, value):
                 labels.append(label)
                 values.append(ca.SX(x))
-        y = ca.vertcat(ca.SX(0, 1), *values)
+        symbols, reactions = ca.SX(0, 1), ca.SX(0, 1)
         if self.free.reactions or self.free.forces:
             self._require_fixed_supports()
-            y = ca.substitute(y, *build_reactions(self.free, self.motion.bodies, self.constraints, self.motion))
-        (y,) = self.held([y])
+            symbols, reactions = build_reactions(self.free, self.motion.bodies, self.constraints, self.motion)
+        y = self.moving.outputs(ca.vertcat(ca.SX(0, 1), *values),
+                                lambda x: self.still(ca.substitute([*x], [symbols], [reactions])))
         return tuple(labels), y
 
     def _require_fixed_supports(self) -> None:
@@ -266,7 +267,7 @@ class _Parts:
                  "ask for reactions to loads, or for displacements")
 
 
-def _find_holds(motion: "Motion", energies: Energies, parts: _Parts) -> tuple[Holds, Holding]:
+def _find_holds(motion: "Motion", energies: Energies, parts: _Parts) -> tuple[Holds, HeldMotion]:
     impacts = motion.impacts
     gaps = impacts.gaps_in(parts.free)
     numbering, whens = Numbering(), parts.free.graph.model.whens
@@ -274,16 +275,16 @@ def _find_holds(motion: "Motion", energies: Energies, parts: _Parts) -> tuple[Ho
     signals = {state.coordinate for state in parts.free.graph.model.states.values()}
     v = ca.vertcat(_NONE, *[motion.v[k] for k, name in enumerate(parts.free.symbols.rates) if name not in signals])
     conditions, rests, cones, _ = conditions_in([parts.R], v, v, numbering) if may_hold else ({}, {}, (), {})
-    order = {pair: k for k, pair in enumerate(conditions)}
-    shares = ca.SX.sym("share", len(conditions))
-    places = dict(zip(conditions, shares.elements(), strict=True))
-    owners = _owners(energies, motion.v, numbering)
+    acting = replace(motion, inertial=Later(lambda: parts.R), unsolved=None)
+    switches = held_switches(acting, conditions, _at_rest(conditions, rests), numbering)
+    order, owners = {pair: k for k, pair in enumerate(switches.places)}, _owners(energies, motion.v, numbering)
     return Holds(
         ca.vertcat(_NONE, *[impacts.forces[k] for k in gaps]), ca.vertcat(_NONE, *gaps.values()),
-        ca.vertcat(_NONE, *[impacts.conditions[k] for k in gaps]), shares, ca.vertcat(_NONE, *conditions.values()),
+        ca.vertcat(_NONE, *[impacts.conditions[k] for k in gaps]), switches.symbols, switches.values,
         tuple(whens[k].component or whens[k].condition.span.text for k in gaps),
-        tuple(owners.get(pair) or "friction" for pair in conditions), tuple((order[a], order[b]) for a, b in cones),
-    ), Holding(places, frozenset(x.__hash__() for x in places.values()), _at_rest(conditions, rests), numbering)
+        tuple(owners.get(pair) or "friction" for pair in order),
+        tuple((order[a], order[b]) for a, b in cones if a in order and b in order),
+    ), HeldMotion(acting, switches)
 
 
 def _at_rest(conditions: Mapping[Pair, Expression], rests: Mapping[Pair, Expression]) -> dict[Pair, Expression]:
@@ -299,4 +300,4 @@ def _owners(energies: Energies, v: ca.SX, numbering: Numbering) -> dict[Pair, st
     """The component that states what jumps."""
     stated = [(term.statement.component, [ca.gradient(ca.SX(term.value), v)]) for term in energies.dissipation]
     stated += [(load.statement.component, [ca.SX(x) for x in load.force]) for load in energies.loads]
-    return {pair: component for component, values in stated for pair in conditions_in(values, v, v, numbering)[0]}
+    return {pair: component for component, values in reversed(stated) for pair in conditions_in(values, v, v, numbering)[0]}
