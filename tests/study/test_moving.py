@@ -159,3 +159,11 @@ def test_what_is_not_there(tmp_path: Path) -> None:
         model.modes(about="start").plot(tmp_path / "x.png")
     with pytest.raises(lag.LagError, match="supports that are moved"):
         lag.load(EXAMPLES / "four_bar.lag").linearize(about="start", excitations=["C.a.x"])
+
+
+def test_states_are_what_the_model_starts() -> None:
+    """Balls of cut joints, of which it says nothing, begin unturned: five of the six places were theirs."""
+    model = lag.load(EXAMPLES / "hexapod.lag")
+    for about in ("equilibrium", "start"):
+        names = model.linearize(about=about).coordinates
+        assert len(names) == 6 and all(name.startswith(("pose.", "leg[")) for name in names)

@@ -16,8 +16,9 @@ from lagrangia.algebra.duals import value_of
 from lagrangia.base.checked_values import a_number
 from lagrangia.base.diagnostics import fail
 from lagrangia.constraints.assembly import Assembly
-from lagrangia.constraints.initial import FIXED, FREE, initial_at, initial_function, start_function
+from lagrangia.constraints.initial import FIXED, GUESS, initial_at, initial_function, start_function
 from lagrangia.constraints.newton import start_equations
+from lagrangia.language.attitudes import parts_of
 from lagrangia.language.consequences import refuse_felt_reactions
 from lagrangia.language.delays import refuse_delays
 from lagrangia.run.input_pieces import InputTable
@@ -167,7 +168,10 @@ class Beginning:
         """Natural sizes of the coordinates (n,): 1 rad, or the size of the scene in m."""
         return np.where(self.is_angle, 1.0, self.size)
 
-    @property
+    @cached_property
     def is_preferred(self) -> tuple[bool, ...]:
-        """The coordinates that the model starts itself."""
-        return tuple(kind != FREE for kind in self.c.initial.fixed[: self.scene.n])
+        """The coordinates that the model starts itself. Attitudes of which it says nothing begin unturned, and are none."""
+        attitudes = self.c.kinematics.graph.attitudes.items()
+        untold = {part for name, x in attitudes if x.start is None and not x.is_fixed for part in parts_of(name)}
+        kinds = self.c.initial.fixed[: self.scene.n]
+        return tuple(kind in (GUESS, FIXED) and name not in untold for name, kind in zip(self.names, kinds, strict=True))

@@ -43,6 +43,10 @@ class Study(Protocol):
         """Natural sizes of the coordinates."""
 
     @property
+    def is_preferred(self) -> Sequence[bool]:
+        """Which coordinates the model starts itself."""
+
+    @property
     def is_angle(self) -> NDArray[np.bool_]:
         """Which coordinates are angles."""
 

@@ -15,7 +15,7 @@ import numpy as np
 
 from lagrangia.base.diagnostics import RunError, fail
 from lagrangia.base.records import dataclass
-from lagrangia.constraints.initial import FREE
+from lagrangia.constraints.initial import FIXED, GUESS
 from lagrangia.dynamics.equilibrium import onto_constraints
 from lagrangia.study.linearization import (
     PREFERRED,
@@ -174,8 +174,8 @@ def _centred(study: Study, e: SmallMotion, state: State, pace: float) -> tuple[S
 def _weights(study: Study) -> tuple[Matrix, Matrix]:
     """Of coordinates and of rates, (n,) each, in the choice of those that follow others: what the model starts is light."""
     initial, n = study.c.initial, study.scene.n
-    kinds = np.array(initial.fixed)
-    places, rates = (study.reach * np.where(kinds[k : k + n] != FREE, PREFERRED, 1.0) for k in (0, n + len(initial.lost)))
+    is_given = [kind in (GUESS, FIXED) for kind in initial.fixed[n + len(initial.lost) :][:n]]
+    places, rates = (study.reach * np.where(light, PREFERRED, 1.0) for light in (study.is_preferred, is_given))
     return places, rates
 
 
