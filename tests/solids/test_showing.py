@@ -11,7 +11,9 @@ import pytest
 import lagrangia as lag
 from lagrangia.base.folders import data_folder
 from lagrangia.command.cli import main
+from lagrangia.solids.showing import stage_of
 
+EXAMPLES = Path(__file__).parents[2] / "models" / "examples"
 ZOO = """model Zoo "one of each"
   World world(gravity = {0, 0, -9.81});
   Universal u(a = world, phi_a(start = 0.4), phi_b(start = 0.3));
@@ -131,3 +133,10 @@ def test_what_turns_unseen_between_two_pictures_is_told(tmp_path: Path, capsys: 
     for stop, is_told in (("60", True), ("1", False)):
         assert main(["animate", str(scene), "--stop", stop, "-o", str(tmp_path / "wheel.glb")]) == 0
         assert ("turns from one picture to the next" in capsys.readouterr().err) == is_told
+
+
+def test_symbols_are_as_large_as_a_scene_and_not_as_its_way() -> None:
+    """A bicycle that rode 9 m had joints larger than its wheels."""
+    model = lag.load(EXAMPLES / "bicycle.lag")
+    still, ridden = (stage_of(model.simulate(at=at), {}, ()) for at in ([0], [0, 1, 2]))
+    assert ridden.symbol == pytest.approx(still.symbol, rel=0.05) and still.symbol < 0.15

@@ -1,6 +1,6 @@
 """Figures of a scene in space, at the moments of a motion -> a stage."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -123,8 +123,8 @@ def look(c: Compilation, figures: Sequence[Figure], states: States) -> Looked:
     values = values.reshape(function.numel_out(0), -1).T
     sizes = [float(np.abs(values[0, at]).max()) for asked in rows.asked if asked.figure.word in _BODIES for at in asked.numbers]
     largest = max((x for x in sizes if np.isfinite(x)), default=0.0)
-    symbol = _symbol([_pose(values[:, at])[0] for at in rows.frames.values()], largest)
     grounded = _grounded(c)
+    symbol = _symbol({name: _pose(values[:, at])[0] for name, at in rows.frames.items()}, grounded, largest)
     given = tuple(_given(c, asked, values, symbol, grounded) for asked in rows.asked)
     return Looked(rows, values, given, symbol, _greatest(given), grounded)
 
@@ -179,12 +179,21 @@ def _upwards(against_gravity: Vector) -> Vector:
     return against_gravity if np.isfinite(against_gravity).all() and against_gravity.any() else np.array([0.0, 0.0, 1.0])
 
 
-def _symbol(origins: Sequence[Vector], largest: float) -> float:
-    """The size of symbols, m: by how far apart frames are, and by the largest size of a body."""
-    points = np.concatenate(origins) if origins else np.zeros((0, 3))
-    points = points[np.isfinite(points).all(axis=1)]
-    reach = max(2 * largest, float(np.linalg.norm(np.ptp(points, axis=0))) if len(points) else 0.0)
+def _symbol(origins: Mapping[str, Vector], grounded: Collection[str], largest: float) -> float:
+    """The size of symbols, m: by how far apart frames are at first, those that move at any moment, and by the largest size of a
+    body; by how far they come where that is nothing."""
+    points = np.stack([*origins.values()]) if origins else np.zeros((0, 1, 3))
+    moving = points[[name not in grounded for name in origins]]
+    reach = max(2 * largest, _spread(points[:, :1]), _spread(moving)) or _spread(points.reshape(-1, 1, 3))
     return reach / _SYMBOLS_ACROSS if reach > 0 else 0.1
+
+
+def _spread(points: Vector) -> float:
+    """Across frames, (F, T, 3), at one moment: the largest, m."""
+    is_there = np.isfinite(points).all(axis=2, keepdims=True)
+    high = np.where(is_there, points, -np.inf).max(axis=0, initial=-np.inf)
+    lengths = np.linalg.norm(high - np.where(is_there, points, np.inf).min(axis=0, initial=np.inf), axis=1)
+    return float(lengths[np.isfinite(lengths)].max(initial=0.0))
 
 
 def _greatest(given: Sequence[Given]) -> dict[str, float]:
