@@ -179,6 +179,13 @@ int lag_standing_find(LagRun *run)
     return changes;
 }
 
+void lag_standing_rest(LagRun *run)
+{
+    for (int k = 0; k < run->model->n_rests; ++k)
+        if (run->switches.stands[run->model->rests[k]])
+            *lag_rest(run, k) = 1;
+}
+
 int lag_standing_some(const LagRun *run)
 {
     for (int i = 0; i < lag_when(run->model, 0); ++i)

@@ -19,6 +19,9 @@ double lag_standing_alone(const LagModel *model, int i, double g);
  * some hold anything else than before. */
 int lag_standing_find(LagRun *run);
 
+/* Rates that stand are at rest, though nothing holds them. */
+void lag_standing_rest(LagRun *run);
+
 /* Whether something stands. */
 int lag_standing_some(const LagRun *run);
 

@@ -239,6 +239,7 @@ static int settle(LagRun *run)
     }
     if (lag_standing_find(run) && may_slide)
         let_slide(run);
+    lag_standing_rest(run);
     return turned;
 }
 

@@ -145,6 +145,28 @@ def test_others_know_what_is_held_on_its_level(scene: Write, holds: str, law: st
         assert model.simulate(at=[0.0, 2.0], solver=solver)["y"][-1] == pytest.approx(right, abs=1e-7), solver
 
 
+LOOSE = "DryFriction f(F = 0, rate = b.v);"
+RAMP = "AppliedForce p(at = b.center, force = {max(time - 1, 0)*1[N/s], 0});"
+
+
+@pytest.mark.parametrize(("holds", "law", "right"), [
+    (LOOSE, "b.v == 0", 2), (LOOSE, "b.v <> 0", 0), (LOOSE, "b.v^2 <= 0", 2), (LOOSE + RAMP, "b.v == 0", 1),
+    (LOOSE + RAMP, "abs(b.v) > 0", 1), ("DryFriction f(F = 2*abs(sin(3*time)), rate = b.v);", "b.v == 0", 2),
+    ("Friction f(mu = 0.3, normal = 2[N]*max(sin(4*time), 0), rate = b.v);", "b.v == 0", 2),
+    ("DryFriction f(F = if time > 0.7 then 1 else 0, rate = b.v);", "b.v == 0", 2),
+    ("DryFriction f(F = if time < 0.7 then 3 else 0, rate = b.v);  AppliedForce p(at = b.center, force = {2, 0});",
+     "b.v == 0", 0.7),
+    (LOOSE + "Spring k(k = 9, stretch = b.s);", "b.v == 0", 2), (LOOSE + "Spring k(k = 9, stretch = b.s - 1);", "b.v == 0", 0),
+    (LOOSE + "KICK", "b.v == 0", 1)])
+def test_what_no_friction_holds_may_be_at_rest(scene: Write, holds: str, law: str, right: float) -> None:
+    """Friction of no force holds nothing: rates that are 0 and stay so were never found to be 0."""
+    kick = "when time > 1 then reinit(b.v, 1); end when;" if "KICK" in holds else ""
+    model = scene(f"""model Still  World world(gravity = {{0, 0}});  Block b(m = 1, base = world);  {holds.replace("KICK", "")}
+      Time y(start = 0);  equation der(y) = if {law} then 1 else 0;  {kick} end Still;""")
+    for solver in ("auto", "erk5", "erk9", "implicit", "taylor"):
+        assert model.simulate(at=[0.0, 2.0], solver=solver)["y"][-1] == pytest.approx(right, abs=1e-7), solver
+
+
 LOADED = "Force F = -3*sign(b.v);  AppliedForce g(at = b.center, force = {F, 0}), p(at = b.center, force = {-1, 0});"
 FIRM = "DryFriction f(F = 2, F_static = 3, rate = b.v);  AppliedForce p(at = b.center, force = {-1.2, 0});"
 BORNE = """import Rotational.*;  Inertia i(J = 1, w(start = 1));  BearingFriction r(tau_pos = [0, 2; 1, 3], peak = 1.2);

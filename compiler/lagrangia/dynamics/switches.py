@@ -103,7 +103,7 @@ class Switches:
         order = {pair: k for k, pair in enumerate(self.places)}
         cones = [order[pair] for cone in self.cones for pair in cone]
         return {"rubs": self.rubs, "rests": tuple(order[pair] for pair in self.rests), "cones": tuple(cones),
-                "at_level": tuple(self.at_level.get(pair, EITHER) for pair in self.places)}
+                "at_level": tuple(self.at_level.get(pair, HALF if pair in self.rests else EITHER) for pair in self.places)}
 
 
 def bends(motion: Motion) -> bool:
