@@ -228,6 +228,18 @@ static void choose_at_place(LagRun *run)
             s->turned[i] = LAG_STAYS;
 }
 
+/* What has gone over to the other side with inputs that have jumped has not come to rest on the way. */
+static void pass_with_inputs(LagInstance *s)
+{
+    LagRun *run = s->run;
+    const int first = run->model->switches_need_acceleration ? lag_when(run->model, 0) : 0;
+    if (!lag_exchange_has_jumped(s))
+        return;
+    for (int i = 0; i < first; ++i)
+        if (run->switches.turned[i] == LAG_CHANGES && fabs(run->switches.g[i]) > lag_sliding_drift(run, i))
+            run->switches.turned[i] = LAG_STAYS;
+}
+
 /* What the equations hold from now on, and what slides; rates are reset. Returns whether the state was moved for it. */
 static int switch_over(LagInstance *s)
 {
@@ -240,6 +252,7 @@ static int switch_over(LagInstance *s)
     run->impacts.coarse = coarseness(s);
     lag_changes_note(run, NULL);
     choose_at_place(run);
+    pass_with_inputs(s);
     lag_cones_note_end(run);
     lag_impacts_note_jump(run, s->vital.t, run->motion.y);
     lag_impacts_strike(run);

@@ -96,6 +96,13 @@ void lag_exchange_jump_inputs(LagInstance *s)
     }
 }
 
+int lag_exchange_has_jumped(const LagInstance *s)
+{
+    const size_t size = (size_t)s->model->n_inputs * sizeof *s->u;
+    const int is_there = s->vital.knows_inputs && s->vital.t == s->vital.last_time;
+    return is_there && (s->vital.has_jump || memcmp(s->u, s->last_u, size) != 0);
+}
+
 static void note_inputs(LagInstance *s)
 {
     const size_t size = (size_t)s->model->n_inputs * sizeof *s->u;

@@ -221,6 +221,8 @@ void lag_exchange_draw_inputs(LagInstance *instance);
 /* How such a rate changes with its input, 1/s; 0 in Co-Simulation. */
 double lag_exchange_rate_by_input(const LagInstance *instance, int input);
 void lag_exchange_jump_inputs(LagInstance *instance);
+/* Whether they have at the present event. */
+int lag_exchange_has_jumped(const LagInstance *instance);
 /* Takes the last step into the account; returns whether the equations are the same after it. */
 int lag_exchange_keep_account(LagInstance *instance);
 /* Dissipated and work since the last completed step, of a state in between; 0 where that is not known. */

@@ -2,6 +2,7 @@
 (worker.py), since what is inside an FMU may crash."""
 
 import ctypes
+import math
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from itertools import pairwise
@@ -238,6 +239,7 @@ class Table:
     def __init__(self, importer: Importer, names: Sequence[str], times: Sequence[float], rows: Sequence[Sequence[float]]) -> None:
         self.importer, self.names, self.times, self.rows = importer, names, times, rows
         self.jumps = [a for a, b in pairwise(times) if a == b]
+        self.passed = -math.inf  # time of the latest event, after which inputs have jumped
         groups: dict[str, dict[int, dict[int, int]]] = {}  # kind, value reference, element: place among the names
         for k, name in enumerate(names):
             variable, element, _ = importer.find(name)
@@ -275,7 +277,8 @@ class Table:
         """Sets all inputs as at t, on one side of a jump; with their slopes where the FMU takes them."""
         if not self.names:
             return
-        values, slopes = self.at(t, is_after)
+        self.passed = t if is_after else self.passed
+        values, slopes = self.at(t, is_after or t == self.passed)
         for setter, references, places, kind in self.setters:
             setter(references, [_as(kind, values[k]) for k in places])
             if with_slopes and kind == "Real":

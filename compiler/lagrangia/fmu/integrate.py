@@ -44,7 +44,7 @@ def exchange(importer: Importer, table: Table, times: Sequence[float], stop: flo
             asks = importer.completed_step()
             reached = t >= end - _CLOSE * max(1.0, abs(end))
             is_event = is_state_event or asks or (reached and end in (jump, event))
-            if reached and end == target:
+            if reached and t >= target - _CLOSE * max(1.0, abs(target)):
                 write(target)
             if is_event:
                 count.events += 1
