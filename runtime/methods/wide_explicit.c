@@ -13,19 +13,21 @@
 #include "state/account.h"
 #include "state/ends.h"
 #include "state/evaluate.h"
+#include "state/project.h"
 #include "state/state.h"
 
 /* As in adaptive.c. */
 static const double SAFETY = 0.8, SHRINK = 1.0 / 3, FIRST_GROW = 6, GROW = 3, NOT_FINITE_SHRINK = 0.25, CUT = 0.9;
 static const double SMALLEST_ERROR = 1e-20; /* squared */
 static const double LEAVES = 1e9; /* steps in vain of a motion that is left to others */
+static const double TRIES = 2; /* of a step of loops: singular positions ask for more than shorter ones (attempts.c) */
 
 int lag_wide_explicit_serves(const LagModel *model)
 {
     const int other_modes = model->n_modes - 4 * model->n_attitudes; /* than references */
     const int happens = model->n_looks + model->n_switches + model->n_resets + model->n_cones + model->n_delays + other_modes;
-    const int is_other = model->n_islands + model->n_multipliers;
-    return happens + is_other == 0 && (model->wide_each || lag_usual_rhs(model)->tape) && model->n > 0;
+    const int turns_in_loops = model->n_multipliers > 0 && model->n_attitudes > 0;
+    return happens + model->n_islands + turns_in_loops == 0 && (model->wide_each || lag_usual_rhs(model)->tape) && model->n > 0;
 }
 
 static void layout(LagWideExplicit *s, const LagTableau *tableau, int order, const LagRun *like, LagArena *arena)
@@ -93,7 +95,7 @@ static int load(void *self, int lane, LagRun *run)
     LagWideExplicit *s = self;
     const LagMotion *m = &run->motion;
     const int is_at_rest = run->scale.is_resting || run->rests || m->strength > 0 || !(m->t > m->t_old);
-    if (run->methods.solver != s->lanes.solver || is_at_rest || run->stiffness.passes > 0)
+    if (run->methods.solver != s->lanes.solver || is_at_rest || run->stiffness.passes + run->doubtful > 0)
         return 0;
     lag_wide_steps_load(&s->lanes, lane, run);
     s->run[lane] = run;
@@ -350,6 +352,43 @@ static void note_lost(LagWideExplicit *s, int lane)
         s->lost[(n_power + i) * LAG_ABREAST + lane] += sqrt(s->lost[i * LAG_ABREAST + lane]);
 }
 
+/* Where loops close, one motion after another, as lag_step_adaptive does. */
+static void project(LagWideExplicit *s)
+{
+    const int states = 2 * s->lanes.n;
+    for (int lane = 0; lane < LAG_ABREAST; ++lane) {
+        LagRun *run = s->run[lane];
+        int worst;
+        if (s->lanes.moves[lane] == 0 || !(s->error[lane] <= 1))
+            continue;
+        lag_wide_take(s->lanes.made, lane, run->motion.other, states);
+        lag_wide_take(s->lanes.made_carry, lane, run->motion.other_carry, states);
+        if (lag_project_waits(run, s->lanes.next[lane]))
+            continue;
+        s->error[lane] = lag_max(lag_project_step(run, s->lanes.next[lane], 1, &worst), s->error[lane]);
+        s->doubt[lane] += s->error[lane] < INFINITY ? 0 : 1;
+        lag_wide_place(s->lanes.made, lane, run->motion.other, states);
+        lag_wide_place(s->lanes.made_carry, lane, run->motion.other_carry, states);
+    }
+}
+
+/* The errors of steps, and the slopes at their ends; of what is projected after errors are known of these, rates are taken alone. */
+static void end(LagWideExplicit *s)
+{
+    const size_t n = (size_t)s->lanes.n * LAG_ABREAST;
+    const int is_loop = s->lanes.model->n_multipliers > 0;
+    double *k = s->k[s->tableau->stages];
+    if (s->tableau->error_at_end)
+        evaluate_at(s, s->lanes.next, s->lanes.made, k);
+    estimate(s);
+    if (is_loop)
+        project(s);
+    if (!s->tableau->error_at_end)
+        evaluate_at(s, s->lanes.next, s->lanes.made, k);
+    else if (is_loop)
+        memcpy(k, s->lanes.made + n, n * sizeof *k);
+}
+
 static void step(void *self)
 {
     LagWideExplicit *s = self;
@@ -363,12 +402,12 @@ static void step(void *self)
         stage(s, i);
     for (int lane = 0; lane < LAG_ABREAST; lane += LAG_WIDE)
         finish(s, lane);
-    evaluate_at(s, s->lanes.next, s->lanes.made, s->k[stages]);
-    estimate(s);
+    end(s);
     for (int lane = 0; lane < LAG_ABREAST; lane += LAG_WIDE)
         judge(s, lane);
     for (int lane = 0; lane < LAG_ABREAST; ++lane) {
-        if (s->lanes.moves[lane] > 0 && !(s->doubt[lane] == 0))
+        const int is_left = !(s->doubt[lane] == 0) || (s->lanes.model->n_multipliers > 0 && s->lanes.in_vain[lane] >= TRIES);
+        if (s->lanes.moves[lane] > 0 && is_left)
             s->lanes.in_vain[lane] = LEAVES;
         else if (s->lanes.taken[lane] > 0)
             note_lost(s, lane);

@@ -1,7 +1,8 @@
 /* Steps of explicit Runge-Kutta pairs (explicit.h) of eight motions at once (wide_steps.h): where equations are too long for series.
  *
  * Steps are those of adaptive.c where nothing happens. A motion for which the usual equations are in doubt, or that shorter steps do not
- * help, is left to steps of its own. Closed loops are: iterated collocation makes so small errors there that steps of the same error
+ * help, is left to steps of its own. Where loops close, slopes are those of eight motions, and each is projected by its run, which has
+ * to know where it is. Nobody chooses these pairs there: iterated collocation makes so small errors in loops that steps of the same error
  * take as long, eight at a time (a slider-crank).
  */
 #ifndef LAG_WIDE_EXPLICIT_H

@@ -8,6 +8,7 @@
 #include "state/account.h"
 #include "state/ends.h"
 #include "state/state.h"
+#include "steps/branch.h"
 #include "steps/segment.h"
 
 /* Steps that a run makes before it goes into a lane, at most: they set in motion what rests. */
@@ -59,7 +60,7 @@ static void set_due(LagRunLanes *s, int lane)
     const LagFollower *f = &s->follower[lane];
     if (s->method->ends_at_rows)
         s->steps->stop[lane] = lag_min(f->next, lag_min(f->run->segment_end, f->run->settings.t_stop));
-    s->due[lane] = f->n_pending > 0 || s->is_guarded ? -INFINITY : lag_min(f->next, s->steps->stop[lane]);
+    s->due[lane] = f->n_pending > 0 || s->is_guarded || s->is_loop ? -INFINITY : lag_min(f->next, s->steps->stop[lane]);
 }
 
 /* Other inputs are in force from the present time of the lane on, or other modes. */
@@ -301,6 +302,14 @@ static LagStatus watch(LagRunLanes *s, int lane, LagShown shown, int glances)
     return lag_follow_watch(f, open);
 }
 
+/* What a run with loops notes of each step. Returns whether it goes on in its lane: where ways of moving meet, it does not. */
+static int note_loop(LagRun *run)
+{
+    lag_account_rise(run);
+    lag_branch_watch(run);
+    return run->branch.turned < 0;
+}
+
 /* After a step of a run that is not bare. */
 static int attend(LagRunLanes *s, int lane)
 {
@@ -309,13 +318,13 @@ static int attend(LagRunLanes *s, int lane)
     const int glances = s->steps->steps[lane] >= s->glance[lane], is_over = t >= s->batch->sweep.t_stop;
     const int has_event = !is_over && t >= s->steps->stop[lane];
     const int is_dense = s->is_guarded || t > f->next || (has_event && s->batch->model->n_modes > 0);
-    const LagShown shown = is_dense ? LAG_SHOWN_DENSE : glances || is_over ? LAG_SHOWN_STEP : LAG_SHOWN_STATE;
+    const LagShown shown = is_dense ? LAG_SHOWN_DENSE : glances || is_over || s->is_loop ? LAG_SHOWN_STEP : LAG_SHOWN_STATE;
     LagStatus status = LAG_OK;
     s->method->show(s->steps, lane, f->run, shown);
     f->starts_again &= shown < LAG_SHOWN_DENSE;
     if (s->is_guarded)
         lag_guards_watch(f->run);
-    if (f->run->guards.broken)
+    if (f->run->guards.broken || (s->is_loop && !note_loop(f->run)))
         return lag_lanes_end_run(s, lane, LAG_PAUSED);
     if (glances) {
         lag_account_glance(f->run);

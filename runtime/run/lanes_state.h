@@ -22,6 +22,7 @@ struct LagRunLanes {
     int may_turn;  /* others go on where stability rules */
     int are_shared; /* inputs */
     int is_guarded; /* each step is looked at */
+    int is_loop;    /* each step is told to its run */
     int opened;    /* lanes whose follower and run are there */
     LagFollower follower[LAG_ABREAST];
     int64_t job[LAG_ABREAST]; /* the run in each lane; -1: none */

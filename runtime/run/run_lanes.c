@@ -52,7 +52,7 @@ static int takes_one_run(const LagSweep *sweep)
 
 static int is_plain(const LagModel *model, const LagSweep *sweep)
 {
-    if (model->n_attitudes > 0)
+    if (model->n_attitudes + model->n_multipliers > 0)
         return 0;
     for (int i = 0; i < sweep->n_reductions; ++i) {
         const LagReduction *what = &sweep->reductions[i];
@@ -80,7 +80,7 @@ static int choose(LagRunLanes *s, const LagModel *model, const LagSettings *sett
     const int is_looked_into = batch->n_at < batch->sweep.n_reductions || s->is_guarded;
     s->method = pair ? pair : is_looked_into || settings->tolerance > MOST_TOLERANCE ? &lag_wide_dop853 : &lag_wide_verner9;
     s->explicit.caution = alone == LAG_SOLVER_PIRK ? CAREFUL : 1;
-    return settings->solver != LAG_SOLVER_TAYLOR && lag_wide_explicit_serves(model);
+    return settings->solver != LAG_SOLVER_TAYLOR && (pair || model->n_multipliers == 0) && lag_wide_explicit_serves(model);
 }
 
 static int open_lane(LagRunLanes *s, const LagSettings *settings)
@@ -136,6 +136,7 @@ LagRunLanes *lag_lanes_new(LagBatch *batch)
     s->batch = batch;
     s->is_guarded = lag_guards_watch_motion(model);
     const int is_served = choose(s, model, &settings);
+    s->is_loop = model->n_multipliers > 0;
     s->may_turn = lag_methods_turn(&settings) && lag_methods_alternate(model, s->method->solver);
     s->starts_again = lag_run_starts_again(model);
     s->is_bare = s->method == &lag_wide_taylor && !s->is_guarded && lag_bare_serve(batch);

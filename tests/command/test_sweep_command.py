@@ -403,3 +403,18 @@ def test_the_methods_that_ran_are_named(tmp_path: Path, monkeypatch: pytest.Monk
         command = f"sweep p.lag -p m=1:9:1 --stop 1 --tolerance 1e-9 --solver {solver} -o y.csv"
         assert main(command.split()) == 0
         assert re.search(f" steps by {named}; the energy", capsys.readouterr().out)
+
+
+@pytest.mark.parametrize(("scene", "asked", "why"), [
+    ("double_pendulum", "--solver pirk", "pirk evaluates the eight stages of one run at once"),
+    ("double_pendulum", "--solver adams", "adams has none"),
+    ("slider_crank", "", "loops, which"), ("stick_slip", "", "events"), ("pendulum", "", "one degree of freedom that swings"),
+    ("double_pendulum", "--max-steps 999", "--max-steps")])
+def test_stats_say_why_there_are_no_lanes(scene: str, asked: str, why: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
+                                          capsys: pytest.CaptureFixture[str]) -> None:
+    monkeypatch.chdir(tmp_path)
+    model = lag.load(EXAMPLES / f"{scene}.lag")
+    starts = f"{model.coordinate_names[0]}=linspace(0.3,0.4,5)"
+    command = ["sweep", str(EXAMPLES / f"{scene}.lag"), "--initial", starts, "--stop", "0.1", "--stats", *asked.split()]
+    assert main([*command, "-o", "y.csv"]) == 0
+    assert f"lanes: not used ({why}" in capsys.readouterr().out

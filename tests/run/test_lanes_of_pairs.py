@@ -90,3 +90,31 @@ def test_narrow_forces_are_not_passed_over(solver: str) -> None:
 def test_other_methods_are_made_alone() -> None:
     starts = {"elbow.phi": np.linspace(0.1, 1, 9)}
     assert advanced(lag.load(EXAMPLES / "double_pendulum.lag"), "final(elbow.phi)", starts, solver="pirk")[2] == Lanes()
+
+
+LOOPS = {"four_bar": ("O.phi", np.linspace(0.5, 0.7, 11)), "slider_crank": ("O.phi", np.linspace(0.2, 1.2, 11))}
+
+
+@pytest.mark.parametrize("solver", PAIRS)
+@pytest.mark.parametrize("name", LOOPS)
+def test_loops_are_projected_as_alone(name: str, solver: str) -> None:
+    model, (angle, starts) = lag.load(EXAMPLES / f"{name}.lag"), LOOPS[name]
+    outputs = f"final({angle}), max({angle}), at(0.3, der({angle}))"
+    found, steps, lanes = advanced(model, outputs, {angle: starts}, solver=solver, stop=1.0)
+    alone, others, _ = advanced(model, outputs, {angle: starts}, False, solver=solver, stop=1.0)
+    assert (lanes.runs, lanes.alone) == (11, 0)
+    assert found == pytest.approx(alone, rel=1e-8 if solver == "erk9" else 1e-10)
+    assert abs(steps / others - 1).max() < 0.05
+    for some in (slice(0, 1), slice(7, 11)):
+        assert advanced(model, outputs, {angle: starts}, some=some, solver=solver, stop=1.0)[0].tobytes() == found[some].tobytes()
+
+
+@pytest.mark.parametrize("solver", PAIRS)
+def test_loops_stay_closed_in_lanes(solver: str) -> None:
+    """Rows at and inside steps, by the four-bar's own equations."""
+    many = lag.load(EXAMPLES / "four_bar.lag").simulate_many(
+        initial={"O.phi": np.linspace(0.5, 0.7, 11)}, stop=2.0, interval=0.1, keep=True, tolerance=1e-6, solver=solver)
+    crank, elbow, rocker = np.moveaxis(many.trajectories[..., 1:4], -1, 0)
+    gap = 0.4*np.exp(1j*crank) + np.exp(1j*(crank + elbow)) - 1 - 0.8*np.exp(1j*rocker)
+    assert many.ledger.lanes.runs == 11 and gap.shape == (11, 21)
+    assert abs(gap).max() < 1e-14

@@ -27,6 +27,7 @@ from lagrangia.model import Model
 from lagrangia.run.batch import Ending
 from lagrangia.run.request import plan
 from lagrangia.run.simulate import DOUBTFUL
+from lagrangia.run.solvers import name_of
 from lagrangia.study.sweep.journal import Journal, Ledger
 from lagrangia.study.sweep.keeping import Dataset, Keeper
 from lagrangia.study.sweep.measures import Measure, quantities, read_measures
@@ -152,9 +153,28 @@ def _in_lanes(sweep: Sweep, now: int) -> str:
     """How many of the runs made now went on together, and how full the lanes were."""
     lanes = sweep.ledger.lanes
     if not lanes.room:
-        return "lanes: not used (too few runs, or something that they do not serve)"
+        return f"lanes: not used ({_why_alone(sweep)})"
     alone = f", {lanes.alone} of them made again alone" if lanes.alone else ""
     return f"lanes: {lanes.runs + lanes.alone} of {now} runs eight at a time{alone}; {100 * lanes.steps / lanes.room:.0f} % full"
+
+
+def _why_alone(sweep: Sweep) -> str:
+    """What lanes do not serve (runtime/run/run_lanes.h)."""
+    job, settings = sweep.job, sweep.job.sweep.settings
+    solver, sizes = name_of(settings.solver), job.scene.sizes
+    is_free = solver == "auto"
+    happens = ("n_switches", "n_resets", "n_cones", "n_delays")
+    reasons = {
+        "fewer than four runs": not job.sweep.in_lanes,
+        "--max-steps": settings.max_steps > 0,
+        "pirk evaluates the eight stages of one run at once": solver == "pirk",
+        f"{solver} has none": solver not in ("auto", "taylor", "erk", "erk5", "erk9"),
+        "events, contacts, friction or delays": any(sizes.get(name, 0) for name in happens),
+        "forces that are narrow, which steps alone look for": sizes.get("n_looks", 0) > 0,
+        "one degree of freedom that swings back the way it came": is_free and sizes.get("is_swing", 0) > 0,
+        "loops, which have some by erk, erk5 and erk9": is_free and sizes.get("n_multipliers", 0) > 0,
+    }
+    return next((why for why, is_so in reasons.items() if is_so), "a measure, or a choice of auto, that they do not serve")
 
 
 def _summarise(sweep: Sweep, target: str, now: int, has_stats: bool) -> None:

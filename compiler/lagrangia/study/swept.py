@@ -63,7 +63,7 @@ class Swept(ABC):
         until: str | None = None,
     ) -> "Sweep":
         """Many runs on all cores, or on a Dask cluster: all combinations of the values given, nothing compiled again.
-        Trees of bodies without events, inputs and loops go on together, eight on each core, as exactly as alone.
+        Trees of bodies without events go on together, eight on each core, as exactly as alone; so do loops by erk, erk5 and erk9.
 
         Values are numbers, sequences, or text: "100:2000:50" (from:to:step), "linspace(0, 1, 11)", "normal(100, 5)", of which
         `samples` are taken; a list of `inputs` has some for each run. `runs` has a row for each run: a CSV file, a DataFrame, or
