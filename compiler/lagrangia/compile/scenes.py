@@ -320,7 +320,7 @@ def _told(kinematics: Kinematics, constraints: Constraints, initial: InitialCond
             **({"samplers": [str(sampler.span) for sampler in model.samplers],
                 "held": [held.name for sampler in model.samplers for held in sampler.held]} if model.samplers else {}),
             **({"delays": [str(delay.span) for delay in model.delays]} if model.delays else {}),
-            **({"requirements": required} if required else {}),
+            **({"requirements": required} if required else {}), "jumping": [str(w.span) for w in jumping.diagnostics],
             **({"inertias": inertias} if (inertias := places_of_inertias(kinematics)) else {}),
             "attitudes": {name: parts_of(name) for name in kinematics.symbols.attitudes},
             "readers": find_readers(model) if len(model.variables) <= _MANY_VARIABLES else None,

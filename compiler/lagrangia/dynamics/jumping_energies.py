@@ -1,4 +1,4 @@
-"""Energies -> warnings of those that jump where a condition on positions changes: what crosses such a place gets no impulse.
+"""Energies -> warnings of those that jump where a condition on positions or rates changes: what crosses it gets no impulse.
 
 A force is the slope of an energy, and a jump has none that is finite: `if s > 1 then 5 else 0` would turn back all that comes
 with less than 5 J, and an inertia that doubles at a place would take half of the speed there. So the energy account is open from
@@ -30,7 +30,7 @@ _POINTS, _ITERATIONS, _CLOSE = 8, 30, 1e-12
 
 
 def find_jumping_energies(kinematics: Kinematics) -> Report:
-    """L0744 for kinetic and potential energies."""
+    """L0744 for kinetic and potential energies, with their places."""
     report, model, symbols = Report(), kinematics.graph.model, kinematics.symbols
     if kinematics.algebra.index.asked <= _CONTINUOUS:
         return report
@@ -38,10 +38,15 @@ def find_jumping_energies(kinematics: Kinematics) -> Report:
     asked = [e for e in model.energies if e.kind != "dissipation" and any(map(_may_jump, reached([e.value], bindings)))]
     q, v = (ca.vertcat(ca.SX(0, 1), *x.values()) for x in (symbols.positions, symbols.rates))
     for energy in asked:
-        if _jumps(kinematics, ca.SX(kinematics.evaluator.value(energy.value)), q, v):
+        value = ca.SX(kinematics.evaluator.value(energy.value))
+        if _jumps(kinematics, value, q, v, ca.SX(0, 1)):
             report.warning("L0744", f"the {energy.kind} energy jumps where a condition on positions changes, which takes a force "
                            "without bound: what crosses the place gets no impulse, and the energy account is open from then on",
-                           energy.span, "let it rise over a short way, or reset a rate in an event: when ... reinit")
+                           energy.span, "let it rise over a short way d: min(1, max(0, (x - x0)/d)) for if x > x0 then 1 else 0")
+        elif _jumps(kinematics, value, v, ca.SX(0, 1), q):
+            report.warning("L0744", f"the {energy.kind} energy jumps where a condition on rates changes, and has no momentum "
+                           "there: what passes that rate keeps it, and the energy account is open from then on", energy.span,
+                           "let it depend on positions or time: a kinetic energy is of second degree in rates")
     return report
 
 
@@ -49,10 +54,11 @@ def _may_jump(node: Flat) -> bool:
     return isinstance(node, IfExpression) or (isinstance(node, Call) and node.function not in _CONTINUOUS)
 
 
-def _jumps(kinematics: Kinematics, value: ca.SX, q: ca.SX, v: ca.SX) -> bool:
+def _jumps(kinematics: Kinematics, value: ca.SX, q: ca.SX, v: ca.SX, fixed: ca.SX) -> bool:
+    """Whether a value jumps where a condition on `q` changes that none of `fixed` has a share in; all else is anywhere."""
     if operations_in(value).isdisjoint(_COMPARED):
         return False
-    conditions = list(_conditions(value, q))
+    conditions = [g for g in _conditions(value, q) if not ca.depends_on(g, fixed)]
     own = symbols_in(ca.veccat(q, v))
     others = [x for x in ca.symvar(ca.veccat(value, *conditions)) if x.__hash__() not in own]
     p, declared = default_parameters(kinematics)

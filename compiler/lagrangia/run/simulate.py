@@ -46,6 +46,7 @@ class Progress:
     contacts: tuple[str, ...] = ()  # of each event, what to call it
     outputs: tuple[str, ...] = ()  # their names
     thresholds: tuple[float, ...] = ()  # with which rates are compared where forces jump
+    jumping: tuple[str, ...] = ()  # places of energies that jump with positions or rates
     interrupted: bool = False
     engine: str = ""  # native, tape, or an integrator of CasADi
     events: Sequence[float] = ()  # times of the first ones, s
@@ -78,7 +79,7 @@ def progress_of(scene: Scene, experiment: Experiment, **known: Any) -> Progress:
     """With what the scene tells of any of its runs."""
     return Progress(experiment, has_power=scene.sizes["n_power"] > 0, is_driven=bool(scene.notes["is_driven"]),
                     contacts=tuple(scene.notes["contacts"]), outputs=tuple(x.name for x in scene.outputs),
-                    thresholds=tuple(scene.notes["thresholds"]), **known)
+                    thresholds=tuple(scene.notes["thresholds"]), jumping=tuple(scene.notes["jumping"]), **known)
 
 
 def start_run(scene: Scene, engine: Engine, experiment: Experiment, values: Values) -> Run:
@@ -400,6 +401,10 @@ def loss(progress: Progress) -> str:
         if progress.is_driven:
             reason = f"is moved in time by what jumps where nothing tells beforehand, {reason}"
     since = f" from t = {s.energy_open:.6g} on" if s.energy_is_open else ""
+    if progress.jumping:
+        places = ", ".join(progress.jumping[:2])
+        return (f"the energy account {what}{since}: an energy jumps with a position or rate, at {places}, which gives no impulse "
+                "(L0744): the rows there are not the motion of this scene, which needs one that rises over a short way")
     return (f"the energy account {what}{since}: the rows there are not the motion of this scene, which {reason}needs "
             f"{remedy(progress.experiment.tolerance, relative)}")
 
