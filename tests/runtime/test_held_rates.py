@@ -134,7 +134,9 @@ RATCHET = "AppliedForce p(at = b.center, force = {-2, 0});"
     (HOLDS, "if b.v > 0 then 1 else 0", 0.5), (HOLDS, "if b.v >= 0 then 1 else 0", 2), (HOLDS, "if -3*b.v > 0 then 1 else 0", 0),
     (HOLDS, "if b.v > 0 and time > 0.25 then 1 else 0", 0.25), (HOLDS, "if b.v == 0 then 1 else 0", 1.5),
     (SLOPE, "sign(b.v)", 1 / 3.2), (SLOPE, "if b.v >= 0 then 1 else 0", 2), (STATIC, "if b.v > 0 then 1 else 0", 0.5),
-    (STATIC, "sign(b.v)", 0.5), (BELT, "if b.v - 0.1*time > 0 then 1 else 0", 1 / 0.6),
+    (SLOPE, "sign(b.v)^2", 1 / 3.2), (HOLDS, "3 - sign(b.v)*sign(b.v)", 5.5),
+    (HOLDS, "if b.v > 0 then 1 elseif b.v < 0 then 0.3 else 0.1", 0.65), (STATIC, "sign(b.v)", 0.5),
+    (BELT, "if b.v - 0.1*time > 0 then 1 else 0", 1 / 0.6),
     (RATCHET, "if b.v > 0 then 1 else 0", 0.5)])
 def test_others_know_what_is_held_on_its_level(scene: Write, holds: str, law: str, right: float) -> None:
     """For how long the block moves: the share of friction was counted while it sticks (1.25 s for 0.5)."""
@@ -176,7 +178,8 @@ BORNE = """import Rotational.*;  Inertia i(J = 1, w(start = 1));  BearingFrictio
 @pytest.mark.parametrize(("holds", "y", "right"), [
     (SLOPE, "if b.v > 0 then 1 else 0", 0), (SLOPE, "if b.v >= 0 then 1 else 0", 1), (SLOPE, "if b.v == 0 then 1 else 0", 1),
     (SLOPE, "5*sign(b.v)", 0), (SLOPE, "if -3*b.v < 0 then 5 else 0", 0), (SLOPE, "if b.v > 0 then b.s else 7[m]", 7),
-    (FIRM, "abs(sign(b.v))", 0), (BELT, "if b.v - 0.1*time > 0 then 1 else 0", 0), (BELT, "sign(b.v - 0.1*time) + 3", 3),
+    (FIRM, "abs(sign(b.v))", 0), (SLOPE, "sign(b.v)^2", 0), (BELT, "if b.v - 0.1*time > 0 then 1 else 0", 0),
+    (BELT, "sign(b.v - 0.1*time) + 3", 3),
     (RATCHET, "if b.v > 0 then 1 else 0", 0), (LOADED, "if b.v < 0 then 3 else 0", 0),
     (SLOPE, "f.F*sign(f.rate)", -1.2), (SLOPE, "2*b.s - f.F*sign(f.rate)*1[m/N]", 2 / 6.4 + 1.2), (LOADED, "F", 1),
     (LOADED, "-F", -1), (FIRM, "(if b.v <> 0 then f.F else f.F_static)*sign(b.v)", -1.2), (BORNE, "r.tau", -1.2),

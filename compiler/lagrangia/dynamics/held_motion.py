@@ -55,9 +55,8 @@ class HeldMotion:
     def outputs(self, y: ca.SX, put: Put) -> ca.SX:
         """Held outputs (k,): each of no group of rates. `put` puts reactions in the place of their symbols."""
         (told,) = put([y])
-        (held,) = self.switches.hold([told])
-        if not self.shares or self.shares.keys().isdisjoint(symbols_in(held)):
-            return held
+        if not self.shares or not any(self._asked(told)):
+            return self.switches.hold([told])[0]
         (y,), forces = self._taken_out(y)
         told, *values = put([y, *(force.value for force in forces)])
         held = self._apart(told, self.switches.hold([told])[0], [None] * y.numel())
@@ -67,14 +66,21 @@ class HeldMotion:
         """Held rows, each of a group of rates: a rate that forces on others hold is on its level there, where its switch is no
         share."""
         reach, found = self.switches.reach, dict[int, ca.SX]()
-        shares = [*self.shares.values()]
-        told = places_in(held, ca.vertcat(ca.SX(0, 1), *(self.switches.places[pair] for pair in shares)))
-        apart = [frozenset(shares[k] for k in own if group is None or group not in reach[shares[k]])
-                 for group, own in zip(groups, told, strict=True)]
+        apart = [frozenset(pair for pair in own if group is None or group not in reach[pair])
+                 for group, own in zip(groups, self._asked(rows), strict=True)]
         for pairs in dict.fromkeys(x for x in apart if x):
             own = [row for row, x in enumerate(apart) if x == pairs]
             found |= zip(own, ca.vertsplit(self._seen(ca.densify(rows)[own], pairs)), strict=True)
         return ca.vertcat(*(found.get(row, x) for row, x in enumerate(ca.vertsplit(held)))) if found else held
+
+    def _asked(self, rows: ca.SX) -> list[set[Pair]]:
+        """What each row asks of rates that may be held, with even parts of jumps, as sign(v)^2 is, which no share is in."""
+        switches, shares = self.switches, [*self.shares.values()]
+        holding = Holding(switches.places | switches.aliases, frozenset(), switches.rests | switches.rest_aliases,
+                          switches.numbering, switches.nothing)
+        (told,) = rebuilt([rows], switches.numbering, holding.made)
+        found = places_in(told, ca.vertcat(ca.SX(0, 1), *(switches.places[pair] for pair in shares)))
+        return [{shares[k] for k in own} for own in found]
 
     def _seen(self, rows: ca.SX, pairs: frozenset[Pair]) -> ca.SX:
         """Held, and these on their level but in the forces that hold them."""

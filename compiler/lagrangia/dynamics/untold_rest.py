@@ -20,6 +20,7 @@ from lagrangia.algebra.orthogonal import Vector
 from lagrangia.algebra.scalars import Expression, as_expression, operate, symbol, symbols_in
 from lagrangia.algebra.with_casadi import CORNERS, STEPS
 from lagrangia.base.diagnostics import LagError, Span, fail
+from lagrangia.dynamics.acting_rates import groups_of_rates
 from lagrangia.dynamics.directions import Direction, length_power
 from lagrangia.dynamics.dissipation import gradient_by_rates
 from lagrangia.dynamics.driven_conditions import Pair
@@ -51,10 +52,23 @@ def refuse_untold_rest(energies: Energies, motion: Motion) -> None:
     v = ca.vertcat(ca.SX(0, 1), *(x for x in motion.v.elements() if x.__hash__() not in stepped))
     if not bends(motion) or not _is_untold((motion.unsolved or motion).h, v):
         return
+    untold = _untold_rates(motion.unsolved or motion, v)
     for force, span in _apart(energies, motion.v):
-        if _is_untold(force, v):
+        if untold.numel() and _is_untold(force, untold):
             _refuse(span)
-    _refuse(None)
+    if untold.numel():
+        _refuse(None)
+
+
+def _untold_rates(known: Motion, v: ca.SX) -> ca.SX:
+    """Of those, the groups of which the own forces are so: for others what is at rest is on its level (held_motion.py)."""
+    groups, moving, found = groups_of_rates(known), symbols_in(v), ca.SX(0, 1)
+    for group in dict.fromkeys(groups):
+        rows = [k for k, own in enumerate(groups) if own == group]
+        own = ca.vertcat(ca.SX(0, 1), *(x for x in known.v[rows].elements() if x.__hash__() in moving))
+        if own.numel() and _is_untold(ca.densify(known.h)[rows], own):
+            found = ca.vertcat(found, own)
+    return found
 
 
 def _refuse_equal(energies: Energies, motion: Motion) -> None:
