@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "events/cones.h"
+#include "events/loaded.h"
 #include "state/evaluate.h"
 #include "numbers/extremes.h"
 
@@ -88,6 +89,8 @@ void lag_conditions_with_rates(LagRun *run, double t, const double *y, double *g
     if (run->model->switches_need_acceleration && run->sliding.count == 0)
         lag_motion_slope(&run->motion, t, y, y + run->model->n, run->switches.slope);
     lag_conditions(run, t, y, g, rate);
+    if (run->model->n_loaded > 0)
+        lag_loaded_rates(run, t, y, step > 0 ? step : SOME_TIME, g, rate);
     if (run->sliding.count > 0)
         lag_sliding_margin_rates(run, t, y, run->switches.slope, step > 0 ? step : SOME_TIME, rate);
 }

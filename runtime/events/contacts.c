@@ -176,6 +176,8 @@ int lag_contacts_is_inside(LagRun *run, int i, double g)
     LagSwitches *s = &run->switches;
     const LagMotion *m = &run->motion;
     const int k = i - lag_when(run->model, 0), gap = lag_gap(run->model, k);
+    if (lag_is_event(run->model, i) && run->impacts.loaded.is_loaded[k])
+        return s->held[i] > 0;
     if (!lag_is_event(run->model, i) || !run->impacts.has_contact[k])
         return lag_is_event(run->model, i) && (run->impacts.is_level[k] || lag_edges_keep(run, k, g)) ? s->held[i] > 0 : g > 0;
     const double near = run->sliding.error[gap];

@@ -40,6 +40,7 @@ void lag_impacts_layout(LagImpacts *s, const LagModel *model, int size, LagArena
     s->is_level = lag_take_ints(arena, (size_t)model->n_whens);
     lag_held_ways_layout(&s->ways, model, arena);
     lag_edges_layout(&s->edges, model, arena);
+    lag_loaded_layout(&s->loaded, model, size, arena);
     s->before = lag_take(arena, (size_t)model->n_whens);
     s->gap_before = lag_take(arena, (size_t)model->n_whens);
     s->carried = lag_take(arena, (size_t)model->n_whens);
@@ -77,6 +78,7 @@ void lag_impacts_reset(LagRun *run)
     memset(run->impacts.carried, 0, (size_t)run->model->n_whens * sizeof *run->impacts.carried);
     run->impacts.edges.is_in_force = run->impacts.edges.is_placed = 0;
     memset(run->impacts.is_level, 0, (size_t)run->model->n_whens * sizeof *run->impacts.is_level);
+    lag_loaded_reset(run);
     run->impacts.coarse = 0;
     run->impacts.is_known = 0;
     run->impacts.in_a_row = 0;
@@ -112,7 +114,7 @@ void lag_impacts_await_jump(LagRun *run, double t, const double *y)
 void lag_impacts_hold_as_before(LagRun *run)
 {
     for (int k = 0; k < run->model->n_whens; ++k)
-        run->switches.held[lag_when(run->model, k)] = run->impacts.before[k] > 0;
+        run->switches.held[lag_when(run->model, k)] = run->impacts.before[k] > 0 && !run->impacts.loaded.is_loaded[k];
 }
 
 /* What a condition has been last, also by events of the same moment. */
@@ -127,6 +129,8 @@ int lag_impacts_note_jump(LagRun *run, double t, const double *y)
     for (int k = 0; k < run->model->n_whens; ++k) {
         const int i = lag_when(run->model, k), gap = lag_gap(run->model, k), is_after = truth(run, k) > 0;
         const double depth = run->switches.g_inside[gap];
+        if (run->impacts.loaded.is_loaded[k])
+            continue;
         const int is_moved = lag_walls_have_moved(run, k, depth), is_new = is_moved && depth > run->sliding.error[gap];
         const int is_carried = !is_moved && run->switches.slides[lag_contact(run->model, k)];
         some |= is_moved;
@@ -206,11 +210,13 @@ static int has_jumped(const LagRun *run, int k)
 }
 
 /* Whether a condition is true after resets: on its level as it says of that; else by its sign where these have changed it; else
- * where it has come true by itself; else where nothing moves it, it stays what it is. */
+ * where it has come true by itself; else where nothing moves it, it stays what it is. Forces are not known before all is chosen that holds. */
 static int has_become_true(const LagRun *run, int k)
 {
     const LagSwitches *s = &run->switches;
     const int i = lag_when(run->model, k);
+    if (run->impacts.loaded.is_loaded[k])
+        return run->impacts.comes[k] || run->impacts.is_on[k];
     if (is_on_level(run, k))
         return run->model->on_level[k] & 1;
     if (has_jumped(run, k))

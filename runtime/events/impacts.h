@@ -4,6 +4,7 @@
 
 #include "events/edges.h"
 #include "events/held_ways.h"
+#include "events/loaded.h"
 #include "numbers/complementarity.h"
 #include "model/model.h"
 #include "state/settings.h"
@@ -18,6 +19,7 @@ typedef struct {
     int *is_level;   /* n_whens: of those that are no contacts, whether what they compare is held at their level: levels.h */
     LagHeldWays ways;
     LagEdges edges;
+    LagLoaded loaded;
     int *at_once;    /* n_whens: those of all ranks that come together */
     int *which;      /* n_resets: the resets of these */
     double *rate, *wanted, *rate_after; /* n_resets */

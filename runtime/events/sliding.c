@@ -259,7 +259,7 @@ static double find_change(LagRun *run, double t, const double *q, const double *
     LagSliding *s = &run->sliding;
     double largest = 0;
     s->left = 0;
-    lag_conditions_by(run, t, q, v, a, s->g, s->rate);
+    lag_conditions_of_motion(run, t, q, v, a, s->g, s->rate);
     for (int k = 0; k < s->count; ++k) {
         const double rate = s->rate[s->which[k]];
         s->change[k] = fabs(rate) <= s->noise[k] ? 0 : -rate; /* the jump may be rounding, too */

@@ -16,6 +16,7 @@
 #include "events/contacts.h"
 #include "events/crossing.h"
 #include "events/levels.h"
+#include "events/loaded.h"
 #include "events/standing.h"
 #include "state/ends.h"
 #include "state/evaluate.h"
@@ -82,7 +83,7 @@ void lag_switches_set(LagRun *run, double t, const double *q, const double *v)
     LagSwitches *s = &run->switches;
     double *d = run->d + run->model->n_modes;
     for (int pass = 0; pass < (run->model->shares_bend ? MOST_PASSES : 1); ++pass) {
-        lag_conditions_by(run, t, q, v, s->slope + run->model->n, s->g_inside, s->rate_inside);
+        lag_conditions_of_motion(run, t, q, v, s->slope + run->model->n, s->g_inside, s->rate_inside);
         for (int i = 0; i < lag_when(run->model, 0); ++i)
             d[i] = lag_standing_alone(run->model, i, s->g_inside[i]);
     }
@@ -297,6 +298,7 @@ int lag_switches_enter(LagRun *run)
     run->impacts.is_known = 0;
     lag_levels_enter(run);
     lag_edges_enter(run);
+    lag_loaded_enter(run);
     return turned;
 }
 

@@ -93,6 +93,7 @@ struct LagModel {
     int n_switches; /* conditions on the state, which steps hold: they follow the modes in d, 1 where g > 0 and 0 where g < 0 */
     int n_lengths;  /* of them come first, and say where lengths pass through 0, which ordinary motion does not do */
     int n_whens;    /* events of conditions: the last of the switches are theirs, three of each: conditions.h */
+    int n_loaded;   /* of these, whose conditions ask for forces: loaded.h */
     int n_rubs;     /* of friction that presses with the force of contacts */
     int n_resets;   /* rates that they reset, by impulses that follow the switches in d: forces of 1 when a way is looked for */
     int n_rests;    /* behind these: 1 where a switch is held at its jump, which may take more than what moves, else 0 */
@@ -121,6 +122,7 @@ struct LagModel {
     const int *on_level;        /* n_whens: whether the event's condition is true where rates meet what they are compared with, and 2 more
                                  * where it compares nothing else; -1: by its parts, or there are none; -2: it compares places alone;
                                  * 4 more, or -3, where it compares several things that may be held */
+    const int *loaded;          /* 2 n_loaded: the event of each, and whether it comes where its condition is true at the start */
     const int *order;           /* 3 n_whens: the rank of each at an instant, by what it reads; its `when`, and its branch there; NULL: they
                                  * read nothing of each other */
     const int *rubs;            /* 3 n_rubs: the switch of its slip, the event of the contact, whether no other force has the switch */
@@ -202,6 +204,7 @@ struct LagModel {
     LagFunction delayed;    /* t, q, v, u, d, c -> what is read late   n_delays each */
     LagFunction before;     /* t, p             -> what that was before the start; where nothing is said, 0 */
     LagFunction guards;     /* as outputs       -> g of the guards, and what they compare   n_guards + n_seen */
+    LagFunction loads;      /* as outputs       -> conditions of events that ask for forces   n_loaded */
     LagFunction requirements; /* p              -> the first of what is required of parameters that is not met, or -1; the same of
                                *                   what is only told */
 

@@ -21,7 +21,7 @@ static size_t work_size(const LagModel *model)
                                       &model->force, &model->regular, &model->residual, &model->nearest,
                                       &model->kick, &model->switches, &model->resets, &model->roots, &model->looks,
                                       &model->held_first, &model->samples, &model->lags, &model->delayed, &model->before,
-                                      &model->guards, &model->requirements};
+                                      &model->guards, &model->loads, &model->requirements};
     size_t largest = 0;
     for (size_t i = 0; i < sizeof functions / sizeof *functions; ++i)
         largest = functions[i]->n_work > largest ? functions[i]->n_work : largest;

@@ -22,12 +22,19 @@ void lag_inputs_and_rates(LagRun *run, double t)
         lag_history_rates(&run->history, t, run->u_slope + run->model->n_inputs);
 }
 
-void lag_conditions_by(LagRun *run, double t, const double *q, const double *v, const double *a, double *g, double *rate)
+void lag_conditions_of_motion(LagRun *run, double t, const double *q, const double *v, const double *a, double *g, double *rate)
 {
     const double *in[] = {&t, q, v, a, run->u, run->u_slope, run->d, run->c};
     double *out[] = {g, rate};
     lag_inputs_and_rates(run, t);
     lag_call(&run->model->switches, in, out, run->work);
+}
+
+void lag_conditions_by(LagRun *run, double t, const double *q, const double *v, const double *a, double *g, double *rate)
+{
+    lag_conditions_of_motion(run, t, q, v, a, g, rate);
+    if (run->model->n_loaded > 0)
+        lag_loaded_put(run, t, q, v, g);
 }
 
 void lag_energies(LagRun *run, double t, const double *y, double *energies)

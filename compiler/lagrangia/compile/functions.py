@@ -93,8 +93,8 @@ def build_functions(
     switches = find_switches(motion, delaying.values, bends_by_inputs(kinematics))
     held = HeldMotion(motion, switches)
     found, hoisted = _hoisted(settled(motion, switches, {
-        "rhs": right_hand_side(kinematics, made, held, made.acceleration, made.source_power, multipliers),
-        "energies": [energy], "outputs": [held.outputs(y, put), *switches.hold([guarding.values])],
+        "rhs": right_hand_side(kinematics, made, held, made.acceleration, made.source_power, multipliers), "energies": [energy],
+        "outputs": [held.outputs(y, put), *switches.hold([guarding.values]), held.outputs(motion.impacts.loads, put)],
         **_constrained(kinematics, made, energy, held), "flow": flow, "jacobian": switches.hold(jacobian.values),
         "kick": [kick.rates], "delayed": switches.hold([ca.densify(delaying.values)]), **_watched(motion, switches)}), motion.p)
     t, q, v, a, u, c, d = motion.t, motion.q, motion.v, motion.a, motion.u, hoisted.c, kinematics.algebra.mode_symbols
@@ -128,14 +128,15 @@ def _multipliers(motion: Motion) -> tuple[ca.SX, ca.SX]:
 def _observed(kinematics: Kinematics, motion: Motion, constraints: Constraints, outputs: tuple[str, ...]
               ) -> tuple[tuple[str, ...], ca.SX, Put, Guarding]:
     """`outputs_of`, and guards with the reactions they ask for."""
-    (names, y, put), guarding = outputs_of(kinematics, motion, constraints, outputs), find_guarding(kinematics)
+    guarding, (names, y, put) = find_guarding(kinematics), outputs_of(kinematics, motion, constraints, outputs)
     return names, y, put, replace(guarding, values=put([guarding.values])[0])
 
 
-def _observing_functions(full: list[ca.SX], y: ca.SX, guarded: ca.SX) -> dict[str, ca.Function]:
+def _observing_functions(full: list[ca.SX], y: ca.SX, guarded: ca.SX, loads: ca.SX) -> dict[str, ca.Function]:
     labels = ["t", "q", "v", "a", "lambda", "u", "d", "c"]
-    table = {"outputs": ca.Function("outputs", full, [y], labels, ["y"])}
-    return table | ({"guards": ca.Function("guards", full, [guarded], labels, ["g"])} if guarded.numel() else {})
+    others = {"guards": guarded, "loads": loads}
+    return {"outputs": ca.Function("outputs", full, [y], labels, ["y"])} | {
+        name: ca.Function(name, full, [values], labels, ["g"]) for name, values in others.items() if values.numel()}
 
 
 def _refusals(jacobian: Jacobian, has_cones: bool, is_late: bool) -> dict[str, str]:
@@ -430,16 +431,19 @@ def _reset_places(kinematics: Kinematics, motion: Motion) -> tuple[int, ...]:
 
 
 def _kept_places(kinematics: Kinematics, motion: Motion, has_edge: bool) -> dict[str, tuple[int, ...]]:
-    """The places of discrete variables among the rates, and of events whether they are true where rates meet their levels."""
+    """Events whose conditions ask for forces, the places of discrete variables among the rates, and of events whether they are
+    true where rates meet their levels."""
     rates, states = kinematics.symbols.rates, kinematics.graph.model.states.values()
     kept = {rates[state.coordinate].__hash__() for state in states if state.is_kept}
-    places = {"kept": tuple(k for k, v in enumerate(motion.v.elements()) if v.__hash__() in kept)} if kept else {}
-    order = tuple(x for when in kinematics.graph.model.whens for x in when.order)
+    whens, loaded = kinematics.graph.model.whens, motion.impacts.loaded
+    places = {"loaded": tuple(x for k in loaded for x in (k, int(whens[k].comes_at_start)))} if loaded else {}
+    places |= {"kept": tuple(k for k, v in enumerate(motion.v.elements()) if v.__hash__() in kept)} if kept else {}
+    order = tuple(x for when in whens for x in when.order)
     on_level, several = motion.impacts.on_level, motion.impacts.are_several if has_edge else ()
     if several:
         on_level = tuple(_SEVERAL[x] if some else x for some, x in zip(several, on_level, strict=True))
     return places | ({"on_level": on_level} if on_level else {}) | (
-        {"order": order} if is_ordered(kinematics.graph.model.whens) else {})
+        {"order": order} if is_ordered(whens) else {})
 
 
 def _patterns(kinematics: Kinematics, jacobian: Jacobian, switches: Switches, modes: list[Mode]) -> dict[str, tuple[int, ...]]:

@@ -196,6 +196,7 @@ def _sizes(n: int, n_parameters: int, n_inputs: int, n_modes: int, functions: Fu
         "has_corners": int(corners_remain(motion)), "may_hide": int(may_hide(usual_rhs(tapes))),
         "may_be_narrow": int(may_be_narrow(usual_rhs(tapes))),
         "conditions_may_hide": int(motion.impacts.may_hide(motion.t) or counts_whole_numbers(motion)),
+        "n_loaded": len(motion.impacts.loaded),
         "shares_bend": int(motion.felt is not None), "is_steady": int(_is_steady(functions)),
         "carries_in_time": int(_carries_in_time(functions)),
     }
@@ -228,7 +229,7 @@ def _of_constraints(motion: Motion) -> dict[str, int]:
 
 def _is_steady(functions: Functions) -> bool:
     """Whether neither accelerations nor conditions depend on time; of scenes without conditions nobody asks."""
-    asked = [functions.table[name] for name in ("rhs", "switches") if "switches" in functions.table]
+    asked = [functions.table[name] for name in ("rhs", "switches", "loads") if {"switches", name} <= functions.table.keys()]
     return bool(asked) and not any(f.jac_sparsity(k, f.index_in("t")).nnz() for f in asked for k in range(f.n_out()))
 
 
@@ -243,7 +244,7 @@ def _of_switches(functions: Functions) -> dict[str, int]:
     if switches is None:
         return {"n_switches": 0, "switches_need_acceleration": 0}
     needs = switches.jac_sparsity(switches.index_out("rate"), switches.index_in("a")).nnz() > 0
-    return {"n_switches": switches.numel_out(0), "switches_need_acceleration": int(needs)}
+    return {"n_switches": switches.numel_out(0), "switches_need_acceleration": int(needs or "loads" in functions.table)}
 
 
 def _lost_starts(model: FlatModel, initial: InitialConditions) -> dict[str, tuple[int, str]]:

@@ -30,6 +30,7 @@ from lagrangia.dynamics import collisions as meets
 from lagrangia.dynamics.collisions import BODIES, STILL, Meeting, Mobility
 from lagrangia.dynamics.crossings import crossing_of
 from lagrangia.dynamics.energies import Load, paced
+from lagrangia.dynamics.asked_forces import Asking
 from lagrangia.dynamics.levels import EDGE, JUMPS, Edge, Levels, Meetings, Steps, least_of, level_of_parts
 from lagrangia.dynamics.limits import changes_nothing, side_of
 from lagrangia.dynamics.recognition import Comparison, Recognition
@@ -60,7 +61,8 @@ _NONE = ca.SX(0, 1)
 class Impacts:
     """w conditions and r resets. `places` has for each reset that of its condition, and what it is: CONTACT, ONE_WAY, KICK."""
 
-    conditions: ca.SX = _NONE  # (w,): g, of t, q, v, u, p and modes; of contacts that of all else which has to be true
+    conditions: ca.SX = _NONE  # (w,): g, of t, q, v, u, p and modes; of contacts that of all else which has to be true; of
+    # those that ask for forces, -1
     gaps: ca.SX = _NONE  # (w,): g of the comparison that is a contact or goes one way, 0 where none is
     arms: ca.SX = _NONE  # (w,): the same gaps, with modes for the arms of max, min and abs that time decides on
     rates: ca.SX = _NONE  # (r,): of what is reset
@@ -84,16 +86,23 @@ class Impacts:
     edge: ca.SX = _NONE  # (0 or 1,): the size of an Edge
     edged: ca.SX = _NONE  # (w,): the conditions with it, where they compare several things that may be held
     are_several: tuple[bool, ...] = ()  # (w,): which do
+    loaded: Mapping[int, ca.SX] = field(default_factory=dict)  # conditions that ask for forces, by their events: of those, too
 
     def may_hide(self, t: ca.SX) -> bool:
-        """Whether conditions may come and go however slow the motion is: with time, or where they jump."""
-        return bool(ca.depends_on(self.conditions, t)) or not operations_in(self.conditions).isdisjoint(JUMPS)
+        """Whether conditions may come and go however slow the motion is: with time or forces, or where they jump."""
+        is_given = bool(self.loaded) or bool(ca.depends_on(self.conditions, t))
+        return is_given or not operations_in(self.conditions).isdisjoint(JUMPS)
 
     def with_edges(self, events: "Sequence[_Event]") -> "Impacts":
         """With `edge`, `edged` and `are_several`."""
         several, edge = tuple(event.are_several for event in events), symbol("edge")
         edged = column(*(event.with_edge(edge) if some else event.g for some, event in zip(several, events, strict=True)))
         return replace(self, edge=edge, edged=edged, are_several=several) if any(several) else self
+
+    @property
+    def loads(self) -> ca.SX:
+        """The conditions that ask for forces, as a column."""
+        return ca.vertcat(_NONE, *self.loaded.values())
 
     @property
     def may_hold(self) -> bool:
@@ -132,10 +141,11 @@ def find_impacts(kinematics: Kinematics, kinetic: ca.SX, rows: Sequence[Row]) ->
     whens = kinematics.graph.model.whens
     if not whens:
         return Impacts()
+    asking = Asking(kinematics)
     steps, mobility = Steps(kinematics), Mobility(kinematics, Meetings(kinematics).rates, kinetic, rows)
-    found = [_Event(kinematics, when, steps, mobility) for when in whens]
+    found = [_Event(kinematics, when, steps, mobility, asking) for when in whens]
     kept = [event.kept_position for event in found]
-    for asked in contact_forces_in(kinematics.graph.model):
+    for asked in contact_forces_in(kinematics.graph.model, has_events=True):
         event = contact_of(kept, asked.arguments[0])
         if event is not None and (found[event].kept is None or ONE_WAY in found[event].kinds):
             require_possible(kinematics)  # along a direction of no length nothing is a contact
@@ -146,7 +156,7 @@ def find_impacts(kinematics: Kinematics, kinetic: ca.SX, rows: Sequence[Row]) ->
     strengths = iter(impulses.elements())
     loads = [load for event, force in zip(found, forces.elements(), strict=True) for load in event.loads(force, strengths)]
     conditions, gaps, arms, rates, wanted = (column(*parts) for parts in (
-        [event.g for event in found], [event.gap for event in found], [event.arm for event in found],
+        [ca.SX(-1) if event.is_loaded else event.g for event in found], [event.gap for event in found], [event.arm for event in found],
         [x for event in found for x in event.rates],
         [x for event in found for x in event.wanted]))
     flags = tuple(x for pair in places for x in pair)
@@ -154,12 +164,13 @@ def find_impacts(kinematics: Kinematics, kinetic: ca.SX, rows: Sequence[Row]) ->
     pressing = {k: (forces[k], impulses[first + event.kept])
                 for k, (event, first) in enumerate(zip(found, firsts, strict=False)) if event.kept is not None}
     one_way = tuple(ONE_WAY in event.kinds for event in found)
-    on_level = tuple(event.meetings.of_rates() for event in found)
+    on_level = tuple(-1 if event.is_loaded else event.meetings.of_rates() for event in found)
     known = _find_known(kinematics, rates, wanted)
     alternatives = tuple(event.alternative for event in found)
+    loaded = asking.told({k: event.g for k, event in enumerate(found) if event.is_loaded}, pressing)
     return Impacts(conditions, gaps, arms, rates, wanted, forces, impulses, flags, one_way, on_level, known, tuple(loads),
                    pressing, alternatives, tuple(event.collision for event in found),
-                   *(tuple(getattr(event, name) for event in found) for name in _TOLD)).with_edges(found)
+                   *(tuple(getattr(event, name) for event in found) for name in _TOLD), loaded=loaded).with_edges(found)
 
 
 def _find_known(kinematics: Kinematics, rates: ca.SX, wanted: ca.SX) -> tuple[bool, ...]:
@@ -177,10 +188,13 @@ def _find_known(kinematics: Kinematics, rates: ca.SX, wanted: ca.SX) -> tuple[bo
 class _Event(Resets):
     """One `when`, evaluated."""
 
-    def __init__(self, kinematics: Kinematics, when: When, steps: Steps, mobility: Mobility) -> None:
+    def __init__(self, kinematics: Kinematics, when: When, steps: Steps, mobility: Mobility, asking: Asking) -> None:
         super().__init__(kinematics, mobility, when)
-        self.steps, model = steps, kinematics.graph.model
+        self.steps, self.asking, model = steps, asking, kinematics.graph.model
+        self.is_loaded = asking.asks(when.condition)
         self.moving = ca.vertcat(kinematics.symbols.time, kinematics.algebra.state, *kinematics.symbols.held.values())
+        if self.is_loaded:
+            self.moving = ca.vertcat(self.moving, asking.forces_in(self.condition))
         g = self._level(self.condition)
         self.g = g if ca.depends_on(g, self.moving) else ca.fmax(ca.fmin(g, 1), -1)
         self.positions = [position_of(reset, model) for reset in when.resets]
@@ -205,6 +219,10 @@ class _Event(Resets):
         chosen = next((x for x in (found[kept] if kept is not None else None, *found) if x is not None), None)
         self.kinds = [kind if chosen is not None and x is chosen else KICK for x in found]
         self.kept = kept if kept is not None and self.kinds[kept] != KICK else None  # whose contact force may be asked for
+        if chosen is not None and self.is_loaded:
+            fail("L0914", "not supported yet: a contact that a force ends", self.when.condition.span.within(self.when.span),
+                 "let an event remember it, of a discrete Boolean torn: when norm(hinge.reaction) > 25 then torn = true; end when; "
+                 "and the contact is: when x < 0 and not torn then ...")
         if chosen is not None:
             self._divide(chosen, kind)
             self.met = Unary("-", self.held, self.when.span) if kind == ONE_WAY and self.held is not None else level_of(chosen)
@@ -254,6 +272,8 @@ class _Event(Resets):
         """What all has to be true; of comparisons that jump where something moves, the comparisons that these are made of."""
         found, q = list[Flat](), column(*self.kinematics.symbols.positions.values())
         for node in parts_of(self.condition):
+            if self.asking.asks(node):
+                continue
             is_apart = isinstance(node, Binary) and is_comparison(node) and jumps_with(self._level_at(node), q)
             if not is_apart or self._always_turns(node):
                 found.append(node)
@@ -290,7 +310,8 @@ class _Event(Resets):
     @property
     def are_several(self) -> bool:
         """Whether it is no contact, and compares several things that may be held."""
-        return all(kind == KICK for kind in self.kinds) and not self.struck and self.meetings.are_several()
+        is_kick = all(kind == KICK for kind in self.kinds) and not self.struck
+        return is_kick and not self.is_loaded and self.meetings.are_several()
 
     def with_edge(self, size: ca.SX) -> ca.SX:
         """The level of such a condition where comparisons have an edge of that size."""
@@ -299,7 +320,7 @@ class _Event(Resets):
         return level_of_parts(self.condition, lambda node: self._level_of_part(node, edge))
 
     def _level_of_part(self, node: Flat, edge: Edge | None = None) -> ca.SX:
-        value, level = self.kinematics.evaluator.value, level_of(node)
+        value, level = self.asking.kinematics.evaluator.value, level_of(node)
         g = crossing_of(self._expression(value(level)), self.moving)
         truth = self._expression(value(node)) if is_comparison(node) else g
         if edge is None:
@@ -328,7 +349,7 @@ class _Event(Resets):
     def _check(self) -> None:
         symbols, rates = self.kinematics.symbols, column(*self.rates)
         accelerations = column(*symbols.accelerations.values())
-        known = ca.vertcat(self.kinematics.algebra.state, symbols.time, self.kinematics.algebra.mode_symbols)
+        known = ca.vertcat(self.moving, self.kinematics.algebra.mode_symbols)
         if not ca.depends_on(self.g, known):
             fail("L0225", "this is true or false for good, and no event", self.when.condition.span.within(self.when.span),
                  "compare what moves, as x < 0")

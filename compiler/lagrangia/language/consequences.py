@@ -1,5 +1,5 @@
-"""Forces that follow from the motion, reactions of joints and what holds at contacts: of what makes it, forces and dissipation
-functions alone may depend on them.
+"""Forces that follow from the motion, reactions of joints and what holds at contacts: of what makes it, forces, dissipation
+functions and the conditions of events alone may depend on them.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
@@ -53,9 +53,10 @@ def refuse_felt_reactions(model: FlatModel, what: str) -> None:
              "lag simulate, FMUs, --to python and --to casadi have them")
 
 
-def contact_forces_in(model: FlatModel) -> list[Call[Flat]]:
-    """Those that forces or dissipation functions depend on."""
-    stated = (node for expressions, _, _ in _of_forces(model) for node in expressions)
+def contact_forces_in(model: FlatModel, has_events: bool = False) -> list[Call[Flat]]:
+    """Those that forces or dissipation functions depend on; or conditions of events, too."""
+    stated = [node for expressions, _, _ in _of_forces(model) for node in expressions]
+    stated += [when.condition for when in model.whens if has_events]
     return [node for node in reached(stated, _bindings(model)) if isinstance(node, Call) and _is_contact_force(node)]
 
 
@@ -98,8 +99,18 @@ def equation_of(name: str) -> int:
     return int(name.removeprefix(f"{CONSTRAINT_FORCE}(").removesuffix(")"))
 
 
-_BREAKING = ("what breaks has to remember it, as the force is 0 once it lets go: write the force by places and rates, and a "
-             "relay of it, Hysteresis torn(low = -1e9, high = 25, u = m*v^2/L/1[N]) and: when x < 0 and torn.y < 0.5 then ...")
+_SET = "what an event sets"
+_AT_EVENTS = "conditions of events may ask for forces: when contact_force(x) > 25 then torn = true; end when"
+
+
+def asks_for_forces(node: Flat, bindings: Mapping[str, Flat | None]) -> bool:
+    """Whether an expression, or what it refers to, has a reaction or the force of a contact in it."""
+    return any(_is_reaction(x) or _is_contact_force(x) for x in reached([node], bindings))
+
+
+def contact_forces_of(node: Flat, bindings: Mapping[str, Flat | None]) -> list[Flat]:
+    """Each x of contact_force(x) in an expression, or in what it refers to."""
+    return [x.arguments[0] for x in reached([node], bindings) if isinstance(x, Call) and _is_contact_force(x)]
 
 
 def speaks_of_contact_forces(model: FlatModel, expression: Flat) -> bool:
@@ -122,7 +133,7 @@ def _keep_contact_forces_out(model: FlatModel, report: Report) -> None:
     bindings = _bindings(model)
     for expressions, what, span in (*_of_positions(model), *_of_parameters(model)):
         if any(map(_is_contact_force, reached(expressions, bindings))):
-            hints = (_BREAKING,) if what == "an event" else ()
+            hints = (_AT_EVENTS,) if what == _SET else ()
             report.error("L0914", f"{what} cannot depend on a contact force", span,
                          "forces and dissipation functions can, as mu*contact_force(x)*abs(rate)", *hints)
 
@@ -155,7 +166,7 @@ def _of_positions(model: FlatModel) -> list[Stated]:
     stated: list[Stated] = [((e.left, e.right), "an equation", e.span) for e in equations]
     stated += [((e.value,), f"a {e.kind} energy", e.span) for e in model.energies if e.kind != "dissipation"]
     stated += [((w.position,), "a position that a force works on", w.span) for w in model.works]
-    stated += [(when.expressions(), "an event", when.span) for when in model.whens]
+    stated += [((x.rate, x.value), _SET, x.span) for when in model.whens for x in when.resets]
     stated += [(sampler.expressions(), "a value that is held", sampler.span) for sampler in model.samplers]
     stated += [(delay.expressions(), "what is read late", delay.span) for delay in model.delays]
     stated += [((v.start,), "a start value", v.start.span) for v in model.variables.values() if v.start is not None]

@@ -37,6 +37,7 @@ class Event:
     branch: int = 0  # of these
     rank: int = 0  # at an instant: at_one_instant.py
     endings: tuple[Guard, ...] = ()  # of the run, which come with it
+    comes_at_start: bool = False  # where its condition is true there
 
 
 def is_condition(node: Flat) -> bool:
@@ -197,9 +198,9 @@ def find_discrete(events: Sequence[Event], variables: Mapping[str, Variable], eq
             found.variables.update({name: replace(variables[name], start=None, is_fixed=False) for name in names})
             found.initial.extend(Equation(x.rate, _at_start(x.value, variables), x.span, event.component) for x in resets)
             continue
-        condition = compared(_opened(event.condition, bindings), whole)
+        condition = compared(opened(event.condition, bindings), whole)
         order = event.rank, chains[id(event.chain)], event.branch
-        found.whens.append(When(condition, resets, event.component, event.span, order, event.endings))
+        found.whens.append(When(condition, resets, event.component, event.span, order, event.endings, event.comes_at_start))
     for name, event in given.items():
         rate = Call("der", (Ref(name, (), event.span),), (), event.span)
         found.equations.append(Equation(rate, Number(0.0, None, event.span), event.span, event.component))
@@ -263,14 +264,14 @@ def _at_start(value: Flat, variables: Mapping[str, Variable]) -> Flat:
     return rebuilt(value, before)
 
 
-def _opened(condition: Flat, bindings: Bindings) -> Flat:
+def opened(condition: Flat, bindings: Bindings) -> Flat:
     """A condition with those in the places of the Boolean variables that are bound to them, so that contacts are seen."""
 
     def meant(node: Flat) -> Flat | None:
         if isinstance(node, Binary) and node.operator == ">" and isinstance(node.left, Ref):
             match bindings.get(node.left.name):
                 case IfExpression(inner, Number(1.0), Number(0.0)) if node == truth_of(node.left, NO):
-                    return _opened(inner, bindings)
+                    return opened(inner, bindings)
         return None
 
     return rebuilt(condition, meant)

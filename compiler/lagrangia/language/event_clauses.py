@@ -7,6 +7,7 @@ from typing import Any, TypeGuard
 from lagrangia.base.diagnostics import Report, Span, fail
 from lagrangia.language.assertions import ending_of
 from lagrangia.language.at_one_instant import in_order
+from lagrangia.language.breaking import with_breaking
 from lagrangia.language.changes import (
     at_change,
     changed,
@@ -196,10 +197,12 @@ class EventClauses:
     def finish(self, variables: Mapping[str, Variable], equations: Sequence[Equation]) -> Discrete:
         """The events, and what keeps discrete variables. Reports L0212, L0231, L0232, L0302."""
         self.whole.find_broken(self._integers, self.report)
-        ordered = in_order(self._events, self.samplers, bindings_of(variables, equations))
+        bindings = bindings_of(variables, equations)
+        breaking = with_breaking(self._events, variables, bindings, self.whole)
+        ordered = in_order(breaking.events, self.samplers, bindings)
         self.samplers = ordered.samplers
         self._changing |= {name: ref for name, ref in ordered.past.items() if name not in self._changing}
-        made = variables_of_changes(self._changing, variables, self.types, self._events, self.report)
+        made = variables_of_changes(self._changing, variables, self.types, self._events, self.report) | breaking.variables
         if self.report.errors:
             return Discrete({}, [], [], [])
         last = max((event.rank for event in ordered.events), default=0) + 1

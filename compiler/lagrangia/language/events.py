@@ -183,7 +183,7 @@ def _below(model: FlatModel, when: When) -> Iterator[tuple[Flat, Flat]]:
     """What falls below zero, beside each position of which a rate is reset."""
     positions = [position_of(reset, model) for reset in when.resets]
     for node in parts_of(condition_of(when, model)):
-        if (small := _below_zero(node)) is not None:
+        if (small := below_zero(node)) is not None:
             yield from ((small, x) for x in positions)
 
 
@@ -192,7 +192,7 @@ def name_of_contact(event: int) -> str:
     return f"contact_force({event})"
 
 
-def _below_zero(node: Flat) -> Flat | None:
+def below_zero(node: Flat) -> Flat | None:
     """Of x < 0, or 0 > x: x."""
     if not (isinstance(node, Binary) and node.operator in COMPARED):
         return None

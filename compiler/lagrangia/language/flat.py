@@ -159,6 +159,7 @@ class When:
     span: Span
     order: tuple[int, int, int] = (0, 0, 0)  # its rank at an instant, its `when`, and its branch there: at_one_instant.py
     endings: tuple[Guard, ...] = ()  # of the run, that come with it, not by themselves
+    comes_at_start: bool = False  # where its condition is true there
 
     def expressions(self) -> tuple[Flat, ...]:
         """All that it reads."""

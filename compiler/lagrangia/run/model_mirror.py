@@ -63,14 +63,15 @@ def _shared(values: Any) -> Any:
 
 _SIZES = (
     "n", "n_parameters", "n_hoisted", "n_inputs", "n_modes", "n_events", "n_outputs", "n_initial", "n_power",
-    "n_holonomic", "n_multipliers", "n_initial_positions", "n_lost", "n_switches", "n_lengths", "n_whens", "n_rubs", "n_resets",
-    "n_rests", "n_roots", "n_looks", "n_hiding", "n_cones", "n_lookups", "n_pieces", "n_samplers", "n_held",
+    "n_holonomic", "n_multipliers", "n_initial_positions", "n_lost", "n_switches", "n_lengths", "n_whens", "n_loaded", "n_rubs",
+    "n_resets", "n_rests", "n_roots", "n_looks", "n_hiding", "n_cones", "n_lookups", "n_pieces", "n_samplers", "n_held",
     "n_delays", "n_attitudes", "n_kept", "n_guards", "n_seen", "guards_need_acceleration", "breaks_rise",
 )
 FUNCTIONS = (
     "parameters", "hoist", "start", "initial", "momentum", "events", "modes", "rhs", "outputs", "energies", "place", "steer",
     "linear", "waves", "jacobian", "tangent", "velocity", "force", "residual", "regular", "nearest", "kick",
-    "switches", "resets", "roots", "looks", "held_first", "samples", "lags", "delayed", "before", "guards", "requirements",
+    "switches", "resets", "roots", "looks", "held_first", "samples", "lags", "delayed", "before", "guards", "loads",
+    "requirements",
 )
 
 
@@ -86,6 +87,7 @@ class ModelMirror(c.Structure):
         ("event_kind", Ints),
         ("reset_places", Ints),
         ("on_level", Ints),
+        ("loaded", Ints),
         ("order", Ints),
         ("rubs", Ints),
         ("rests", Ints),
