@@ -13,6 +13,13 @@ static const double KICKED = 100; /* errors allowed */
 static const double MOST_UNKNOWN = 1e-3; /* of the margin of a force in the plane, which is 1 at most */
 enum { ROUNDINGS = 256 };
 
+void lag_conditions_by(LagRun *run, double t, const double *q, const double *v, const double *a, double *g, double *rate)
+{
+    lag_conditions_of_motion(run, t, q, v, a, g, rate);
+    if (run->model->n_loaded > 0)
+        lag_loaded_put(run, t, q, v, g);
+}
+
 void lag_conditions_at(LagRun *run, double t, const double *y, const double *a, double *g, double *rate)
 {
     lag_conditions_by(run, t, y, y + run->model->n, a, g, rate);

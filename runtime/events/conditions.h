@@ -13,7 +13,10 @@
 void lag_conditions(LagRun *run, double t, const double *y, double *g, double *rate);
 void lag_conditions_with_rates(LagRun *run, double t, const double *y, double *g, double *rate);
 
-/* The same with accelerations a (n), and nothing is said to be far; and at the present state. */
+/* Of positions q and rates v, with accelerations a (n). */
+void lag_conditions_by(LagRun *run, double t, const double *q, const double *v, const double *a, double *g, double *rate);
+
+/* The same of a state, and nothing is said to be far; and at the present state. */
 void lag_conditions_at(LagRun *run, double t, const double *y, const double *a, double *g, double *rate);
 void lag_conditions_of_events(LagRun *run, double *g, double *rate);
 

@@ -64,7 +64,7 @@ void lag_rubs_let_go(LagRun *run)
 static const double *slips(LagRun *run, const double *v)
 {
     LagSwitches *s = &run->switches;
-    lag_conditions_by(run, run->motion.t, run->motion.y, v, s->slope + run->model->n, s->g_inside, s->rate_inside);
+    lag_conditions_of_motion(run, run->motion.t, run->motion.y, v, s->slope + run->model->n, s->g_inside, s->rate_inside);
     return s->g_inside;
 }
 

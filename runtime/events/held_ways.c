@@ -42,7 +42,7 @@ static void find_slopes(LagRun *run, const double *g)
     memcpy(v, run->motion.y + n, (size_t)n * sizeof *v);
     for (int i = 0; i < n; ++i) {
         v[i] += 1;
-        lag_conditions_by(run, run->motion.t, run->motion.y, v, at->slope + n, at->g_inside, at->rate_inside);
+        lag_conditions_of_motion(run, run->motion.t, run->motion.y, v, at->slope + n, at->g_inside, at->rate_inside);
         v[i] = run->motion.y[n + i];
         for (int j = 0; j < s->count; ++j)
             s->row[i + j * n] = at->g_inside[s->which[j]] - g[s->which[j]];

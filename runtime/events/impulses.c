@@ -119,7 +119,7 @@ static void solve(LagRun *run, int count)
 static void look_at_conditions(LagRun *run, const double *v, double *g)
 {
     LagSwitches *switches = &run->switches;
-    lag_conditions_by(run, run->motion.t, run->motion.y, v, switches->slope + run->model->n, g, switches->rate_inside);
+    lag_conditions_of_motion(run, run->motion.t, run->motion.y, v, switches->slope + run->model->n, g, switches->rate_inside);
 }
 
 void lag_impulses_look_at_rest(LagRun *run)

@@ -21,7 +21,7 @@ void lag_sliding_rates(LagRun *run, double t, const double *y)
 {
     const int n = run->model->n;
     lag_motion_slope(&run->motion, t, y, y + n, run->switches.slope);
-    lag_conditions_by(run, t, y, y + n, run->switches.slope + n, run->sliding.g, run->sliding.rate);
+    lag_conditions_of_motion(run, t, y, y + n, run->switches.slope + n, run->sliding.g, run->sliding.rate);
 }
 
 /* Takes notice of accelerations without the jumps, in slope_without, and of the latest ones, with one: rounding of what slides is that

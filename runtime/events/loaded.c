@@ -71,6 +71,7 @@ void lag_loaded_enter(LagRun *run)
 {
     LagSwitches *s = &run->switches;
     const LagModel *model = run->model;
+    run->impacts.loaded.comes = 0;
     if (model->n_loaded == 0)
         return;
     lag_conditions_of_events(run, s->g_inside, s->rate_inside);
@@ -83,5 +84,6 @@ void lag_loaded_enter(LagRun *run)
             run->segment_over = 1;
         } else
             lag_conditions_take(run, i, is_true);
+        run->impacts.loaded.comes |= s->turned[i] == LAG_JUMPS;
     }
 }

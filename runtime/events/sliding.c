@@ -198,7 +198,7 @@ static int mends(LagRun *run, int count, double share, double most)
     const LagMotion *m = &run->motion;
     for (int i = 0; i < m->n; ++i)
         s->state_here[i] = m->y[m->n + i] + share * s->slope_before[i];
-    lag_conditions_by(run, m->t, m->y, s->state_here, run->switches.slope + m->n, s->g, s->rate);
+    lag_conditions_of_motion(run, m->t, m->y, s->state_here, run->switches.slope + m->n, s->g, s->rate);
     for (int k = 0; k < count; ++k)
         if (!(fabs(s->g[s->which[k]]) <= (1 + ROUGH) * most))
             return 0;

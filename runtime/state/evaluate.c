@@ -30,13 +30,6 @@ void lag_conditions_of_motion(LagRun *run, double t, const double *q, const doub
     lag_call(&run->model->switches, in, out, run->work);
 }
 
-void lag_conditions_by(LagRun *run, double t, const double *q, const double *v, const double *a, double *g, double *rate)
-{
-    lag_conditions_of_motion(run, t, q, v, a, g, rate);
-    if (run->model->n_loaded > 0)
-        lag_loaded_put(run, t, q, v, g);
-}
-
 void lag_energies(LagRun *run, double t, const double *y, double *energies)
 {
     const LagModel *model = run->model;

@@ -13,8 +13,7 @@ int lag_flow(void *run, LagFlowPart part, const double *q, const double *v_or_p,
 /* Inputs at t and their rates, into the run. */
 void lag_inputs_and_rates(LagRun *run, double t);
 
-/* Conditions of switches g and their rates by the accelerations a (n); and but for those of events that ask for forces. */
-void lag_conditions_by(LagRun *run, double t, const double *q, const double *v, const double *a, double *g, double *rate);
+/* Conditions of switches g and their rates by the accelerations a (n), but for those of events that ask for forces. */
 void lag_conditions_of_motion(LagRun *run, double t, const double *q, const double *v, const double *a, double *g, double *rate);
 
 void lag_energies(LagRun *run, double t, const double *y, double *energies);

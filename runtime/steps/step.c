@@ -71,6 +71,8 @@ LagStatus lag_step(LagRun *run)
     if (run->model->n_delays > 0)
         lag_history_cut(&run->history, run->motion.t);
     LagStatus status = begin(run);
+    while (status == LAG_OK && run->impacts.loaded.comes)
+        status = lag_segment_next(run);
     if (status != LAG_OK)
         return status;
     if (run->settings.max_steps > 0 && run->statistics.steps >= run->settings.max_steps)

@@ -32,7 +32,9 @@ class Asking:
         return asks_for_forces(condition, self.bindings)
 
     def forces_in(self, condition: Flat) -> ca.SX:
-        """The symbols of all forces that have been asked for, those of a condition among them, as a column."""
+        """The symbols of all forces that have been asked for, as a column; nothing of a condition that asks for none."""
+        if not self.asks(condition):
+            return ca.SX(0, 1)
         scalars_of(self.kinematics.evaluator.value(level_of(condition)))
         wrenches = (x for wrench in self.kinematics.reactions.values() for x in wrench)
         return ca.vertcat(ca.SX(0, 1), *self.contacts.values(), *wrenches, *self.kinematics.forces.values())

@@ -190,11 +190,9 @@ class _Event(Resets):
 
     def __init__(self, kinematics: Kinematics, when: When, steps: Steps, mobility: Mobility, asking: Asking) -> None:
         super().__init__(kinematics, mobility, when)
-        self.steps, self.asking, model = steps, asking, kinematics.graph.model
-        self.is_loaded = asking.asks(when.condition)
+        self.steps, self.asking, self.is_loaded, model = steps, asking, asking.asks(when.condition), kinematics.graph.model
         self.moving = ca.vertcat(kinematics.symbols.time, kinematics.algebra.state, *kinematics.symbols.held.values())
-        if self.is_loaded:
-            self.moving = ca.vertcat(self.moving, asking.forces_in(self.condition))
+        self.moving = ca.vertcat(self.moving, asking.forces_in(self.condition))
         g = self._level(self.condition)
         self.g = g if ca.depends_on(g, self.moving) else ca.fmax(ca.fmin(g, 1), -1)
         self.positions = [position_of(reset, model) for reset in when.resets]
@@ -349,7 +347,8 @@ class _Event(Resets):
     def _check(self) -> None:
         symbols, rates = self.kinematics.symbols, column(*self.rates)
         accelerations = column(*symbols.accelerations.values())
-        known = ca.vertcat(self.moving, self.kinematics.algebra.mode_symbols)
+        known = ca.vertcat(self.kinematics.algebra.state, symbols.time, self.kinematics.algebra.mode_symbols,
+                           self.asking.forces_in(self.condition))
         if not ca.depends_on(self.g, known):
             fail("L0225", "this is true or false for good, and no event", self.when.condition.span.within(self.when.span),
                  "compare what moves, as x < 0")

@@ -100,7 +100,8 @@ def equation_of(name: str) -> int:
 
 
 _SET = "what an event sets"
-_AT_EVENTS = "conditions of events may ask for forces: when contact_force(x) > 25 then torn = true; end when"
+_AT_EVENTS = ("conditions of events may ask for forces: when norm(hinge.reaction) > 25, or contact_force(x) > 25, then torn = true; "
+              "end when")
 
 
 def asks_for_forces(node: Flat, bindings: Mapping[str, Flat | None]) -> bool:
@@ -126,16 +127,19 @@ def _keep_reactions_out(model: FlatModel, report: Report) -> None:
                 of = f"reaction of '{node.name.rpartition('.')[0]}'" if isinstance(node, FrameRef) else "force of a constraint"
                 report.error("L0914", f"{what} cannot depend on the {of}", span,
                              "reactions follow from the motion: forces and dissipation functions may feel them, as "
-                             "mu*radius*norm(hinge.reaction)*abs(hinge.w)")
+                             "mu*radius*norm(hinge.reaction)*abs(hinge.w)", *_hints_of(what))
 
 
 def _keep_contact_forces_out(model: FlatModel, report: Report) -> None:
     bindings = _bindings(model)
     for expressions, what, span in (*_of_positions(model), *_of_parameters(model)):
         if any(map(_is_contact_force, reached(expressions, bindings))):
-            hints = (_AT_EVENTS,) if what == _SET else ()
             report.error("L0914", f"{what} cannot depend on a contact force", span,
-                         "forces and dissipation functions can, as mu*contact_force(x)*abs(rate)", *hints)
+                         "forces and dissipation functions can, as mu*contact_force(x)*abs(rate)", *_hints_of(what))
+
+
+def _hints_of(what: str) -> tuple[str, ...]:
+    return (_AT_EVENTS,) if what == _SET else ()
 
 
 def _keep_rates_out(model: FlatModel, report: Report, is_one: Callable[[Flat], bool], what: str) -> None:
