@@ -94,7 +94,7 @@ def build_functions(
     held = HeldMotion(motion, switches)
     found, hoisted = _hoisted(settled(motion, switches, {
         "rhs": right_hand_side(kinematics, made, held, made.acceleration, made.source_power, multipliers), "energies": [energy],
-        "outputs": [held.outputs(y, put), *switches.hold([guarding.values]), held.outputs(motion.impacts.loads, put)],
+        "outputs": [held.outputs(y, put), *switches.hold([guarding.values]), held.outputs(motion.impacts.of_forces, put)],
         **_constrained(kinematics, made, energy, held), "flow": flow, "jacobian": switches.hold(jacobian.values),
         "kick": [kick.rates], "delayed": switches.hold([ca.densify(delaying.values)]), **_watched(motion, switches)}), motion.p)
     t, q, v, a, u, c, d = motion.t, motion.q, motion.v, motion.a, motion.u, hoisted.c, kinematics.algebra.mode_symbols

@@ -100,7 +100,7 @@ class Impacts:
         return replace(self, edge=edge, edged=edged, are_several=several) if any(several) else self
 
     @property
-    def loads(self) -> ca.SX:
+    def of_forces(self) -> ca.SX:
         """The conditions that ask for forces, as a column."""
         return ca.vertcat(_NONE, *self.loaded.values())
 
