@@ -156,7 +156,8 @@ def find_impacts(kinematics: Kinematics, kinetic: ca.SX, rows: Sequence[Row]) ->
     strengths = iter(impulses.elements())
     loads = [load for event, force in zip(found, forces.elements(), strict=True) for load in event.loads(force, strengths)]
     conditions, gaps, arms, rates, wanted = (column(*parts) for parts in (
-        [ca.SX(-1) if event.is_loaded else event.g for event in found], [event.gap for event in found], [event.arm for event in found],
+        [ca.SX(-1) if event.is_loaded else event.g for event in found],
+        [event.gap for event in found], [event.arm for event in found],
         [x for event in found for x in event.rates],
         [x for event in found for x in event.wanted]))
     flags = tuple(x for pair in places for x in pair)
@@ -219,7 +220,7 @@ class _Event(Resets):
         self.kept = kept if kept is not None and self.kinds[kept] != KICK else None  # whose contact force may be asked for
         if chosen is not None and self.is_loaded:
             fail("L0914", "not supported yet: a contact that a force ends", self.when.condition.span.within(self.when.span),
-                 "let an event remember it, of a discrete Boolean torn: when norm(hinge.reaction) > 25 then torn = true; end when; "
+                 "let an event remember it, of a discrete Boolean torn: when norm(hinge.reaction) > 25 then torn = true; end when",
                  "and the contact is: when x < 0 and not torn then ...")
         if chosen is not None:
             self._divide(chosen, kind)

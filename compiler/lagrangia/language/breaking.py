@@ -1,8 +1,8 @@
 """Contacts that their own force ends: `when slack < 0 and contact_force(slack) < most then reinit(der(slack), 0); end when`.
 
-The force is 0 as soon as such a contact lets go, so what breaks has to remember it. `broken`, a discrete variable of its component,
-becomes true where the part of the condition that asks for the force becomes false, or is false at the start; a contact that is
-broken is none any more.
+The force is 0 as soon as such a contact lets go, so what breaks has to remember it. `broken`, a discrete variable of its
+component, becomes true where the part of the condition that asks for the force becomes false, or is false at the start; a contact
+that is broken is none any more.
 """
 
 from collections.abc import Collection, Iterator, Sequence

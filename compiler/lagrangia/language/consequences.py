@@ -100,8 +100,8 @@ def equation_of(name: str) -> int:
 
 
 _SET = "what an event sets"
-_AT_EVENTS = ("conditions of events may ask for forces: when norm(hinge.reaction) > 25, or contact_force(x) > 25, then torn = true; "
-              "end when")
+_AT_EVENTS = ("conditions of events may ask for forces: when norm(hinge.reaction) > 25, or contact_force(x) > 25, then "
+              "torn = true; end when")
 
 
 def asks_for_forces(node: Flat, bindings: Mapping[str, Flat | None]) -> bool:
