@@ -1,4 +1,4 @@
-"""Events whose conditions ask for forces: what breaks at a force, load cells, counters of loads, contacts that their force ends."""
+"""Events whose conditions ask for forces: what breaks, load cells, counters of loads, contacts that their force ends."""
 
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -31,7 +31,8 @@ end Breaks;"""
 BY_ITSELF = STRING.format(declared="", events="when slack < 0 and T < most then reinit(der(slack), 0); end when;")
 BY_NAME = STRING.format(declared="Boolean holds = slack < 0 and not T >= most;",
                         events="when holds then reinit(der(slack), 0); end when;")
-REMEMBERED = STRING.format(declared="discrete Boolean broken(start = false);", events="""when T > most then broken = true; end when;
+REMEMBERED = STRING.format(declared="discrete Boolean broken(start = false);", events="""
+  when T > most then broken = true; end when;
   when slack < 0 and not broken then reinit(der(slack), 0); end when;""")
 
 

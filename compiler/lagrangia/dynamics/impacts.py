@@ -220,7 +220,7 @@ class _Event(Resets):
         self.kept = kept if kept is not None and self.kinds[kept] != KICK else None  # whose contact force may be asked for
         if chosen is not None and self.is_loaded:
             fail("L0914", "not supported yet: a contact that a force ends", self.when.condition.span.within(self.when.span),
-                 "let an event remember it, of a discrete Boolean torn: when norm(hinge.reaction) > 25 then torn = true; end when",
+                 "let an event remember it, by a discrete Boolean: when norm(hinge.reaction) > 25 then torn = true; end when",
                  "and the contact is: when x < 0 and not torn then ...")
         if chosen is not None:
             self._divide(chosen, kind)
