@@ -27,10 +27,10 @@ from lagrangia.base.records import dataclass
 from lagrangia.constraints.parameters import parameter_symbols, require_possible
 from lagrangia.constraints.rows import Row
 from lagrangia.dynamics import collisions as meets
+from lagrangia.dynamics.asked_forces import Asking
 from lagrangia.dynamics.collisions import BODIES, STILL, Meeting, Mobility
 from lagrangia.dynamics.crossings import crossing_of
 from lagrangia.dynamics.energies import Load, paced
-from lagrangia.dynamics.asked_forces import Asking
 from lagrangia.dynamics.levels import EDGE, JUMPS, Edge, Levels, Meetings, Steps, least_of, level_of_parts
 from lagrangia.dynamics.limits import changes_nothing, side_of
 from lagrangia.dynamics.recognition import Comparison, Recognition
