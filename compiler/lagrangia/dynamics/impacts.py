@@ -169,9 +169,10 @@ def find_impacts(kinematics: Kinematics, kinetic: ca.SX, rows: Sequence[Row]) ->
     known = _find_known(kinematics, rates, wanted)
     alternatives = tuple(event.alternative for event in found)
     loaded = asking.told({k: event.g for k, event in enumerate(found) if event.is_loaded}, pressing)
-    return Impacts(conditions, gaps, arms, rates, wanted, forces, impulses, flags, one_way, on_level, known, tuple(loads),
-                   pressing, alternatives, tuple(event.collision for event in found),
-                   *(tuple(getattr(event, name) for event in found) for name in _TOLD), loaded=loaded).with_edges(found)
+    impacts = Impacts(conditions, gaps, arms, rates, wanted, forces, impulses, flags, one_way, on_level, known, tuple(loads),
+                      pressing, alternatives, tuple(event.collision for event in found),
+                      *(tuple(getattr(event, name) for event in found) for name in _TOLD))
+    return replace(impacts, loaded=loaded).with_edges(found)
 
 
 def _find_known(kinematics: Kinematics, rates: ca.SX, wanted: ca.SX) -> tuple[bool, ...]:
