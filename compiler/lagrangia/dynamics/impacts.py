@@ -86,7 +86,7 @@ class Impacts:
     edge: ca.SX = _NONE  # (0 or 1,): the size of an Edge
     edged: ca.SX = _NONE  # (w,): the conditions with it, where they compare several things that may be held
     are_several: tuple[bool, ...] = ()  # (w,): which do
-    loaded: Mapping[int, ca.SX] = field(default_factory=dict)  # conditions that ask for forces, by their events: of those, too
+    loaded: Mapping[int, ca.SX] = field(default_factory=dict, kw_only=True)  # conditions of forces, by events
 
     def may_hide(self, t: ca.SX) -> bool:
         """Whether conditions may come and go however slow the motion is: with time or forces, or where they jump."""
