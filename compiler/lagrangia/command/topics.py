@@ -107,12 +107,10 @@ contact_force(x)      the force that holds x at the contact of `when x < 0 then 
                       solutions those come first that hold. Where friction presses what slides further and no
                       force holds it (Painleve's rod; a chalk that jumps), the slip is stopped by an impulse, without a collision,
                       which is told; a run that finds no impulse either ends with a word.
-Forces                conditions may ask for joints' reactions, constraint_force(x) and contact_force(x), and compare them:
-                      when norm(hinge.reaction) > 25 then torn = true; end when. Such an event comes as others do, also where
-                      the force jumps; impulses are no forces. A contact that its own force ends is broken for good, from the
-                      start on where it is too large there: when slack < 0 and contact_force(slack) < most then ...; `broken`,
-                      a discrete variable of its component, says so. What other forces end, or holds again, needs an event that
-                      remembers it: when slack < 0 and not torn then ... What an event sets cannot ask for forces.
+Forces                conditions may ask for reactions, constraint_force(x) and contact_force(x): when norm(hinge.reaction) > 25
+                      then torn = true; end when. Impulses are no forces; what events set cannot ask for forces. A contact that
+                      its own force ends is `broken` for good, a discrete variable of its component: when slack < 0 and
+                      contact_force(slack) < most then ... For other ends write the event that remembers, and: and not torn
 Friction in joints    forces and dissipation functions may feel reactions: mu*radius*norm(hinge.reaction)*abs(hinge.w). Both
                       are solved for together, in loops as well, and stick exactly. RoughRevolute, RoughPrismatic, RoughWheel,
                       RoughGear, Capstan are such; RoughBelt slips; Friction(normal = abs(guide.reaction[2])) rubs anywhere.
