@@ -31,7 +31,7 @@ static const double ROUNDING = 4096 * DBL_EPSILON; /* of gaps, by their sizes: s
 /* g at (t, q, v) into sliding.g. */
 static void find_g(LagRun *run, double t, const double *q, const double *v)
 {
-    lag_conditions_by(run, t, q, v, run->switches.slope + run->model->n, run->sliding.g, run->sliding.rate);
+    lag_conditions_of_motion(run, t, q, v, run->switches.slope + run->model->n, run->sliding.g, run->sliding.rate);
 }
 
 /* Integrals of g of those held along the straight way from one (t, q) to another, into sum; and of |g|, if asked for. */

@@ -54,13 +54,22 @@ static LagStatus look_for_progress(LagRun *run)
 }
 
 /* A segment, or a step in one. */
-static LagStatus begin(LagRun *run)
+static LagStatus enter(LagRun *run)
 {
     if (run->segment_over)
         return lag_segment_next(run);
     if (run->model->n_attitudes > 0)
         lag_attitudes_move(run);
     return lag_rest_stop(run) ? lag_segment_evaluate(run) : LAG_OK;
+}
+
+/* With the segments of events that come at once by what the one before holds. */
+static LagStatus begin(LagRun *run)
+{
+    LagStatus status = enter(run);
+    while (status == LAG_OK && run->impacts.loaded.comes)
+        status = lag_segment_next(run);
+    return status;
 }
 
 LagStatus lag_step(LagRun *run)
@@ -71,8 +80,6 @@ LagStatus lag_step(LagRun *run)
     if (run->model->n_delays > 0)
         lag_history_cut(&run->history, run->motion.t);
     LagStatus status = begin(run);
-    while (status == LAG_OK && run->impacts.loaded.comes)
-        status = lag_segment_next(run);
     if (status != LAG_OK)
         return status;
     if (run->settings.max_steps > 0 && run->statistics.steps >= run->settings.max_steps)
