@@ -112,7 +112,8 @@ class WithOwnRows:
 
     def first(self, k: int) -> "WithOwnRows":
         """The system of the first k constraints alone."""
-        return replace(self, inner=self.inner.first(sum(row < k for row in self.own.rows)), count=k)
+        own = replace(self.own, rows=tuple(row for row in self.own.rows if row < k))
+        return replace(self, inner=self.inner.first(len(own.rows)), own=own, count=k)
 
     def without_small(self) -> "WithOwnRows":
         """The system without E; M of the others must be regular."""
