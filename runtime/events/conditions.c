@@ -167,11 +167,16 @@ void lag_conditions_note_kick(LagRun *run, int i)
         s->turned[i] = s->g[i] > 0 ? LAG_TO_1 : LAG_TO_0;
 }
 
+void lag_conditions_come(LagRun *run, int i)
+{
+    run->switches.turned[i] = LAG_JUMPS;
+    run->segment_over = run->impacts.comes_next = 1;
+}
+
 void lag_conditions_take(LagRun *run, int i, int is_true)
 {
-    if (run->started && is_true) {
-        run->switches.turned[i] = LAG_JUMPS;
-        run->segment_over = 1;
-    } else
+    if (run->started && is_true)
+        lag_conditions_come(run, i);
+    else
         run->switches.held[i] = is_true;
 }

@@ -40,6 +40,9 @@ double lag_conditions_rounding(const LagRun *run, double error);
 /* What was to change at its level, and is far from it, as an event has made a rate another one, is held as it is now. */
 void lag_conditions_note_kick(LagRun *run, int i);
 
+/* An event comes by what a segment chooses to hold: it is struck before a step is taken. */
+void lag_conditions_come(LagRun *run, int i);
+
 /* The condition of an event that a segment finds otherwise than it is held: it comes where it is true amid a run, else it is so. */
 void lag_conditions_take(LagRun *run, int i, int is_true);
 

@@ -16,6 +16,7 @@ typedef struct {
     int onward;      /* 1 + a contact that approaches, and whose reset turns nothing back; 0: none */
     int *is_on;      /* n_whens: of those that are no contacts, whether their conditions are true */
     int *comes;      /* n_whens: those whose conditions have come true by themselves at this instant, and were not looked at since */
+    int comes_next;  /* whether one came by what was chosen last to hold: it is struck before a step is taken */
     int *is_level;   /* n_whens: of those that are no contacts, whether what they compare is held at their level: levels.h */
     LagHeldWays ways;
     LagEdges edges;

@@ -71,7 +71,6 @@ void lag_loaded_enter(LagRun *run)
 {
     LagSwitches *s = &run->switches;
     const LagModel *model = run->model;
-    run->impacts.loaded.comes = 0;
     if (model->n_loaded == 0)
         return;
     lag_conditions_of_events(run, s->g_inside, s->rate_inside);
@@ -79,11 +78,9 @@ void lag_loaded_enter(LagRun *run)
         const int i = lag_when(model, model->loaded[2 * j]), is_true = s->g_inside[i] > 0;
         if (fabs(s->g_inside[i]) <= s->unknown[i] || is_true == (s->held[i] > 0))
             continue;
-        if (is_true && !run->started && model->loaded[2 * j + 1]) {
-            s->turned[i] = LAG_JUMPS;
-            run->segment_over = 1;
-        } else
+        if (is_true && !run->started && model->loaded[2 * j + 1])
+            lag_conditions_come(run, i);
+        else
             lag_conditions_take(run, i, is_true);
-        run->impacts.loaded.comes |= s->turned[i] == LAG_JUMPS;
     }
 }

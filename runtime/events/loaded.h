@@ -10,7 +10,6 @@
 #include "state/settings.h"
 
 typedef struct {
-    int comes;        /* whether one came by what was chosen last: before a step is taken */
     int *is_loaded;   /* n_whens */
     double *a, *power, *multipliers;
     double *g;        /* n_loaded */

@@ -270,7 +270,7 @@ int lag_switches_enter(LagRun *run)
     LagSwitches *s = &run->switches;
     if (run->model->n_switches == 0)
         return 0;
-    run->impacts.edges.is_in_force = 0;
+    run->impacts.edges.is_in_force = run->impacts.comes_next = 0;
     int turned = settle(run);
     for (int impulses = 0; run->sliding.jams && impulses < MOST_JAMS && lag_impacts_press(run); ++impulses) {
         note_jam(run);

@@ -67,7 +67,7 @@ static LagStatus enter(LagRun *run)
 static LagStatus begin(LagRun *run)
 {
     LagStatus status = enter(run);
-    while (status == LAG_OK && run->impacts.loaded.comes)
+    while (status == LAG_OK && run->impacts.comes_next)
         status = lag_segment_next(run);
     return status;
 }
