@@ -392,8 +392,21 @@ def test_initial_equations_that_cannot_hold(scene: Scene) -> None:
                   initial equation bar.b.y = h; end Start;""")
     table = model.simulate_many(parameters={"h": [0.5, 3, -0.5]}, outputs=["initial(bar.b.y)"], stop=0.1)
     assert list(table.failures) == [1]
-    assert "initial equations" in table.failures[1]
+    assert table.failures[1] == "this cannot hold at the start (scene.lag:2): it misses by 2 (m or rad)"
     assert table["initial(bar.b.y)"][[0, 2]] == pytest.approx([0.5, -0.5], abs=1e-9)
+
+
+def test_loops_that_do_not_close_are_named() -> None:
+    """Rows and summary name the loop, as a run alone does, where rates do not go together, and where lengths do not."""
+    press = lag.load(EXAMPLES / "crank_press.lag").simulate_many(initial={"der(pin.phi)": [1, 3, -2]}, stop=0.1)
+    told = ("the rates that are stated at the start do not go together in the loop "
+            "world - O - crank - pin - rod - wrist - ram - world (crank_press.lag:3)")
+    assert press.failures[1] == f"{told}: it misses by 5.03 (m/s or rad/s)" and len(press.failures) == 3
+    assert press.common_failures() == [(told, 3)]
+    bars = lag.load(EXAMPLES / "four_bar.lag").simulate_many(parameters={"coupler.L": [1, 0.01, 9]}, stop=0.1)
+    told = "the loop world - O - crank - A - coupler - B - rocker - C - world cannot close (four_bar.lag:4)"
+    assert list(bars.failures) == [1, 2] and all(why.startswith(f"{told}: it misses by ") for why in bars.failures.values())
+    assert bars.common_failures() == [(told, 2)]
 
 
 # The oscillator in C: two batches of one model, runs that fail, that have no time, that are out of their limits.

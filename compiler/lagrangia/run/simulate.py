@@ -8,6 +8,7 @@ import time
 from collections import Counter
 from collections.abc import Callable, Generator, Iterator, Sequence
 from dataclasses import field, replace
+from pathlib import Path
 from typing import Any, NoReturn
 
 from lagrangia.base.diagnostics import Diagnostic, LagError, RunError, tell_miss
@@ -220,8 +221,7 @@ def fail_start(scene: Scene, failure: Failure, parameters: Sequence[float] = (),
     refuse_parameters(scene, failure)
     if failure.status is Status.INITIAL_FAILED:
         what, excerpt = scene.initial_places[failure.index]
-        unit = "m or rad" if failure.index < scene.sizes["n_initial_positions"] else "m/s or rad/s"
-        raise LagError([Diagnostic("error", "L0606", f"{what}: {tell_miss(failure.value, unit)}", None, "",
+        raise LagError([Diagnostic("error", "L0606", f"{what}: {_miss_at_start(scene, failure)}", None, "",
                                    ("change the parameters it depends on, or the start values it is solved from",), excerpt)])
     is_turned = beside and 0 <= failure.index < scene.n and scene.coordinates[failure.index].unit == "rad"
     why = " (a slider of no length has no direction, where a mere point turns it)" if is_turned else ""
@@ -232,7 +232,7 @@ def fail_start(scene: Scene, failure: Failure, parameters: Sequence[float] = (),
 def explain(scene: Scene, failure: Failure, parameters: Sequence[float] = ()) -> str:
     """When, where and what to try; of what moves no mass, which masses are 0 among all `parameters`, where they are known."""
     if failure.status is Status.INITIAL_FAILED:
-        return f"the initial equations cannot all hold: one misses by {abs(failure.value):.3g}"
+        return f"{start_in_general(scene, failure.index)}: {_miss_at_start(scene, failure)}"
     places = ", ".join(scene.notes["kinetic"][:2])
     kinetic = f"a kinetic energy that is negative for some motion ({places}), " if places else ""
     column = (scene.rates if failure.rate else scene.coordinates)[failure.index] if 0 <= failure.index < scene.n else None
@@ -269,6 +269,17 @@ def explain(scene: Scene, failure: Failure, parameters: Sequence[float] = ()) ->
     if failure.status is Status.TOO_MANY_STEPS:
         return (f"the limit of steps is reached at t = {failure.time:.6g}{where}; raise --max-steps, or loosen the tolerance")
     return f"the run stopped at t = {failure.time:.6g}: {failure.status.name.lower().replace('_', ' ')}"
+
+
+def start_in_general(scene: Scene, index: int) -> str:
+    """What is wrong when this initial equation misses, and the file and line where it stands."""
+    what, excerpt = scene.initial_places[index]
+    place = excerpt.partition("\n")[0].removeprefix(" --> ").rpartition(":")[0]
+    return f"{what} ({Path(place).name})"
+
+
+def _miss_at_start(scene: Scene, failure: Failure) -> str:
+    return tell_miss(failure.value, "m or rad" if failure.index < scene.sizes["n_initial_positions"] else "m/s or rad/s")
 
 
 def _are_zero(names: Sequence[str]) -> str:

@@ -19,7 +19,7 @@ from lagrangia.run.remarks import warn_of_run, warn_of_text
 from lagrangia.run.requirements import tell_requirement, tell_unmet
 from lagrangia.run.runtime import Failure, Status
 from lagrangia.run.scene import Scene
-from lagrangia.run.simulate import explain
+from lagrangia.run.simulate import explain, start_in_general
 from lagrangia.study.sweep.journal import Ledger
 from lagrangia.study.sweep.keeping import InMemory
 from lagrangia.study.sweep.measures import unit_of
@@ -105,9 +105,11 @@ class Sweep:
 
     def common_failures(self, most: int = 5) -> list[tuple[str, int]]:
         """What went wrong in general, and in how many runs."""
-        kinds = self.ledger.outcomes[~self.ok][["kind", "status", "index", "rate"]]
-        told = Counter(kinds.tolist())
-        return [(_in_general(self.job.scene, *key), count) for key, count in told.most_common(most)]
+        kinds = Counter(self.ledger.outcomes[~self.ok][["kind", "status", "index", "rate"]].tolist())
+        told: Counter[str] = Counter()
+        for key, count in kinds.items():
+            told[_in_general(self.job.scene, *key)] += count
+        return told.most_common(most)
 
     def broken(self) -> list[Diagnostic]:
         """L0610: what assertions warned of, and in how many runs."""
@@ -298,8 +300,9 @@ def _in_general(scene: Scene, kind: int, status: int, index: int, rate: int) -> 
         return "the energy account is open: a smaller tolerance or another solver is needed"
     if ending is not Ending.FAILED:
         return "not run" if ending is Ending.NOT_RUN else "out of time"
+    if status == Status.INITIAL_FAILED:
+        return start_in_general(scene, index)
     what = {Status.NOT_FINITE: "the accelerations are not finite", Status.STEP_TOO_SMALL: "the motion cannot be continued",
-            Status.INITIAL_FAILED: "the initial equations cannot all hold",
             Status.TOO_MANY_STEPS: "the limit of steps is reached", Status.EVENTS_GO_ON: "events do not end",
             Status.NO_IMPULSE: "a contact turns nothing back" if rate else "friction jams",
             Status.CONSTRAINTS_OPEN: "the constraints do not close",
@@ -310,5 +313,5 @@ def _in_general(scene: Scene, kind: int, status: int, index: int, rate: int) -> 
     if status == Status.ASSERTED:
         return guard_in_general(scene, index)
     column = (scene.rates if rate else scene.coordinates)[index].name if 0 <= index < scene.n else ""
-    where = f" ({column})" if column and status != Status.INITIAL_FAILED else ""
+    where = f" ({column})" if column else ""
     return what.get(Status(status), Status(status).name.lower().replace("_", " ")) + where
