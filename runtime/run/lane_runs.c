@@ -118,7 +118,8 @@ static int seat(LagRunLanes *s, int lane, LagStatus status, int is_refused)
             break;
         if (!(is_refused && k == 0) && s->method->load(s->steps, lane, run))
             return settle_in(s, lane);
-        if (run->statistics.steps >= MOST_FIRST)
+        const int repeats = s->is_loop && run->doubtful > 0; /* some constraint another one: for longer than these steps */
+        if (run->statistics.steps >= MOST_FIRST || repeats)
             break;
         status = step_alone(f);
     }

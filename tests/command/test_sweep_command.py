@@ -407,7 +407,10 @@ def test_the_methods_that_ran_are_named(tmp_path: Path, monkeypatch: pytest.Monk
 
 @pytest.mark.parametrize(("scene", "asked", "why"), [
     ("double_pendulum", "--solver pirk", "pirk evaluates the eight stages of one run at once"),
-    ("double_pendulum", "--solver adams", "adams has none"),
+    ("double_pendulum", "--solver adams", "adams has none"), ("vibration_absorber", "", "linear steps from row to row"),
+    ("disc_and_block", "--solver linear", "linear steps from row to row"),
+    ("spatial_four_bar", "--solver erk", "loops of bodies that turn freely in space"),
+    ("parallelogram", "--solver erk", "5 runs do not suit them: constraints that repeat others"),
     ("slider_crank", "", "loops, which"), ("stick_slip", "", "events"), ("pendulum", "", "one degree of freedom that swings"),
     ("double_pendulum", "--max-steps 999", "--max-steps")])
 def test_stats_say_why_there_are_no_lanes(scene: str, asked: str, why: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch,

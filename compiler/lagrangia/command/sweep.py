@@ -152,6 +152,8 @@ def _show(job: Job) -> int:
 def _in_lanes(sweep: Sweep, now: int) -> str:
     """How many of the runs made now went on together, and how full the lanes were."""
     lanes = sweep.ledger.lanes
+    if not lanes.room and lanes.alone:
+        return f"lanes: not used ({lanes.alone} runs do not suit them: constraints that repeat others, rest, or starts that fail)"
     if not lanes.room:
         return f"lanes: not used ({_why_alone(sweep)})"
     alone = f", {lanes.alone} of them made again alone" if lanes.alone else ""
@@ -162,17 +164,20 @@ def _why_alone(sweep: Sweep) -> str:
     """What lanes do not serve (runtime/run/run_lanes.h)."""
     job, settings = sweep.job, sweep.job.sweep.settings
     solver, sizes = name_of(settings.solver), job.scene.sizes
-    is_free = solver == "auto"
+    is_free, has_loops = solver == "auto", sizes.get("n_multipliers", 0) > 0
+    is_linear = methods_of_runs(sweep.ledger.outcomes["methods"]) == ["linear"]
     happens = ("n_switches", "n_resets", "n_cones", "n_delays")
     reasons = {
         "fewer than four runs": not job.sweep.in_lanes,
         "--max-steps": settings.max_steps > 0,
         "pirk evaluates the eight stages of one run at once": solver == "pirk",
+        "linear steps from row to row, by matrices that runs of equal parameters share": solver == "linear" or is_linear,
         f"{solver} has none": solver not in ("auto", "taylor", "erk", "erk5", "erk9"),
         "events, contacts, friction or delays": any(sizes.get(name, 0) for name in happens),
         "forces that are narrow, which steps alone look for": sizes.get("n_looks", 0) > 0,
         "one degree of freedom that swings back the way it came": is_free and sizes.get("is_swing", 0) > 0,
-        "loops, which have some by erk, erk5 and erk9": is_free and sizes.get("n_multipliers", 0) > 0,
+        "loops, which have some by erk, erk5 and erk9": is_free and has_loops,
+        "loops of bodies that turn freely in space": has_loops and sizes.get("n_attitudes", 0) > 0,
     }
     return next((why for why, is_so in reasons.items() if is_so), "a measure, or a choice of auto, that they do not serve")
 
