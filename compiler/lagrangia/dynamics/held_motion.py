@@ -11,7 +11,7 @@ from dataclasses import replace
 import casadi as ca
 
 from lagrangia.algebra.numbering import rebuilt
-from lagrangia.algebra.scalars import as_expression, places_in, symbol, symbols_in
+from lagrangia.algebra.scalars import Expression, as_expression, places_in, symbol, symbols_in
 from lagrangia.base.later import Later
 from lagrangia.dynamics.driven_conditions import Pair
 from lagrangia.dynamics.held_switches import Holding
@@ -27,11 +27,12 @@ class HeldMotion:
 
     def __init__(self, motion: Motion, switches: Switches) -> None:
         self.switches, self.motion = switches, motion.unsolved or motion
-        self.own = Later(self._own_forces)
+        self.own, self.levels = Later(self._own_forces), Later(self._levels)
         self.shares = {x.__hash__(): pair for pair, x in switches.places.items() if x.__hash__() in switches.shares}
-        self.all = frozenset(self.shares.values())
+        self.all, self.decides = frozenset(self.shares.values()), self._decides()
         symbols = ca.vertcat(ca.SX(0, 1), *switches.places.values())
         at_rest = ca.vertcat(ca.SX(0, 1), *(x for x in switches.rests.values() if x.is_symbolic()))
+        self.movers = symbols_in(ca.vertcat(motion.t, motion.q, motion.v, motion.u))
         self._level = Level(symbols, switches.values[: symbols.numel()], self.motion.v, at_rest)
 
     def rows(self, expressions: Sequence[ca.SX], rows: ca.SX | None = None, v: ca.SX | None = None) -> list[ca.SX]:
@@ -75,12 +76,19 @@ class HeldMotion:
 
     def _asked(self, rows: ca.SX) -> list[set[Pair]]:
         """What each row asks of rates that may be held, with even parts of jumps, as sign(v)^2 is, which no share is in."""
-        switches, shares = self.switches, [*self.shares.values()]
+        switches = self.switches
         holding = Holding(switches.places | switches.aliases, frozenset(), switches.rests | switches.rest_aliases,
                           switches.numbering, switches.nothing)
         (told,) = rebuilt([rows], switches.numbering, holding.made)
-        found = places_in(told, ca.vertcat(ca.SX(0, 1), *(switches.places[pair] for pair in shares)))
-        return [{shares[k] for k in own} for own in found]
+        places = list(switches.places)
+        found = places_in(told, ca.vertcat(ca.SX(0, 1), *switches.places.values()))
+        return [set[Pair]().union(*(self.decides[places[k]] for k in own)) for own in found]
+
+    def _decides(self) -> dict[Pair, set[Pair]]:
+        """Of each condition, the rates that may be held which it is of, itself or as max(v, 0) > 0."""
+        v, places, pairs = symbols_in(self.motion.v), self.switches.places, frozenset(self.shares.values())
+        moving = {pair: v & symbols_in(self.switches.values[k]) for k, pair in enumerate(places)} if pairs else {}
+        return {pair: {pair} if pair in pairs else {x for x in pairs if moving[x] <= own} for pair, own in moving.items()}
 
     def _seen(self, rows: ca.SX, pairs: frozenset[Pair]) -> ca.SX:
         """Held, and these on their level but in the forces that hold them."""
@@ -111,12 +119,24 @@ class HeldMotion:
         places = switches.places | levels | switches.aliases | dict(zip(shapes, map(as_expression, on_levels), strict=True))
         others = pairs | shapes.keys()
         rests = {pair: x for pair, x in held.items() if pair not in others or not x.is_constant()}
-        holding = Holding(places, switches.shares - own, rests, switches.numbering, switches.nothing, switches.halves | others)
+        holding = Holding(places, switches.shares - own, rests, switches.numbering, switches.nothing, switches.halves | others,
+                          {pair: self.levels.value[pair] for pair in pairs & self.levels.value.keys()}, self.movers)
         (made,) = rebuilt([rows], switches.numbering, holding.made)
         is_held = [switches.rests[pair] if pair in switches.rests else s * (1 - s)
                    for pair, s in zip(pairs, ca.vertsplit(symbols), strict=True)]
         values = [ca.if_else(x, 0.5, s) for x, s in zip(is_held, ca.vertsplit(symbols), strict=True)]
         return ca.substitute(made, ca.vertcat(*levels.values()), ca.vertcat(*values))
+
+    def _levels(self) -> dict[Pair, tuple[Expression, Expression]]:
+        """Rates that alone are held by their conditions, and what they are then."""
+        found, v = dict[Pair, tuple[Expression, Expression]](), symbols_in(self.motion.v)
+        for pair, g in zip(self.switches.places, self.switches.values.elements(), strict=False):
+            rates = [x for x in ca.symvar(g) if x.__hash__() in v] if pair in self.all else []
+            slope = ca.jacobian(g, rates[0]) if len(rates) == 1 else ca.SX(0, 0)
+            if slope.numel() and slope.is_constant():
+                rest = ca.substitute(g, rates[0], 0)
+                found[pair] = as_expression(rates[0]), as_expression(0.0 if rest.is_zero() else -rest / slope)
+        return found
 
     def _own_forces(self) -> OwnForces:
         """In the forces with their amounts, and with the laws of these."""

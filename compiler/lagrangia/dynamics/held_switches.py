@@ -1,6 +1,7 @@
 """Switches in place of what conditions say. Where they may be shares of a jump, forces are made linear in each of them."""
 
 from collections.abc import Iterator, Mapping, Sequence
+from functools import reduce
 from types import MappingProxyType
 
 import casadi as ca
@@ -20,6 +21,7 @@ _PRODUCTS = (ca.OP_MUL, ca.OP_IF_ELSE_ZERO)
 _MULTIPLES = {ca.OP_TWICE: 2.0, ca.OP_NEG: -1.0}  # products with these numbers
 _NOTHING = frozenset[int]()
 WHOLE = (ca.OP_FLOOR, ca.OP_CEIL)
+Levels = Mapping[Pair, tuple[Expression, Expression]]
 EITHER, ZERO, HALF, ONE, OF_WHOLE = -1, 0, 1, 2, 3  # in LagModel's at_level: LAG_LEVEL_... of standing.h
 
 
@@ -100,18 +102,20 @@ def _without_factors(numbering: Numbering, number: int) -> int:
 class Holding:
     """`places`: the symbols of switches; `shares`: the hashes of those that may be between 0 and 1; `rests`: symbols that are 1
     where both of a pair are held equal, and 0 elsewhere; `nothing`: whether both are 0, of those whose factor may be; `halves`:
-    those that are no shares and 0.5 where both are equal, or x is whole."""
+    those that are no shares and 0.5 where both are equal, or x is whole; `levels`: of such, both sides, what moves first;
+    `movers`: hashes of what changes between events, where conditions of what is on these levels alone are told by them."""
 
     def __init__(self, places: Mapping[Pair, Expression], shares: frozenset[int], rests: Mapping[Pair, Expression],
                  numbering: Numbering, nothing: Mapping[Pair, Expression] = MappingProxyType({}),
-                 halves: frozenset[Pair] = frozenset()) -> None:
+                 halves: frozenset[Pair] = frozenset(), levels: Levels = MappingProxyType({}), movers: frozenset[int] = _NOTHING
+                 ) -> None:
         self.places, self.shares, self.rests, self.numbering, self.nothing = places, shares, rests, numbering, nothing
-        self.halves = halves
+        self.halves, self.movers = halves, movers
         self.symbols = {s.__hash__(): s for s in places.values() if s.is_symbolic()}
         self.has_sides = any(map(is_of_one_side, places))
         self.jumps = dict[int, tuple[Expression, frozenset[int]]]()  # of expressions by their hashes: the shares they jump with
         self.products = dict[int, tuple[int, list[int], list[Expression]]]()  # by their numbers
-        self.levels = dict[Pair, tuple[Expression, Expression]]()  # both sides of halves, what moves first
+        self.levels = {**levels}  # both sides of halves, what moves first
         self.directions = Directions(numbering)
         rates = frozenset(k for pair, s in places.items() if self._shares_in(s) for k in pair)
         self.roots = Roots(numbering, rates - {numbering.of_number(0.0)}, self._combined)
@@ -129,7 +133,8 @@ class Holding:
             if pair in self.halves and op not in WHOLE:
                 a, b = operands if op in RELATIONS else (operands[0], as_expression(0.0))
                 self.levels[pair] = (b, a) if a.is_constant() else (a, b)
-            return self._noted_length(op, numbers, self._switched(op, numbers, operands, pair), pair)
+            value = self._switched(op, numbers, operands, pair)
+            return self._noted_length(op, numbers, self._told_on_levels(op, operands, pair, value), pair)
         if (root := self.roots.made(op, numbers, operands)) is not None:
             return root
         self.roots.note(op, numbers, operands)
@@ -160,6 +165,29 @@ class Holding:
         bare = [(moving, on_levels(number, moving)) for number, (moving, _) in places.items() if moving.is_symbolic()]
         made = ca.substitute(made, *([ca.vertcat(*column)] for column in zip(*bare, strict=True))) if bare else made
         return list(map(as_expression, made))
+
+    def _told_on_levels(self, op: int, operands: list[Expression], pair: Pair, value: Expression) -> Expression:
+        """A condition, as max(v, 0) > 0, that is told where all that moves in it is on its level, and its value elsewhere."""
+        own = symbols_in(ca.vertcat(*operands, self.places[pair]))
+        if not self.movers or op not in JUMPS or pair in self.halves or not own.isdisjoint(self.shares):
+            return value
+        moving = {pair: x for pair, (x, _) in self.levels.items() if not own.isdisjoint(symbols_in(x))}
+        places = {self.numbering.number(x): pair for pair, x in moving.items()}
+        bare = {self.numbering.number(x): x for x in moving.values() if x.is_symbolic()}
+        used = set(bare)
+
+        def make(op: int, numbers: list[int], operands: list[Expression]) -> Expression | None:
+            number = self.numbering.of(op, numbers)
+            used.update({number} & places.keys())
+            return self.levels[places[number]][1] if number in places else None
+
+        symbols, levels = (ca.vertcat(ca.SX(0, 1), *x) for x in (bare.values(), (self.levels[places[k]][1] for k in bare)))
+        made = ca.substitute(rebuilt(operands, self.numbering, make), [symbols], [levels])
+        if not used or not self.movers.isdisjoint(symbols_in(ca.vertcat(*made))):
+            return value
+        sides = [self.places[places[k]] for k in used]
+        is_on_level = reduce(ca.logic_and, (s * (1 - s) for s in sides))
+        return as_expression(ca.if_else(is_on_level, operate(op, list(map(as_expression, made))), value))
 
     def _told_apart(self, op: int, numbers: list[int]) -> Expression | None:
         """By switches of both sides, of what may be equal for a while."""

@@ -104,7 +104,7 @@ class OwnForces:
     def note_alike(self, jumping: Jumping, level: "Level") -> None:
         """Of other expressions that jump, those that are on both sides what holds, or its reaction."""
         asked = {number: x for number, x in jumping.items() if number not in self.found and not self._is_bare(number)}
-        for share in {share for share, _ in self.sums} if asked else ():
+        for share in {share for share, _ in self.sums} & _NONE.union(*(shares for _, shares in asked.values())):
             numbers = [number for number, (_, shares) in asked.items() if share in shares]
             sums = [x for own, x in self.sums if own == share]
             sides = level.sides([*sums, *(asked[number][0] for number in numbers)], share)
