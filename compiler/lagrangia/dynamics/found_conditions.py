@@ -265,8 +265,14 @@ def _equal(v: ca.SX, found: Mapping[Pair, Expression], asked: Sequence[Sequence[
 
 def _without_unused(forces: Sequence[ca.SX], found: Mapping[Pair, Expression], rests: Mapping[Pair, Expression],
                     numbering: Numbering, equal: frozenset[Pair]) -> dict[Pair, Expression]:
-    """Those that forces still have: |v|, of which nothing was asked but whether it is 0, is none."""
+    """Those that forces still have, and those with which these bend: |v|, of which nothing was asked but whether it is 0, is
+    none."""
     places = {pair: symbol(f"s_{k}") for k, pair in enumerate(found)}
-    holding = Holding(places, frozenset(), rests, numbering, halves=equal)
-    used = symbols_in(ca.veccat(*rebuilt(forces, numbering, holding.made)))
-    return {pair: g for pair, g in found.items() if pair in rests or places[pair].__hash__() in used}
+    left, used = list(forces), set[Pair]()
+    while left:
+        holding = Holding(places, frozenset(), rests, numbering, halves=equal)
+        held = symbols_in(ca.veccat(*rebuilt(left, numbering, holding.made)))
+        added = [pair for pair, s in places.items() if s.__hash__() in held and pair not in used]
+        left = [found[pair] for pair in added]
+        used.update(added)
+    return {pair: g for pair, g in found.items() if pair in rests or pair in used}
