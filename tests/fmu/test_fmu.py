@@ -69,6 +69,25 @@ def test_what_stands_still_has_no_rounding_for_a_nominal_value(tmp_path: Path) -
     assert build_fmu_model(lag.load(tmp_path / "truss.lag")).nominal == (0.1, 0.1, 1.0, 1.0)
 
 
+def test_a_locked_linkage_has_no_rounding_for_a_nominal_value() -> None:
+    """Its start is found to 4e-12 rad/s, which was the size of its rates: CVode made 4e6 evaluations a second of it."""
+    model = lag.loads("""model Locked
+  World world(gravity = {0, 0, -9.81});
+  Revolute turning(a = world, phi(start = 0), w(start = 8));
+  Body crank(m = 1, I = {0.001, 0.02, 0.02}, center = shift(turning.b, {0.15, 0, 0}));
+  Prismatic slide(a = world, along = {1, 0, 0}, s(start = 1.4));
+  Body block(m = 1.5, I = {0.001, 0.05, 0.05}, center = slide.b);
+  Universal near(a = shift(turning.b, {0.3, 0, 0}));
+  Body rod(m = 2, I = {0.002, 0.2, 0.2}, center = shift(near.b, {0.55, 0, 0}));
+  Spherical far(a = shift(near.b, {1.1, 0, 0}), b = slide.b);
+  Real i(start = 1.5);
+  AppliedTorque motor(on = crank.center, torque = {0, 0, 0.6*i});
+equation
+  0.05*der(i) = 12 - 2*i - 0.6*turning.w;
+end Locked;""")
+    assert min(build_fmu_model(model).nominal) >= 1
+
+
 def test_a_scene_without_c_names_and_one_at_rest(tmp_path: Path) -> None:
     """Blanks, accents, 300 characters; no states; no parameters."""
     texts = {

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from lagrangia.fmu.exportable import Exportable
     from lagrangia.frames.kinematics import Kinematics
 
-_ROUNDING = 1e-12  # of positions: what moves no further in the experiment stands still
+_ROUNDING = 1e-10  # of positions, as starts are found: what moves no further in the experiment stands still
 _NOTHING = 1e-14  # what has stuck all the time is rounding
 _SMALLEST_NOMINAL = 1e-3  # of the largest of its kind
 
