@@ -16,11 +16,11 @@ equation
 UNTOLD = MOTOR.replace("initial equation\n  rod.center.omega[1] = 0;\n", "")
 SLIDER = """model Slider
   World world(gravity = {0, 0, -9.81});
-  Revolute turning(a = world, phi(start = 0), w(start = 8));
+  Revolute turning(a = world, phi(start = 0.3, fixed = true), w(start = 8));
   Body crank(m = 1, I = {0.001, 0.02, 0.02}, center = shift(turning.b, {0.15, 0, 0}));
-  Prismatic slide(a = world, along = {1, 0, 0}, s(start = 1.4));
+  Prismatic slide(a = world, along = {1, 0, 0}, s(start = 1.383));
   Body block(m = 1.5, I = {0.001, 0.05, 0.05}, center = slide.b);
-  Universal near(a = shift(turning.b, {0.3, 0, 0}));
+  Universal near(a = shift(turning.b, {0.3, 0, 0}), phi_a(start = 1.57), phi_b(start = -0.38));
   Body rod(m = 2, I = {0.002, 0.2, 0.2}, center = shift(near.b, {0.55, 0, 0}));
   Spherical far(a = shift(near.b, {1.1, 0, 0}), b = slide.b);""" + UNTOLD + "end Slider;"
 FOUR_BAR = """model FourBar
