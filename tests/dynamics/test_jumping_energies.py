@@ -1,5 +1,6 @@
 """Energies that jump with a position are told of: no force is their slope."""
 
+import re
 from collections.abc import Callable
 
 import pytest
@@ -37,6 +38,18 @@ def test_runs_past_a_jump_name_it(what: str, solver: str, scene: Write) -> None:
                       energy kinetic (if {what} then 1[kg] else 0)*b.v^2/2; end Jump;""")
     with pytest.warns(lag.RunWarning, match=r"an energy jumps .*, at .*scene.lag:2:\d+, which gives no impulse"):
         model.simulate(stop=1.0, interval=0.1, solver=solver)
+
+
+@pytest.mark.parametrize("what", ["b.s > 0.5", "b.v > 1.5"])
+def test_sweeps_past_a_jump_name_it(what: str, scene: Write) -> None:
+    """They asked for a smaller tolerance or another solver."""
+    model = scene(f"""model Jump parameter Mass m = 1; Block b(m = m, base = world, v(start = 1.2));
+                      AppliedForce f(at = b.center, force = {{1, 0}});
+                      energy kinetic (if {what} then 1[kg] else 0)*b.v^2/2; end Jump;""")
+    with pytest.warns(lag.RunWarning, match="misses"):
+        swept = model.simulate_many(parameters={"m": [1.0, 1.1]}, stop=1.0)
+    told = r"an energy jumps .*, at .*scene.lag:3:\d+, which gives no impulse \(L0744\)"
+    assert re.search(told, swept.message(0)) and all(re.search(told, text) for text, _ in swept.common_failures())
 
 
 def test_what_is_told_to_write_instead_keeps_the_energy(scene: Write) -> None:

@@ -413,11 +413,15 @@ def loss(progress: Progress) -> str:
             reason = f"is moved in time by what jumps where nothing tells beforehand, {reason}"
     since = f" from t = {s.energy_open:.6g} on" if s.energy_is_open else ""
     if progress.jumping:
-        places = ", ".join(progress.jumping[:2])
-        return (f"the energy account {what}{since}: an energy jumps with a position or rate, at {places}, which gives no impulse "
-                "(L0744): the rows there are not the motion of this scene, which needs one that rises over a short way")
+        return (f"the energy account {what}{since}: {tell_jumps(progress.jumping)}: the rows there are not the motion of this scene, "
+                "which needs one that rises over a short way")
     return (f"the energy account {what}{since}: the rows there are not the motion of this scene, which {reason}needs "
             f"{remedy(progress.experiment.tolerance, relative)}")
+
+
+def tell_jumps(places: Sequence[str]) -> str:
+    """Why no solver closes the account of a scene whose energies jump at these places."""
+    return f"an energy jumps with a position or rate, at {', '.join(places[:2])}, which gives no impulse (L0744)"
 
 
 def remedy(tolerance: float, missed: float) -> str:

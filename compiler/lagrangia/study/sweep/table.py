@@ -19,7 +19,7 @@ from lagrangia.run.remarks import warn_of_run, warn_of_text
 from lagrangia.run.requirements import tell_requirement, tell_unmet
 from lagrangia.run.runtime import Failure, Status
 from lagrangia.run.scene import Scene
-from lagrangia.run.simulate import explain, start_in_general
+from lagrangia.run.simulate import explain, start_in_general, tell_jumps
 from lagrangia.study.sweep.journal import Ledger
 from lagrangia.study.sweep.keeping import InMemory
 from lagrangia.study.sweep.measures import unit_of
@@ -280,7 +280,8 @@ def explain_outcome(job: Job, run: int, outcome: Any) -> str:
         own = index - len(scene.parameters)
         return _wrong_parameter(scene, index, value) if own < 0 else tell_unmet(scene, own, job.parameters_of(run))
     if kind is Ending.OPEN:
-        return f"the energy account misses by {value:.1e} of its size, more than the tolerance explains, from t = {time:.6g} on"
+        jumps = f": {tell_jumps(places)}" if (places := scene.notes["jumping"]) else ""
+        return f"the energy account misses by {value:.1e} of its size, more than the tolerance explains, from t = {time:.6g} on{jumps}"
     failure = Failure(Status(outcome["status"]), index, bool(outcome["rate"]), time, value)
     return explain(scene, failure, job.parameters_of(run) if failure.status is Status.NOT_FINITE else ())
 
@@ -297,7 +298,8 @@ def _in_general(scene: Scene, kind: int, status: int, index: int, rate: int) -> 
             return tell_requirement(scene.notes["requirements"][index - len(scene.parameters)])
         return f"the parameter '{scene.parameters[index].name}' is out of its limits"
     if ending is Ending.OPEN:
-        return "the energy account is open: a smaller tolerance or another solver is needed"
+        places = scene.notes["jumping"]
+        return f"the energy account is open: {tell_jumps(places) if places else 'a smaller tolerance or another solver is needed'}"
     if ending is not Ending.FAILED:
         return "not run" if ending is Ending.NOT_RUN else "out of time"
     if status == Status.INITIAL_FAILED:
