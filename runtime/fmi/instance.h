@@ -63,8 +63,9 @@ typedef struct {
     double earlier_time;    /* of the step before that */
     int knows_inputs;       /* at the last one */
     int has_jump;           /* of inputs, there */
-    int is_unaccounted;     /* there is a step of which it is not known, or an input has changed within one */
+    int is_unaccounted;     /* there is a step of which it is not known, or an input with rates has changed within one */
     double steps, energy_size, energy_miss; /* completed; the largest of its entries, and of what it misses */
+    double energy_doubt;    /* J: what inputs may have done otherwise than is known between completed steps */
 } LagVital;
 
 /* Inputs over all time, linear between rows: of a page, which needs not wait for what its importer sets. */
@@ -100,6 +101,7 @@ struct LagInstance {
     double *last, *last_slope, *last_power; /* at the last completed step */
     double *last_u, *last_rate, *earlier_u, *rate; /* n_inputs: there, and at the one before; rates now: exchange_steps.c */
     double *before_jump;     /* 3 n_inputs: the first three of these */
+    double *least_u, *most_u; /* n_inputs: of those that were set since the last completed step */
     double *slack;           /* n_whens: of conditions of events, near their places: exchange.c */
     double *scratch, *projected; /* not saved */
     double *plain, *told;    /* 2 n, states: the same state as the run has it, and as importers have it */
@@ -221,6 +223,8 @@ void lag_exchange_draw_inputs(LagInstance *instance);
 /* How such a rate changes with its input, 1/s; 0 in Co-Simulation. */
 double lag_exchange_rate_by_input(const LagInstance *instance, int input);
 void lag_exchange_jump_inputs(LagInstance *instance);
+/* Notes that one has been set within a step. */
+void lag_exchange_widen(LagInstance *instance, int input);
 /* Whether they have at the present event. */
 int lag_exchange_has_jumped(const LagInstance *instance);
 /* Takes the last step into the account; returns whether the equations are the same after it. */

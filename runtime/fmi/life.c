@@ -31,6 +31,8 @@ static void layout(LagInstance *s, LagArena *arena)
     s->last_rate = s->last_u + inputs;
     s->earlier_u = s->last_rate + inputs;
     s->before_jump = lag_take(arena, 3 * inputs);
+    s->least_u = lag_take(arena, inputs);
+    s->most_u = lag_take(arena, inputs);
     s->rate = lag_take(arena, inputs);
     s->slack = lag_take(arena, (size_t)m->n_whens);
     s->saved_size = arena->used;

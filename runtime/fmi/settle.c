@@ -110,7 +110,7 @@ static void take_start(LagInstance *s)
     vital->start_energy = energies[2];
     vital->supports_energy = energies[0] + energies[1] - energies[2];
     vital->dissipated = vital->work = 0;
-    vital->steps = vital->energy_miss = 0;
+    vital->steps = vital->energy_miss = vital->energy_doubt = 0;
     vital->energy_size = s->model->n > 0 ? nominal_energy(s) : 0;
     vital->is_unaccounted = vital->is_told_open = vital->is_told_jam = vital->knows_inputs = vital->has_jump = 0;
     lag_instance_forget(s);

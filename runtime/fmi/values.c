@@ -223,8 +223,8 @@ static LagAnswer set_input(LagInstance *s, int index, double value)
         return LAG_ANSWER_OK;
     s->u[index] = value;
     s->vital.inputs_changed = 1;
-    if (s->vital.mode & LAG_MODE_CONTINUOUS) /* on its way there, which nobody tells */
-        s->vital.is_unaccounted = 1;
+    if (s->vital.mode & LAG_MODE_CONTINUOUS)
+        lag_exchange_widen(s, index);
     if (s->vital.mode & LAG_MODE_INITIALIZATION)
         s->vital.has_started = 0;
     return LAG_ANSWER_OK;
