@@ -299,7 +299,8 @@ def _in_general(scene: Scene, kind: int, status: int, index: int, rate: int) -> 
         return f"the parameter '{scene.parameters[index].name}' is out of its limits"
     if ending is Ending.OPEN:
         places = scene.notes["jumping"]
-        return f"the energy account is open: {tell_jumps(places) if places else 'a smaller tolerance or another solver is needed'}"
+        why = tell_jumps(places) if places else "a smaller tolerance or another solver is needed"
+        return f"the energy account is open: {why}"
     if ending is not Ending.FAILED:
         return "not run" if ending is Ending.NOT_RUN else "out of time"
     if status == Status.INITIAL_FAILED:
