@@ -413,8 +413,8 @@ def loss(progress: Progress) -> str:
             reason = f"is moved in time by what jumps where nothing tells beforehand, {reason}"
     since = f" from t = {s.energy_open:.6g} on" if s.energy_is_open else ""
     if progress.jumping:
-        return (f"the energy account {what}{since}: {tell_jumps(progress.jumping)}: the rows there are not the motion of this scene, "
-                "which needs one that rises over a short way")
+        return (f"the energy account {what}{since}: {tell_jumps(progress.jumping)}: the rows there are not the motion of this "
+                "scene, which needs one that rises over a short way")
     return (f"the energy account {what}{since}: the rows there are not the motion of this scene, which {reason}needs "
             f"{remedy(progress.experiment.tolerance, relative)}")
 

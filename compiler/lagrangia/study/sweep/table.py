@@ -281,7 +281,8 @@ def explain_outcome(job: Job, run: int, outcome: Any) -> str:
         return _wrong_parameter(scene, index, value) if own < 0 else tell_unmet(scene, own, job.parameters_of(run))
     if kind is Ending.OPEN:
         jumps = f": {tell_jumps(places)}" if (places := scene.notes["jumping"]) else ""
-        return f"the energy account misses by {value:.1e} of its size, more than the tolerance explains, from t = {time:.6g} on{jumps}"
+        share = f"{value:.1e} of its size, more than the tolerance explains"
+        return f"the energy account misses by {share}, from t = {time:.6g} on{jumps}"
     failure = Failure(Status(outcome["status"]), index, bool(outcome["rate"]), time, value)
     return explain(scene, failure, job.parameters_of(run) if failure.status is Status.NOT_FINITE else ())
 
