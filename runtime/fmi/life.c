@@ -11,10 +11,11 @@
 
 enum { LONGEST_NAME = 200 };
 
-static void layout(LagInstance *s, LagArena *arena)
+/* What states of an FMU keep. */
+static void layout_saved(LagInstance *s, LagArena *arena)
 {
     const LagModel *m = s->model;
-    const size_t n = (size_t)m->n, states = (size_t)lag_fmu_states(m), inputs = (size_t)m->n_inputs, power = (size_t)m->n_power;
+    const size_t states = (size_t)lag_fmu_states(m), inputs = (size_t)m->n_inputs, power = (size_t)m->n_power;
     s->given = lag_take(arena, (size_t)m->n_parameters);
     s->start = lag_take(arena, states);
     s->u = lag_take(arena, inputs);
@@ -35,6 +36,13 @@ static void layout(LagInstance *s, LagArena *arena)
     s->most_u = lag_take(arena, inputs);
     s->rate = lag_take(arena, inputs);
     s->slack = lag_take(arena, (size_t)m->n_whens);
+}
+
+static void layout(LagInstance *s, LagArena *arena)
+{
+    const LagModel *m = s->model;
+    const size_t n = (size_t)m->n, states = (size_t)lag_fmu_states(m), inputs = (size_t)m->n_inputs;
+    layout_saved(s, arena);
     s->saved_size = arena->used;
     s->scratch = lag_take(arena, 2 * states + n);
     s->projected = lag_take(arena, 2 * n + (size_t)m->n_power);
