@@ -240,13 +240,30 @@ static void pass_with_inputs(LagInstance *s)
             run->switches.turned[i] = LAG_STAYS;
 }
 
-/* What the equations hold from now on, and what slides; rates are reset. Returns whether the state was moved for it. */
-static int switch_over(LagInstance *s)
+/* Events at an instant, and those that come at once by what is held after them. LAG_EVENTS_GO_ON where these do not end. Impacts that do
+ * not, by states as coarse as an importer's, do with its next event. */
+static LagStatus strike(LagRun *run)
+{
+    LagStatus status = LAG_OK;
+    run->impacts.in_a_row = 0; /* time passes between the importer's */
+    do {
+        status = lag_impacts_strike(run);
+        lag_cones_note_beyond(run);
+        lag_cones_look(run);
+        lag_switches_enter(run);
+        lag_sampling_meet(run, run->motion.t); /* each instant is sampled once */
+    } while (status == LAG_OK && run->impacts.comes_next);
+    return status == LAG_EVENTS_GO_ON && run->impacts.comes_next ? status : LAG_OK;
+}
+
+/* What the equations hold from now on, and what slides; rates are reset. Tells whether the state was moved for it. */
+static LagStatus switch_over(LagInstance *s, int *is_moved)
 {
     LagRun *run = s->run;
     const size_t n = (size_t)s->model->n, size = 2 * n * sizeof *s->x;
+    *is_moved = 0;
     if (s->model->n_switches == 0)
-        return 0;
+        return LAG_OK;
     const double *projected = lag_instance_projected(s, s->vital.t, s->x);
     lag_exchange_stand_at(s, s->vital.t, projected);
     run->impacts.coarse = coarseness(s);
@@ -255,23 +272,21 @@ static int switch_over(LagInstance *s)
     pass_with_inputs(s);
     lag_cones_note_end(run);
     lag_impacts_note_jump(run, s->vital.t, run->motion.y);
-    lag_impacts_strike(run);
-    lag_cones_note_beyond(run);
-    lag_cones_look(run);
+    const LagStatus status = strike(run);
     if (s->model->n_power == 2) {
         s->vital.dissipated += run->motion.y[2 * n];
         s->vital.work += run->motion.y[2 * n];
     }
-    lag_switches_enter(run);
     lag_cones_begin(run);
-    const int is_moved = memcmp(projected, run->motion.y, size) != 0;
-    if (is_moved)
+    *is_moved = memcmp(projected, run->motion.y, size) != 0;
+    if (*is_moved)
         lag_instance_tell(s, run->motion.y, s->x);
-    return is_moved;
+    return status;
 }
 
-/* The modes after this time, and the impulses that come with them; a state that has gone astray is brought back. */
-static int begin_segment(LagInstance *s)
+/* The modes after this time, and the impulses that come with them; a state that has gone astray is brought back. Tells whether the
+ * state is another one. */
+static LagStatus begin_segment(LagInstance *s, int *is_changed)
 {
     LagRun *run = s->run;
     double before[3], after[3], *x = lag_instance_plain(s, s->x);
@@ -294,14 +309,16 @@ static int begin_segment(LagInstance *s)
     }
     lag_sampling_meet(run, s->vital.t);
     lag_sampling_take(run, s->vital.t, lag_instance_plain(s, s->x), 0);
-    const int is_moved = switch_over(s);
+    int is_moved;
+    const LagStatus status = switch_over(s, &is_moved);
     run->sliding.drawn = 0;
     give_slack(s);
     lag_energies(run, s->vital.t, lag_instance_plain(s, s->x), after);
     if (!astray) /* what projecting adds or takes is an error, and shows as one */
         s->vital.work += after[2] - before[2];
     lag_instance_forget(s);
-    return astray || kicked || is_moved;
+    *is_changed = astray || kicked || is_moved;
+    return status;
 }
 
 LagAnswer lag_instance_update_discrete(LagInstance *s, LagEventInfo *info)
@@ -310,9 +327,11 @@ LagAnswer lag_instance_update_discrete(LagInstance *s, LagEventInfo *info)
     if (answer != LAG_ANSWER_OK)
         return answer;
     if (s->kind == LAG_MODEL_EXCHANGE) {
-        info->values_changed = begin_segment(s);
+        const LagStatus status = begin_segment(s, &info->values_changed);
         lag_exchange_note(s);
-        if (s->model->n_guards > 0)
+        if (status != LAG_OK)
+            answer = lag_instance_failed(s, status);
+        else if (s->model->n_guards > 0)
             answer = meet_guards(s);
         if (answer != LAG_ANSWER_OK)
             return answer;

@@ -389,3 +389,20 @@ def test_what_lies_on_a_support_that_inputs_move_stays_there(tmp_path: Path) -> 
     np.testing.assert_allclose(other["b.s"], right["b.s"], atol=2e-3)
     np.testing.assert_allclose([a for a, _ in found[:-1]], 0.05 * (1 - np.cos(8 * times[1:])), atol=1e-5)  # h^3 x'''/6
     np.testing.assert_allclose([b for _, b in found[:-1]], right["b.s"][1:], atol=2e-3)
+
+
+@pytest.mark.parametrize("version", ["2", "3"])
+def test_an_importer_gets_the_events_that_come_by_rest(version: str, tmp_path: Path) -> None:
+    """The block rests at 0.5 s: the event by that pushes the other one, which moves at once. None of both came."""
+    path = tmp_path / "rest.lag"
+    path.write_text("""model Rest
+  World world(gravity = {0, 0}); Block b(m = 1, base = world, v(start = 2)), c(m = 1, base = world);
+  DryFriction f(rate = b.v, F = 4), g(rate = c.v, F = 1);
+  discrete Integer n(start = 0), k(start = 0); discrete Force T(start = 0); AppliedForce push(at = c.center, force = {T, 0});
+equation
+  when abs(b.v) <= 0 then n = pre(n) + 1; T = 3; end when;
+  when edge(c.v > 0) then k = pre(k) + 1; end when;
+end Rest;""")
+    last = simulated(path, version, "ModelExchange", ["n", "k", "b.s", "c.s"], stop_time=1.03, relative_tolerance=1e-10)[-1]
+    assert (last["n"], last["k"]) == (1, 1)
+    np.testing.assert_allclose([last["b.s"], last["c.s"]], [0.5, 0.53**2], rtol=1e-6)
