@@ -3,11 +3,13 @@
 from collections.abc import Callable
 from math import asin
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 import lagrangia as lag
 from helpers.fmus import simulated
+from lagrangia.dynamics import held_motion
 from lagrangia.native.build import find_compiler
 
 pytestmark = pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
@@ -220,6 +222,60 @@ def test_reactions_of_trees_know_it(scene: Write) -> None:
                     for law in ("b.v > 0", "time < 0.5"))
     for name in ("O.phi", "x", "y"):
         assert asked[name] == pytest.approx(given[name], rel=1e-7), name
+
+
+OWN = "Force F = -2*sign(b.v);  AppliedForce g(at = b.center, force = {F, 0}), p(at = b.center, force = {1, 0});"
+CHOSEN = OWN.replace("-2*sign(b.v)", "if b.v > 0 then -2 else 2")
+
+
+@pytest.mark.parametrize(("holds", "force", "right"), [
+    *((OWN, law, right) for law, right in {
+        "if b.v > 0 then 2 else -2": 0, "if b.v >= 0 then 2 else -2": 4, "if b.v < 0 then 2 else -2": -4,
+        "4*(if b.v > 0 then 1 else 0) - 2": 0, "if b.v > 0 then 2 elseif b.v < 0 then -2 else 0": 2,
+        "if sign(b.v) > 0 then 2 else -2": 0, "F": -3, "-F": 3, "2*F": -6, "2*sign(b.v)": 3, "3*sign(b.v)": 3,
+        "-F + (if b.v > 0 then 2 else -2)": 3, "if time > 0.5 then -F else 0": 2}.items()),
+    (CHOSEN, "if b.v > 0 then 5 else 2", 7), (CHOSEN, "if b.v > 0 then -2 else 7", 5), (CHOSEN, "F", -3), (CHOSEN, "-F", 3),
+    (CHOSEN, "if b.v > 0 then 2 else -2", 0),
+    ("DryFriction f(F = 2, rate = b.v);  AppliedForce p(at = b.center, force = {1, 0});", "if b.v > 0 then f.F else -f.F", 0)])
+def test_conditions_are_no_forces_that_hold(scene: Write, holds: str, force: str, right: float) -> None:
+    """Of a block that comes to rest at 1 s, where 1 N holds it, another is pushed by what is as large (3 m/s for 0)."""
+    model = scene(f"""model Alike  World world(gravity = {{0, 0}});  Block b(m = 1, base = world, v(start = 1));  {holds}
+      Block c(m = 1, base = world);  AppliedForce h(at = c.center, force = {{{force}, 0}});  end Alike;""")
+    for solver in ("auto", "erk9", "implicit"):
+        assert model.simulate(at=[0.0, 2.0], solver=solver)["c.v"][-1] == pytest.approx(right, abs=1e-8), solver
+
+
+@pytest.mark.parametrize(("law", "right"), [
+    ("max(b.v, u) > u", 0), ("min(b.v, u) < u", 0), ("max(b.v, u) <= u", 3), ("2*max(b.v, u) - 2*u > 0", 0), ("b.v^3 > u^3", 0),
+    ("max(b.v, u) > 0.5*u", 3)])
+def test_levels_that_move_are_told_where_both_sides_are_equal(scene: Write, law: str, right: float) -> None:
+    """A block that goes along with a belt from the start: implicit steps found max(b.v, u) > u for ever."""
+    model = scene(f"""model Carried  World world(gravity = {{0, 0}});  Block b(m = 1, base = world);
+      Velocity u = 0.1[m/s^2]*time;  DryFriction f(F = 0.5, rate = b.v - u);  Time y(start = 0);
+      equation der(y) = if {law} then 1 else 0;  end Carried;""")
+    for solver in ("auto", "erk9", "implicit"):
+        assert model.simulate(at=[0.0, 3.0], solver=solver)["y"][-1] == pytest.approx(right, abs=1e-7), solver
+
+
+def test_blocks_in_a_row_are_told_together(scene: Write, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each asks the next one's rate: what holds them is put in as often of four as of sixteen."""
+    made = list[int]()
+
+    class Counted(held_motion.Holding):
+        def __init__(self, *arguments: Any, **others: Any) -> None:
+            made.append(1)
+            super().__init__(*arguments, **others)
+
+    monkeypatch.setattr(held_motion, "Holding", Counted)
+    counts = []
+    for n in (4, 16):
+        made.clear()
+        blocks = [f"Block b{k}(m = 1, base = world, v(start = 1));  DryFriction f{k}(F = 2, rate = b{k}.v);" for k in range(n)]
+        asked = [f"AppliedForce p{k}(at = b{k}.center, force = {{if b{k + 1}.v > 0 then 1 else -1, 0}});" for k in range(n - 1)]
+        text = ["model Row  World world(gravity = {0, 0});", *blocks, *asked, "end Row;"]
+        scene("\n".join(text)).simulate(at=[0.0, 0.1], solver="erk5")
+        counts.append(len(made))
+    assert counts[0] == counts[1] > 0
 
 
 def test_what_pushes_back_feels_the_force_that_holds(scene: Write) -> None:

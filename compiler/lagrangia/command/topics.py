@@ -117,8 +117,8 @@ Friction in joints    forces and dissipation functions may feel reactions: mu*ra
                       Where friction presses by its own reaction more than it takes (a light slider that a long rod pushes
                       down, with a large mu) there is no solution, or several (Painleve): the run ends with a word. Events
                       may set rates where rubbing impulses change none (all that moves is set, or the joint's own
-                      rate); not supported yet: other events, contacts that load such joints, and lag equilibrium, modes
-                      and equations.
+                      rate); not yet: other events, contacts that load such joints, and lag equilibrium, modes and equations.
+Rates that rest       for others are at their level, `if b.v > 0` is false; friction's F, -F or a copy (2*sign(b.v)) is what holds
 when gap < 0 and x < edge then ...    a contact with an edge. With `or` nothing is held that rests.
 
 Energy that impulses take is dissipated, what they add is work. FMUs have the events, in both kinds and versions; exports to

@@ -11,8 +11,8 @@ def right_hand_side(kinematics: Kinematics, motion: Motion, held: HeldMotion, ac
                     *multipliers: ca.SX) -> list[ca.SX]:
     """Accelerations (n,), power as of `power_of`, and multipliers, if given; `source`: the power put in where these are so."""
     rows = motion.constrained.rows.rate if multipliers and motion.constrained is not None else None
-    a, power, *others = held.rows([acceleration, power_of(motion, source), *multipliers], rows, motion.v)
-    return [a, held.power(power, motion.inertial, kept_rates(kinematics, motion.v)), *others]
+    against = motion.inertial, kept_rates(kinematics, motion.v)
+    return held.rows([acceleration, power_of(motion, source), *multipliers], rows, motion.v, against)
 
 
 def power_of(motion: Motion, source: ca.SX) -> ca.SX:

@@ -7,6 +7,7 @@ in forces on what pushes back.
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from itertools import accumulate, chain
 
 import casadi as ca
 
@@ -35,23 +36,26 @@ class HeldMotion:
         self.movers = symbols_in(ca.vertcat(motion.t, motion.q, motion.v, motion.u))
         self._level = Level(symbols, switches.values[: symbols.numel()], self.motion.v, at_rest)
 
-    def rows(self, expressions: Sequence[ca.SX], rows: ca.SX | None = None, v: ca.SX | None = None) -> list[ca.SX]:
-        """Held expressions, the first a row for each rate, and the last one for each of `rows`, made of the rates v."""
-        switches, held = self.switches, self.switches.hold(expressions)
-        if not switches.reach:
-            return held
-        held[0] = self._apart(expressions[0], held[0], switches.groups)
+    def rows(self, expressions: Sequence[ca.SX], rows: ca.SX | None = None, v: ca.SX | None = None,
+             against: tuple[Later[ca.SX], ca.SX] | None = None) -> list[ca.SX]:
+        """Held expressions, the first a row for each rate, and the last one for each of `rows`, made of the rates v. `against`:
+        forces (n,) and the rates, against which the second is power, taken out and put in, with their rows as they are held."""
+        groups, counts = self.switches.groups, against is not None and expressions[1].numel() > 0
+        if not self.switches.reach:
+            return self.switches.hold(expressions)
+        asked = [*expressions, against[0].value] if against is not None and counts else [*expressions]
+        held, of = self.switches.hold(asked), dict[int, Sequence[int | None]]({0: groups})
         if rows is not None and v is not None:
-            groups = [next((switches.groups[k] for k in found), -1) for found in places_in(rows, v)]
-            held[-1] = self._apart(expressions[-1], held[-1], groups)
-        return held
-
-    def power(self, power: ca.SX, forces: Later[ca.SX], rates: ca.SX) -> ca.SX:
-        """Held power, taken out and put in by forces (n,) against `rates`, with their rows as they are held."""
-        if not self.switches.reach or not power.numel():
-            return power
-        (held,) = self.switches.hold([forces.value])
-        return power + ca.vertcat(0, ca.dot(rates, held - self._apart(forces.value, held, self.switches.groups)))
+            of[len(expressions) - 1] = [next((groups[k] for k in found), -1) for found in places_in(rows, v)]
+        of |= {len(expressions): groups} if counts else {}
+        column, column_held = (ca.vertcat(*(ca.densify(x[k]) for k in of)) for x in (asked, held))
+        apart = self._apart(column, column_held, [*chain(*of.values())])
+        if apart is column_held:
+            return held[: len(expressions)]
+        told = dict(zip(of, ca.vertsplit(apart, [0, *accumulate(map(len, of.values()))]), strict=True))
+        if against is not None and counts:
+            held[1] += ca.vertcat(0, ca.dot(against[1], held.pop() - told.pop(len(expressions))))
+        return [told.get(k, x) for k, x in enumerate(held)]
 
     def outputs(self, y: ca.SX, put: Put) -> ca.SX:
         """Held outputs (k,): each of no group of rates. `put` puts reactions in the place of their symbols."""
@@ -66,13 +70,10 @@ class HeldMotion:
     def _apart(self, rows: ca.SX, held: ca.SX, groups: Sequence[int | None]) -> ca.SX:
         """Held rows, each of a group of rates: a rate that forces on others hold is on its level there, where its switch is no
         share."""
-        reach, found = self.switches.reach, dict[int, ca.SX]()
+        reach, asked = self.switches.reach, self._asked(rows)
         apart = [frozenset(pair for pair in own if group is None or group not in reach[pair])
-                 for group, own in zip(groups, self._asked(rows), strict=True)]
-        for pairs in dict.fromkeys(x for x in apart if x):
-            own = [row for row, x in enumerate(apart) if x == pairs]
-            found |= zip(own, ca.vertsplit(self._seen(ca.densify(rows)[own], pairs)), strict=True)
-        return ca.vertcat(*(found.get(row, x) for row, x in enumerate(ca.vertsplit(held)))) if found else held
+                 for group, own in zip(groups, asked, strict=True)]
+        return _told(rows, held, asked, apart, self._seen)
 
     def _asked(self, rows: ca.SX) -> list[set[Pair]]:
         """What each row asks of rates that may be held, with even parts of jumps, as sign(v)^2 is, which no share is in."""
@@ -102,11 +103,14 @@ class HeldMotion:
 
     def _put_back(self, held: ca.SX, forces: Sequence[Force], pairs: frozenset[Pair]) -> ca.SX:
         """With these where they stand, each on the level of those of the pairs that it does not hold."""
-        for force in reversed(forces):
-            on_level = pairs - {self.shares[x] for x in force.shares}
-            value = self._on_level(force.value, on_level) if on_level else self.switches.hold([force.value])[0]
-            held = ca.substitute(held, force.symbol, value)
-        return held
+        if not forces:
+            return held
+        values, symbols = ca.vertcat(*(force.value for force in forces)), [force.symbol for force in forces]
+        asked = self._asked(values)
+        on_level = [own & pairs - {self.shares[x] for x in force.shares} for own, force in zip(asked, forces, strict=True)]
+        values = _told(values, self.switches.hold([values])[0], asked, list(map(frozenset, on_level)), self._on_level)
+        _, (made,) = ca.substitute_inplace(symbols, ca.vertsplit(values), [held], False)
+        return made
 
     def _on_level(self, rows: ca.SX, pairs: frozenset[Pair]) -> ca.SX:
         """Held, and both sides of these equal while something holds them so."""
@@ -143,14 +147,34 @@ class HeldMotion:
         known, switches, felt = self.motion, self.switches, self.motion.felt
         acting = [known.h] if felt is None else [known.h, ca.substitute(known.h, felt.amounts, felt.laws)]
         own = OwnForces(switches.numbering, jumping_in(acting, switches.holding(), switches.numbering))
-        groups = switches.groups or (0,) * known.v.numel()
-        slopes = {x: ca.densify(ca.jacobian(self._rate_of(pair), known.v)) for x, pair in self.shares.items()}
-        rows = [(k, group, ca.densify(h)[k]) for h in acting for k, group in enumerate(groups)]
-        for k, group, row in rows:
-            along = {x: as_expression(slopes[x][k]) for x, pair in self.shares.items()
-                     if not switches.reach or group in switches.reach[pair]}
+        groups = switches.groups
+        slopes = ca.densify(ca.jacobian(switches.values[: len(switches.places)], known.v))
+        rows = [(k, row) for h in acting for k, row in enumerate(ca.vertsplit(ca.densify(h)))]
+        for k, row in rows:
+            along = {s.__hash__(): as_expression(slopes[place, k]) for place, (pair, s) in enumerate(switches.places.items())
+                     if pair in self.all and (not switches.reach or groups[k] in switches.reach[pair])}
             own.note(switches.numbering.number(as_expression(row)), along)
         return own
 
-    def _rate_of(self, pair: Pair) -> ca.SX:
-        return self.switches.values[list(self.switches.places).index(pair)]
+
+def _told(rows: ca.SX, held: ca.SX, asked: Sequence[set[Pair]], on_level: Sequence[frozenset[Pair]],
+          tell: Callable[[ca.SX, frozenset[Pair]], ca.SX]) -> ca.SX:
+    """Held rows, with those told that ask for rates on their level: together, where what is so for one is for all that ask."""
+    told = list[tuple[list[int], set[Pair], set[Pair]]]()  # rows, what is on its level for them, and what they ask else
+    for row, (own, pairs) in enumerate(zip(asked, on_level, strict=True)):
+        if not pairs:
+            continue
+        others = own - pairs
+        fit = next((x for x in told if x[1].isdisjoint(others) and x[2].isdisjoint(pairs)), None)
+        if fit is None:
+            told.append(fit := ([], set(), set()))
+        fit[0].append(row)
+        fit[1].update(pairs)
+        fit[2].update(others)
+    if not told:
+        return held
+    rows, found = ca.densify(rows), ca.vertsplit(held)
+    for places, on_their_level, _ in told:
+        for row, x in zip(places, ca.vertsplit(tell(rows[places], frozenset(on_their_level))), strict=True):
+            found[row] = x
+    return ca.vertcat(*found)

@@ -5,6 +5,7 @@ from functools import reduce
 from types import MappingProxyType
 
 import casadi as ca
+import numpy as np
 
 from lagrangia.algebra.numbering import Numbering, rebuilt
 from lagrangia.algebra.scalars import Expression, apply, as_expression, operate, symbols_in
@@ -20,6 +21,7 @@ _EVEN = (ca.OP_FABS, ca.OP_SQ)
 _PRODUCTS = (ca.OP_MUL, ca.OP_IF_ELSE_ZERO)
 _MULTIPLES = {ca.OP_TWICE: 2.0, ca.OP_NEG: -1.0}  # products with these numbers
 _NOTHING = frozenset[int]()
+_POINTS, _ROUNDING = 5, 1e-12
 WHOLE = (ca.OP_FLOOR, ca.OP_CEIL)
 Levels = Mapping[Pair, tuple[Expression, Expression]]
 EITHER, ZERO, HALF, ONE, OF_WHOLE = -1, 0, 1, 2, 3  # in LagModel's at_level: LAG_LEVEL_... of standing.h
@@ -99,6 +101,14 @@ def _without_factors(numbering: Numbering, number: int) -> int:
     return _without_factors(numbering, left[0]) if len(left) == 1 else number
 
 
+def _are_equal(a: ca.SX, b: ca.SX) -> bool:
+    """Whether they are so whatever they depend on, but for rounding."""
+    sides = ca.Function("sides", [ca.vertcat(ca.SX(0, 1), *ca.symvar(ca.vertcat(a, b)))], [a, b])
+    random = np.random.default_rng(1)
+    values = np.array([sides(random.uniform(-2.0, 2.0, sides.numel_in(0))) for _ in range(_POINTS)], float).reshape(-1, 2)
+    return bool(np.allclose(values[:, 0], values[:, 1], rtol=_ROUNDING, atol=0))
+
+
 class Holding:
     """`places`: the symbols of switches; `shares`: the hashes of those that may be between 0 and 1; `rests`: symbols that are 1
     where both of a pair are held equal, and 0 elsewhere; `nothing`: whether both are 0, of those whose factor may be; `halves`:
@@ -167,9 +177,12 @@ class Holding:
         return list(map(as_expression, made))
 
     def _told_on_levels(self, op: int, operands: list[Expression], pair: Pair, value: Expression) -> Expression:
-        """A condition, as max(v, 0) > 0, that is told where all that moves in it is on its level, and its value elsewhere."""
+        """A condition, as max(v, 0) > 0, that is told where all that moves in it is on its level, or both sides are equal there,
+        and its value elsewhere."""
+        if not self.movers or op not in JUMPS or pair in self.halves:
+            return value
         own = symbols_in(ca.vertcat(*operands, self.places[pair]))
-        if not self.movers or op not in JUMPS or pair in self.halves or not own.isdisjoint(self.shares):
+        if not own.isdisjoint(self.shares):
             return value
         moving = {pair: x for pair, (x, _) in self.levels.items() if not own.isdisjoint(symbols_in(x))}
         places = {self.numbering.number(x): pair for pair, x in moving.items()}
@@ -183,11 +196,16 @@ class Holding:
 
         symbols, levels = (ca.vertcat(ca.SX(0, 1), *x) for x in (bare.values(), (self.levels[places[k]][1] for k in bare)))
         made = ca.substitute(rebuilt(operands, self.numbering, make), [symbols], [levels])
-        if not used or not self.movers.isdisjoint(symbols_in(ca.vertcat(*made))):
+        if not used:
             return value
+        told = operate(op, list(map(as_expression, made)))
+        if not self.movers.isdisjoint(symbols_in(ca.vertcat(*made))):
+            if not _are_equal(*made, *[ca.SX(0)] * (2 - len(made))):
+                return value
+            told = as_expression(float(op == ca.OP_LE))
         sides = [self.places[places[k]] for k in used]
         is_on_level = reduce(ca.logic_and, (s * (1 - s) for s in sides))
-        return as_expression(ca.if_else(is_on_level, operate(op, list(map(as_expression, made))), value))
+        return as_expression(ca.if_else(is_on_level, told, value))
 
     def _told_apart(self, op: int, numbers: list[int]) -> Expression | None:
         """By switches of both sides, of what may be equal for a while."""
@@ -359,6 +377,8 @@ class Holding:
         return as_expression(apply(ca.OP_FMIN, apply(ca.OP_FMAX, condition, 0.0), 1.0))
 
     def _shares_in(self, x: Expression) -> frozenset[int]:
+        if x.is_symbolic():
+            return frozenset({x.__hash__()}) & self.shares
         return self.shares & symbols_in(x) if self.shares else _NOTHING
 
     def jumps_of(self, x: Expression) -> frozenset[int]:

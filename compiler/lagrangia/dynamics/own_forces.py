@@ -17,7 +17,8 @@ from lagrangia.algebra.scalars import Expression, as_expression, operate, symbol
 from lagrangia.base.records import dataclass
 from lagrangia.dynamics.held_switches import JUMPS, Holding
 
-_CONDITIONS = frozenset({*JUMPS, ca.OP_EQ, ca.OP_NE, ca.OP_NOT, ca.OP_AND, ca.OP_OR})
+_COMPARISONS = frozenset({ca.OP_LT, ca.OP_LE, ca.OP_EQ, ca.OP_NE})
+_CONDITIONS = frozenset({*JUMPS, *_COMPARISONS, ca.OP_NOT, ca.OP_AND, ca.OP_OR})
 _BARE = frozenset({ca.OP_ADD, ca.OP_MUL, ca.OP_NEG, ca.OP_IF_ELSE_ZERO, ca.OP_FABS, ca.OP_SQ, ca.OP_FMIN, ca.OP_FMAX})
 _PRODUCTS = frozenset({ca.OP_MUL, ca.OP_DIV, ca.OP_IF_ELSE_ZERO})
 _LINEAR = frozenset({ca.OP_ADD, ca.OP_NEG, ca.OP_TWICE})
@@ -77,10 +78,22 @@ class OwnForces:
         return as_expression(-self._sum_of(int(operands[0]), share)) if op == ca.OP_NEG else self.jumping[number][0]
 
     def _parts(self, number: int) -> list[int]:
+        if self._is_choice(number):
+            return []
         op, *operands = self.numbering.keys[number]
         inner = [int(x) for x in operands] if op in _LINEAR | _PRODUCTS else []
         jumping = [x for x in inner if self._shares_of(x)]
         return [x for x in jumping if op in _LINEAR or (len(jumping) == 1 and not self._is_bare(x))]
+
+    def _is_choice(self, number: int) -> bool:
+        """Whether it is a sum of two values of which a condition that jumps takes one: as one they are a force."""
+        op, *operands = self.numbering.keys[number]
+        arms = [self.numbering.keys[int(x)] for x in operands] if op == ca.OP_ADD else []
+        if len(arms) < 2 or any(arm[0] != ca.OP_IF_ELSE_ZERO for arm in arms):
+            return False
+        a, b = (int(arm[1]) for arm in arms)
+        denied = [self.numbering.of(ca.OP_NOT, [x]) for x in (b, a)]
+        return any(x == y and self._shares_of(x) for x, y in zip((a, b), denied, strict=True))
 
     def _signs(self, number: int) -> Iterator[int]:
         """The force and its reaction: of rows, which take forces from the motion, the latter is the force."""
@@ -102,8 +115,10 @@ class OwnForces:
         return op in _CONDITIONS or (op in _BARE and all(self._is_bare(int(x)) for x in operands))
 
     def note_alike(self, jumping: Jumping, level: "Level") -> None:
-        """Of other expressions that jump, those that are on both sides what holds, or its reaction."""
-        asked = {number: x for number, x in jumping.items() if number not in self.found and not self._is_bare(number)}
+        """Of other expressions that jump, and not by comparisons, those that are on both sides what holds, or its reaction."""
+        compared = self._compared(jumping)
+        asked = {number: x for number, x in jumping.items() if number not in self.found and not self._is_bare(number)
+                 and number not in compared}
         for share in {share for share, _ in self.sums} & _NONE.union(*(shares for _, shares in asked.values())):
             numbers = [number for number, (_, shares) in asked.items() if share in shares]
             sums = [x for own, x in self.sums if own == share]
@@ -113,18 +128,37 @@ class OwnForces:
                        for a, b in zip(own, x, strict=True) for sign in (1, -1)):
                     self.found[number] = self.found.get(number, _NONE) | {share}
 
+    def _compared(self, jumping: Jumping) -> set[int]:
+        """Of those, comparisons and what is made of them."""
+        found = set[int]()
+        for number in jumping:
+            op, *operands = self.numbering.keys[number]
+            if op in _COMPARISONS or (op != ca.OP_CONST and not found.isdisjoint(self._bare_of(int(x)) for x in operands)):
+                found.add(number)
+        return found
+
+    def _bare_of(self, number: int) -> int:
+        """Without the sign of a difference, which no instruction makes."""
+        op, *operands = self.numbering.keys[number]
+        return int(operands[0]) if op == ca.OP_NEG else number
+
     def taken_out(self, expressions: Sequence[ca.SX]) -> tuple[list[ca.SX], list[Force]]:
         """The expressions with symbols for these; they have those of earlier ones in them."""
-        taken = dict[int, Force]()
+        taken, arms = dict[int, Force](), set[int]()
+
+        def note(op: int, numbers: list[int], operands: list[Expression]) -> None:
+            if self._is_choice(self.numbering.of(op, numbers)):
+                arms.update(numbers)
 
         def make(op: int, numbers: list[int], operands: list[Expression]) -> Expression | None:
             number = self.numbering.of(op, numbers)
-            if number not in self.found:
+            if number not in self.found or number in arms:
                 return None
             if number not in taken:
                 taken[number] = Force(symbol("force"), operate(op, operands), self.found[number])
             return taken[number].symbol
 
+        rebuilt(expressions, self.numbering, note)
         return rebuilt(expressions, self.numbering, make), [*taken.values()]
 
 
