@@ -16,8 +16,8 @@ MOST_STARTS, MOST_POINTS = 10_000, 200_000
 _HIGHEST = 1e100  # Hz: its square is still a number
 
 
-def a_number(what: str, value: Any) -> float:
-    """Of anything that is a real one, NumPy's too. Raises LagError L0702."""
+def a_number(what: str, value: Any, hint: str = "") -> float:
+    """Of anything that is a real one, NumPy's too. Raises LagError L0702, with what to do."""
     if type(value) is float:
         return value
     if hasattr(value, "mask"):  # NumPy's masked numbers become nan
@@ -28,7 +28,7 @@ def a_number(what: str, value: Any) -> float:
             return float(value)
         except (TypeError, ValueError, OverflowError):
             pass
-    fail("L0702", f"the {what} must be a number, not {value!r}"[:200])
+    fail("L0702", f"the {what} must be a number, not {value!r}"[:200], None, *([hint] if hint else []))
 
 
 def misfit(value: float, unit: str, minimum: float | None, maximum: float | None) -> str:

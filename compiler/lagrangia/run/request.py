@@ -271,7 +271,8 @@ def _input_table(scene: Scene, inputs: Any, report: Report) -> tuple[Sequence[fl
         if not columns:
             fail("L0703", "the table of inputs has no column beside its times")
     else:
-        columns = {name: [a_number(f"input '{name}'", value)] for name, value in by_name("inputs", inputs).items()}
+        how = "what varies is a pair: inputs=(times, {'u': values})"
+        columns = {name: [a_number(f"input '{name}'", value, how)] for name, value in by_name("inputs", inputs).items()}
     if not times:
         fail("L0703", "the table of inputs has no times")
     for name, column in columns.items():
