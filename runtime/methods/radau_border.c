@@ -10,6 +10,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "events/conditions.h"
 #include "state/evaluate.h"
 #include "numbers/extremes.h"
 #include "state/state.h"

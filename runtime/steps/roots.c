@@ -3,6 +3,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "events/conditions.h"
 #include "state/evaluate.h"
 #include "model/function.h"
 #include "state/inside.h"
