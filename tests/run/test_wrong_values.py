@@ -55,7 +55,8 @@ def test_numpys_booleans_are_no_numbers_as_pythons_are_none(scene: Callable[[str
 
 
 def test_inputs_that_vary_are_told_how_they_are_given(scene: Callable[[str], lag.Model]) -> None:
-    model = scene("model M input Real u; Block b(m = 1, base = world); AppliedForce f(at = b.center, force = {u*1[N], 0}); end M;")
-    with pytest.raises(lag.LagError, match=r"the input 'u' must be a number, not \[0.0, 1.0\](.|\n)*inputs=\(times, \{'u': values\}\)"):
+    model = scene("""model M
+      input Real u; Block b(m = 1, base = world); AppliedForce f(at = b.center, force = {u*1[N], 0}); end M;""")
+    with pytest.raises(lag.LagError, match=r"'u' must be a number, not \[0.0, 1.0\](.|\n)*inputs=\(times, \{'u': values\}\)"):
         model.simulate(stop=1, inputs={"u": [0.0, 1.0]})
     assert model.simulate(at=[0, 1], inputs=([0, 1], {"u": [0, 6]}))["b.s"][-1] == pytest.approx(1, abs=1e-12)
