@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "events/conditions.h"
+#include "events/levels.h"
 #include "state/evaluate.h"
 #include "numbers/extremes.h"
 #include "events/impulses.h"
@@ -171,15 +172,23 @@ int lag_contacts_find_errors(LagRun *run)
     return 1;
 }
 
+/* Whether event k, no contact, is held as it was, whatever its condition g says: what is chosen to be held decides on it. */
+static int is_kept(LagRun *run, int k, double g)
+{
+    return run->impacts.is_level[k] || lag_edges_keep(run, k, g) || lag_levels_meet(run, k, g);
+}
+
 int lag_contacts_is_inside(LagRun *run, int i, double g)
 {
     LagSwitches *s = &run->switches;
     const LagMotion *m = &run->motion;
     const int k = i - lag_when(run->model, 0), gap = lag_gap(run->model, k);
-    if (lag_is_event(run->model, i) && run->impacts.loaded.is_loaded[k])
+    if (!lag_is_event(run->model, i))
+        return 0;
+    if (run->impacts.loaded.is_loaded[k])
         return s->held[i] > 0;
-    if (!lag_is_event(run->model, i) || !run->impacts.has_contact[k])
-        return lag_is_event(run->model, i) && (run->impacts.is_level[k] || lag_edges_keep(run, k, g)) ? s->held[i] > 0 : g > 0;
+    if (!run->impacts.has_contact[k])
+        return is_kept(run, k, g) ? s->held[i] > 0 : g > 0;
     const double near = run->sliding.error[gap];
     if (!(g > 0) || (run->started && !(s->held[i] > 0)))
         return 0;

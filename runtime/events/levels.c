@@ -131,3 +131,9 @@ int lag_levels_wait(LagRun *run, int i)
     return turns && !run->impacts.has_contact[k] && (is_one || several) &&
            fabs(s->g[i]) <= (several ? lag_edges_unknown(run, i) : s->unknown[i]);
 }
+
+int lag_levels_meet(LagRun *run, int k, double g)
+{
+    const int is_on_it = g <= EDGE && run->model->on_level[k] >= LAG_RATES_ALONE && !lag_compares_several(run->model, k);
+    return run->started && g > 0 && (is_on_it || lag_levels_wait(run, lag_when(run->model, k)));
+}

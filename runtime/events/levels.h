@@ -23,4 +23,8 @@ void lag_levels_enter(LagRun *run);
  * stops, turns round or lets go what it compares: it comes a moment later, if that goes on. */
 int lag_levels_wait(LagRun *run, int i);
 
+/* Whether the condition g of event k is true amid a run as what it compares, rates alone, is on its very level, or waits there: it is not
+ * held so before it comes. */
+int lag_levels_meet(LagRun *run, int k, double g);
+
 #endif
