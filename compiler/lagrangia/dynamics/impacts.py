@@ -96,7 +96,7 @@ class Impacts:
     def with_edges(self, events: "Sequence[_Event]") -> "Impacts":
         """With `edge`, `edged` and `are_several`."""
         several, edge = tuple(event.are_several for event in events), symbol("edge")
-        edged = column(*(event.with_edge(edge) if some else event.g for some, event in zip(several, events, strict=True)))
+        edged = column(*(event.with_edge(edge) if some else event.level for some, event in zip(several, events, strict=True)))
         return replace(self, edge=edge, edged=edged, are_several=several) if any(several) else self
 
     @property
@@ -156,7 +156,7 @@ def find_impacts(kinematics: Kinematics, kinetic: ca.SX, rows: Sequence[Row]) ->
     strengths = iter(impulses.elements())
     loads = [load for event, force in zip(found, forces.elements(), strict=True) for load in event.loads(force, strengths)]
     conditions, gaps, arms, rates, wanted = (column(*parts) for parts in (
-        [ca.SX(-1) if event.is_loaded else event.g for event in found],
+        [event.level for event in found],
         [event.gap for event in found], [event.arm for event in found],
         [x for event in found for x in event.rates],
         [x for event in found for x in event.wanted]))
@@ -230,6 +230,11 @@ class _Event(Resets):
         elif is_comparison(self.condition):
             self._require_change()
         self._find_what_is_told(chosen, found)
+
+    @property
+    def level(self) -> ca.SX:
+        """Its condition; never so of one that asks for forces, which is told apart."""
+        return ca.SX(-1) if self.is_loaded else self.g
 
     def _find_what_is_told(self, chosen: Flat | None, found: Sequence[Flat | None]) -> None:
         """What people may take for a contact, and is none."""
