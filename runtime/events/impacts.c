@@ -210,7 +210,8 @@ static int has_jumped(const LagRun *run, int k)
 }
 
 /* Whether a condition is true after resets: on its level as it says of that; else by its sign where these have changed it; else
- * where it has come true by itself; else where nothing moves it, it stays what it is. Forces are not known before all is chosen that holds. */
+ * where it has come true by itself; else where nothing moves it, it stays what it is. Forces are not known before all is chosen that
+ * holds. */
 static int has_become_true(const LagRun *run, int k)
 {
     const LagSwitches *s = &run->switches;

@@ -328,12 +328,17 @@ def outputs_of(kinematics: Kinematics, motion: Motion, constraints: Constraints,
                ) -> tuple[tuple[str, ...], ca.SX, Put]:
     """Names and values of outputs, with symbols for the reactions that they ask for; and what puts these in."""
     labels, y = _outputs(kinematics, names)
+    return labels, y, _putting_reactions(kinematics, motion, constraints)
+
+
+def _putting_reactions(kinematics: Kinematics, motion: Motion, constraints: Constraints) -> Put:
+    """What puts the reactions that have been asked for in the places of their symbols; those that forces feel stay symbols."""
     symbols, values = build_reactions(kinematics, motion.bodies, constraints, motion)
 
     def put(expressions: Sequence[ca.SX]) -> list[ca.SX]:
         return list(ca.substitute([*expressions], [symbols], [values])) if symbols.numel() else [*expressions]
 
-    return labels, y, put
+    return put
 
 
 def depends_on_forces(kinematics: Kinematics, motion: Motion, name: str) -> bool:
@@ -373,14 +378,8 @@ def _solved(y: ca.SX, motion: Motion) -> ca.SX:
 
 def with_reactions(y: ca.SX, kinematics: Kinematics, motion: Motion, constraints: Constraints) -> ca.SX:
     """Outputs with the reactions they ask for worked out."""
-    y = _with_reactions(y, kinematics, motion, constraints)
+    (y,) = _putting_reactions(kinematics, motion, constraints)([y])
     return motion.solution.put([y])[0] if motion.solution else y
-
-
-def _with_reactions(y: ca.SX, kinematics: Kinematics, motion: Motion, constraints: Constraints) -> ca.SX:
-    """The same with symbols for those that forces feel."""
-    symbols, values = build_reactions(kinematics, motion.bodies, constraints, motion)
-    return ca.substitute(y, symbols, values) if symbols.numel() else y
 
 
 def _outputs(kinematics: Kinematics, names: tuple[str, ...]) -> tuple[tuple[str, ...], ca.SX]:

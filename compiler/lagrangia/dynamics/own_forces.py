@@ -64,8 +64,7 @@ class OwnForces:
                 self.sums.append((share, as_expression(self._sum_of(number, share) / slopes[share])))
 
     def _shares_of(self, number: int) -> frozenset[int]:
-        op, *operands = self.numbering.keys[number]
-        inner = int(operands[0]) if op == ca.OP_NEG else number  # of a difference, whose parts no instruction makes
+        inner = self._bare_of(number)
         return self.jumping[number if number in self.jumping else inner][1] if {number, inner} & self.jumping.keys() else _NONE
 
     def _sum_of(self, number: int, share: int) -> Expression:

@@ -83,7 +83,7 @@ def _equations(compilation: Compilation, outputs: tuple[str, ...],
     rates of inputs, which come last."""
     kinematics, motion = compilation.struck, compilation.run
     made = motion.unsolved or motion
-    symbols, (a, _, place, steer) = state_space(kinematics, made, compilation.constraints, outputs)
+    symbols, (a, _, place, steer) = state_space(kinematics, made, compilation.constraints, ())
     _, y, put = outputs_of(kinematics, made, compilation.constraints, outputs)
     t, q, v, *given = symbols
     told = told_positions(kinematics)
