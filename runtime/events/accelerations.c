@@ -115,7 +115,7 @@ static int call_abreast(LagRun *run, const double *const *in, double *const *out
     if (wide)
         wide(in, out);
     else
-        lag_wide_tape_run(tape, in, 1, out, work);
+        lag_wide_tape_run(tape, in, LAG_TAPE_SHARED, out, work);
     run->doubtful -= run->doubtful < LAG_ABREAST ? run->doubtful : LAG_ABREAST;
     return wide || (lag_present(&model->regular) && !is_whole);
 }

@@ -50,14 +50,16 @@ LAG_UNROLLED void last_terms(const LagWideTaylor *s, int lane, int p, LagWide *l
     }
 }
 
-/* The lengths at which the last two coefficients are worth a unit of error. */
+/* The lengths at which the last two coefficients are worth a unit of error: all but for ever where these are 0, next to none where they
+ * are no numbers. The next step waits for them, and so nothing is divided. */
 LAG_UNROLLED LagWide length_of(const LagWideTaylor *s, int lane)
 {
     const int p = s->order;
     LagWide last, before;
     last_terms(s, lane, p, &last, &before);
-    return lag_wide_exp2(lag_wide_min(lag_wide_log2_of_power(LAG_WIDE_OF(s->last) / last, lag_inverse[p - 1]),
-                                      lag_wide_log2_of_power(LAG_WIDE_OF(s->before_last) / before, lag_inverse[p - 2])));
+    const LagWide by_last = (LAG_WIDE_OF(s->last) - lag_wide_log2(last)) * LAG_WIDE_OF(lag_inverse[p - 1]);
+    const LagWide by_before = (LAG_WIDE_OF(s->before_last) - lag_wide_log2(before)) * LAG_WIDE_OF(lag_inverse[p - 2]);
+    return lag_wide_exp2_of_few(lag_wide_min(by_last, by_before));
 }
 
 /* Lengths of steps to the ends of segments. */
@@ -144,10 +146,13 @@ void lag_wide_orders_expand(LagWideTaylor *s)
 {
     for (int lane = 0; lane < LAG_ABREAST; lane += LAG_WIDE) {
         weigh_entered(s, lane);
-        wait_for_order(s, lane);
+        if (s->is_cut)
+            wait_for_order(s, lane);
+        else
+            lag_wide_write(s->own + lane, LAG_WIDE_OF((double)s->order));
     }
     s->made_to = s->order;
-    const int made = lag_wide_orders_differ(s) ? find_orders(s) : 1;
+    const int made = s->is_cut && lag_wide_orders_differ(s) ? find_orders(s) : 1;
     if (made < s->made_to)
         lag_wide_series_go_on(&s->series, made, s->made_to);
     for (int lane = 0; lane < LAG_ABREAST && s->made_to == s->order; lane += LAG_WIDE)

@@ -55,8 +55,8 @@ static void plan(LagWideTaylor *s, const LagRun *like)
         memset(lag_wide_jet(s, (int)slot) + (one->order + 1) * LAG_ABREAST, 0,
                (size_t)(LAG_JET_STRIDE - 1 - one->order) * LAG_ABREAST * sizeof(double));
     s->order = one->order;
-    s->last = one->last;
-    s->before_last = one->before_last;
+    s->last = log2(one->last);
+    s->before_last = log2(one->before_last);
     s->faint = FAINT / like->scale.tolerance;
 }
 
@@ -246,8 +246,8 @@ LAG_UNROLLED LagWide next_time(const LagWideTaylor *s, int lane)
     const LagWide all = LAG_WIDE_OF((double)s->order);
     if (s->made_to < s->order)
         return lag_wide_read(s->lanes.stop + lane);
-    LagWide wish = lag_wide_min(lag_wide_read(s->reach + lane), LAG_WIDE_OF(GROW) * before);
-    wish = lag_wide_min(lag_wide_min(wish, LAG_WIDE_OF(s->lanes.longest)), lag_wide_read(s->limit + lane));
+    const LagWide most = lag_wide_min(LAG_WIDE_OF(GROW) * before, LAG_WIDE_OF(s->lanes.longest));
+    const LagWide wish = lag_wide_min(lag_wide_read(s->reach + lane), lag_wide_min(most, lag_wide_read(s->limit + lane)));
     const LagWide stop = lag_wide_read(s->lanes.stop + lane), end = lag_wide_end_of(&s->lanes, lane, t, wish);
     return LAG_WIDE_SELECT(lag_wide_read(s->own + lane) < all, stop, end);
 }
@@ -393,7 +393,7 @@ LAG_UNROLLED void judge(LagWideTaylor *s, int lane, int top)
 /* How many coefficients its steps take, if none has an order of its own. */
 static int top_of(const LagWideTaylor *s)
 {
-    if (lag_wide_orders_differ(s))
+    if (s->is_cut && lag_wide_orders_differ(s))
         return OWN;
     return s->order <= LOW + 1 ? LOW : s->order <= MIDDLE + 1 ? MIDDLE : HIGH;
 }

@@ -4,8 +4,8 @@
  * Steps are those of taylor.c where nothing happens: no events, no constraints, nothing that begins from rest; inputs are linear in each
  * segment, and somebody says when the next one begins. Whether steps pass by what stands under a root (roots.h) is asked elsewhere.
  *
- * To the end of a segment that is near lead short steps, of as few orders as make the last terms rounding, or so little that all such
- * steps of a run together make what the rest of the series of one long step may be worth.
+ * To the end of a segment that is near lead short steps: where segments are many, of as few orders as make the last terms rounding, or
+ * so little that all such steps of a run together make what the rest of the series of one long step may be worth.
  */
 #ifndef LAG_WIDE_TAYLOR_H
 #define LAG_WIDE_TAYLOR_H
@@ -16,7 +16,8 @@
 typedef struct {
     LagWideSteps lanes;
     int order;                /* the highest */
-    double last, before_last; /* as in LagTaylor */
+    double last, before_last; /* the binary logarithms of those in LagTaylor */
+    int is_cut;               /* segments end again and again: short steps have orders of their own, which others wait for */
     double faint, rate;       /* units that the last terms of short steps may be worth: so many, or so many over their time */
     LagWideSeries series;     /* its line is that of the states made last */
     int numbers_of[LAG_ABREAST]; /* the parameters that what is constant was made of: LagRun.parameters_version */

@@ -44,12 +44,12 @@ static void sines(const double *angle, double *sine, double *cosine)
 }
 
 /* The sine or cosine, and the next one where it is of the same angle and computed with it; how many more that are. */
-static int32_t run_sines(const int32_t *first, double *work)
+static int32_t run_sines(const int32_t *first, int are_all, double *work)
 {
     const int32_t *next = first + FIELDS;
     const double *a = slot(work, first[2]);
     double sine[LAG_ABREAST], cosine[LAG_ABREAST];
-    if (first[3] == 0) {
+    if (first[3] == 0 && !are_all) {
         double *o = slot(work, first[1]);
         for (int i = 0; i < LAG_ABREAST; ++i)
             o[i] = first[0] == LAG_OP_SIN ? sin(a[i]) : cos(a[i]);
@@ -69,7 +69,7 @@ static void run_uncommon(int32_t op, const double *a, const double *b, double *o
         o[i] = lag_tape_uncommon(op, a[i], b[i]);
 }
 
-void lag_wide_tape_run(const LagTape *tape, const double *const *in, int is_shared, double *const *out, double *work)
+void lag_wide_tape_run(const LagTape *tape, const double *const *in, int holds, double *const *out, double *work)
 {
     const int32_t *end = tape->code + FIELDS * tape->n_instructions;
     for (const int32_t *i = tape->code; i < end; i += FIELDS) {
@@ -77,7 +77,7 @@ void lag_wide_tape_run(const LagTape *tape, const double *const *in, int is_shar
         const double *a = slot(work, i[2]), *b = slot(work, i[3]);
         switch (i[0]) {
         case LAG_OP_INPUT:
-            if (is_shared && i[2] >= SHARED)
+            if ((holds & LAG_TAPE_SHARED) && i[2] >= SHARED)
                 fill(o, in[i[2]][i[3]]);
             else
                 memcpy(o, in[i[2]] + (size_t)i[3] * LAG_ABREAST, LAG_ABREAST * sizeof *o);
@@ -94,7 +94,7 @@ void lag_wide_tape_run(const LagTape *tape, const double *const *in, int is_shar
         case LAG_OP_TWICE: EACH(LAG_WIDE_OF(2.0) * x) break;
         case LAG_OP_INV: EACH(LAG_WIDE_OF(1.0) / x) break;
         case LAG_OP_SIN:
-        case LAG_OP_COS: i += FIELDS * run_sines(i, work); break;
+        case LAG_OP_COS: i += FIELDS * run_sines(i, holds & LAG_TAPE_ALL_SINES, work); break;
         default: run_uncommon(i[0], a, b, o); break;
         }
     }

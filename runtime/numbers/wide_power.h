@@ -33,6 +33,15 @@ LAG_UNROLLED LagWide lag_wide_log2_of_power(LagWide x, double exponent)
     return LAG_WIDE_SELECT(x > LAG_WIDE_OF(DBL_MAX), infinite, few);
 }
 
+/* 2^y for |y| < 1000: of the nearest whole number, in fewer operations that wait for each other than those of lag_wide_exp2. */
+LAG_UNROLLED LagWide lag_wide_exp2_of_few(LagWide y)
+{
+    const LagWide shift = LAG_WIDE_OF(6755399441055744.0), shifted = y + shift, part = y - (shifted - shift);
+    const LagWide scale = LAG_WIDE_OF_WORDS((LAG_WIDE_WORDS(shifted) + 1023) << 52);
+    const LagWide cubic = LAG_WIDE_FUSED(part, LAG_WIDE_OF(0.05459282), LAG_WIDE_OF(0.24221784));
+    return scale * LAG_WIDE_FUSED(part, LAG_WIDE_FUSED(part, cubic, LAG_WIDE_OF(0.6933686)), LAG_WIDE_OF(1));
+}
+
 /* 2^y for small y, and for infinite ones. */
 LAG_UNROLLED LagWide lag_wide_exp2(LagWide y)
 {

@@ -98,7 +98,7 @@ static void find_energies(LagBareRuns *s, const LagRun *like, const double *t, c
     double doubt[LAG_ABREAST] = {0}, *out[] = {energies, NULL, doubt};
     const double *in[] = {t, y, y + (size_t)model->n * LAG_ABREAST, u, like->d, like->c};
     if (!model->wide_energies) {
-        lag_wide_tape_run(model->energies.tape, in, 1, out, s->work);
+        lag_wide_tape_run(model->energies.tape, in, LAG_TAPE_SHARED | LAG_TAPE_ALL_SINES, out, s->work);
         return;
     }
     model->wide_energies(in, out);

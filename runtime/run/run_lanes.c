@@ -231,12 +231,19 @@ static int step(LagRunLanes *s)
     return 1;
 }
 
+/* Whether runs come to the end of a segment before their own: by what they all have alike. */
+static int are_cut(const LagRunLanes *s)
+{
+    return s->batch->model->n_modes > 0 || s->batch->held || s->batch->alone.run->inputs.rows > 2;
+}
+
 int64_t lag_lanes_advance(LagRunLanes *s, int64_t runs)
 {
     int64_t first = 0;
     s->next = 0;
     s->runs = runs;
     share_inputs(s, !s->batch->held);
+    s->taylor.is_cut = are_cut(s);
     s->done = calloc((size_t)runs + 1, sizeof *s->done);
     if (!s->done)
         return 0;

@@ -252,6 +252,23 @@ end Pushed;
 """
 
 
+@pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
+def test_energies_of_one_angle_have_the_same_digits_compiled() -> None:
+    """And errors of work, which are weighed by them: sines of one angle are those of eight runs, whoever makes them."""
+    request = Request(stop=2.0, tolerance=1e-6, initial={"hinge.phi": np.linspace(0.1, 1, 29)},
+                      inputs=(np.array([0.0, 2.0]), {"F": [0.0, 1.0], "G": [0.0, 2.0]}))
+    suited, job = lag.loads(PUSHED).prepared_for(read_measures("final(hinge.phi)"), request, Design())
+    told = []
+    for is_native in (False, True):
+        engine = load_engine(suited.scene, native=is_native)
+        assert engine is not None and bool(engine.model.struct.wide_energies) == is_native
+        with Batch(engine.runtime, engine.model, job.sweep) as batch:
+            results, outcomes, _ = batch.advance(job.variations.values(0, job.runs))
+            assert batch.lanes.runs == job.runs
+        told.append(results.tobytes() + outcomes.tobytes())
+    assert told[0] == told[1]
+
+
 @pytest.mark.parametrize("rows", [2, 3])
 @pytest.mark.parametrize("varied", [{"initial": {"hinge.phi": np.linspace(0.1, 1, 29)}},
                                     {"parameters": {"c": np.linspace(0, 2, 29)}}])

@@ -104,7 +104,7 @@ def _write_abreast(tapes: Mapping[str, Tape], has_each: bool, may_repeat: bool) 
 
 def _write_beside(tapes: Mapping[str, Tape]) -> dict[str, list[str]]:
     """What runs in lanes ask for beside series, of eight states: what stands under roots, and energies."""
-    texts = {name: write_wide(f"wide_{name}", tapes[name], False, _expression, _number, name == "roots")
+    texts = {name: write_wide(f"wide_{name}", tapes[name], False, _expression, _number, name == "roots", name == "energies")
              for name in ("roots", "energies") if name in tapes}
     return {name: text for name, text in texts.items() if text}
 

@@ -1,7 +1,7 @@
 """The accelerations of eight states at once, as C (runtime/numbers/wide.h): operations of the tape, each on as many states as a
 register holds.
 
-The digits are those of one state after another.
+The digits are those of one state after another, unless all sines are made at once.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -23,32 +23,16 @@ _TEMPLATES: Mapping[int, str] = {
 
 def write_wide(
     name: str, tape: Tape, has_doubt: bool, expression: Callable[[int, str, str], str], number: Callable[[float], str],
-    each: bool = False,
+    each: bool = False, all_sines: bool = False,
 ) -> list[str]:
     """C text of a LagWideCode of this name; nothing where the tape is long. `each`: and of `{name}_each`, for states whose
-    parameters differ.
+    parameters differ. `all_sines`: those that one state has from a mathematical library, too, are made of all states at once.
 
     `has_doubt`: the tape's third output tells where it does not hold. `expression` is C for an operation on numbers of one state.
     """
-    count = len(tape.code) // 4
-    if count > _LONGEST:
+    if len(tape.code) // 4 > _LONGEST:
         return []
-    body: list[str] = []
-    written: set[int] = set()
-    angles: dict[int, list[str]] = {}
-    for k in range(0, 4 * count, 4):
-        op, out, a, b = tape.code[k : k + 4]
-        if op == Op.OUTPUT:
-            body += _output(out, a, b, has_doubt)
-            continue
-        written.add(out)
-        if op in SINES and b > 0:
-            angles.setdefault(a, []).append(f"w{out} = {'sine' if op == Op.SIN else 'cosine'};")
-            if b == 1:
-                body += [line for angle, found in angles.items() for line in _sines(angle, found)]
-                angles = {}
-        else:
-            body += _statement(op, out, a, b, tape.constants, expression, number)
+    body, written = _body(tape, has_doubt, expression, number, all_sines)
     names = sorted(written)
     declared = [f"LagWide {', '.join(f'w{n}' for n in names[i : i + 20])};" for i in range(0, len(names), 20)]
     lines = [*declared, f"LagWide largest = zero, {_DOUBT} = zero;", *body,
@@ -61,6 +45,30 @@ def write_wide(
             "    const LagWide zero = LAG_WIDE_OF(0.0), one = LAG_WIDE_OF(1.0);", "    (void)in; (void)one; (void)is_shared;",
             "    for (int lane = 0; lane < LAG_ABREAST; lane += LAG_WIDE) {", *(f"        {line}" for line in lines), "    }",
             "}", "", *wide, ""]
+
+
+def _body(tape: Tape, has_doubt: bool, expression: Callable[[int, str, str], str], number: Callable[[float], str],
+          all_sines: bool) -> tuple[list[str], set[int]]:
+    """The statements, and the places of work that they write."""
+    body: list[str] = []
+    written: set[int] = set()
+    angles: dict[int, list[str]] = {}
+    for k in range(0, len(tape.code), 4):
+        op, out, a, b = tape.code[k : k + 4]
+        if op == Op.OUTPUT:
+            body += _output(out, a, b, has_doubt)
+            continue
+        written.add(out)
+        if op in SINES and b > 0:
+            angles.setdefault(a, []).append(f"w{out} = {'sine' if op == Op.SIN else 'cosine'};")
+            if b == 1:
+                body += [line for angle, found in angles.items() for line in _sines(angle, found)]
+                angles = {}
+        elif op in SINES and all_sines:
+            body += _sines(a, [f"w{out} = {'sine' if op == Op.SIN else 'cosine'};"])
+        else:
+            body += _statement(op, out, a, b, tape.constants, expression, number)
+    return body, written
 
 
 def _output(out: int, a: int, b: int, has_doubt: bool) -> list[str]:
