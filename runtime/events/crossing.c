@@ -10,7 +10,9 @@
 
 #include "events/conditions.h"
 #include "events/hiding.h"
+#include "events/standing.h"
 #include "numbers/extremes.h"
+#include "state/holds.h"
 #include "state/inside.h"
 #include "model/schedule.h"
 
@@ -54,12 +56,20 @@ static double depth_of(const LagRun *run, int i, const double *g)
     return lag_depth(&run->switches, i, g) + slack;
 }
 
+/* The state there, into s->state; what stands is held to its level by what slides, as at the ends of steps. */
+static void find_state(LagRun *run, double t)
+{
+    lag_state_inside(run, t, run->switches.state);
+    if (run->sliding.count > 0 && lag_standing_some(run))
+        lag_holds_inside(run, t, run->switches.state);
+}
+
 /* s->state and s->g_inside there. */
 static void look_at(LagRun *run, double x)
 {
     LagSwitches *s = &run->switches;
     const double t = lag_crossing_time(run, x);
-    lag_state_inside(run, t, s->state);
+    find_state(run, t);
     lag_conditions(run, t, s->state, s->g_inside, s->rate_inside);
 }
 
@@ -319,7 +329,7 @@ static void evaluate_end(LagRun *run, double x)
 {
     LagSwitches *s = &run->switches;
     const double t = lag_crossing_time(run, x);
-    lag_state_inside(run, t, s->state);
+    find_state(run, t);
     lag_conditions_with_rates(run, t, s->state, s->g, s->rate);
 }
 

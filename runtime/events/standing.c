@@ -39,7 +39,8 @@ static int is_still(const LagRun *run, int i, double rate)
 {
     const LagSettings *settings = &run->settings;
     const double lasts = isfinite(settings->t_stop) ? settings->t_stop - settings->t_start : lag_max(1, fabs(run->motion.t));
-    return run->sliding.count > 0 ? fabs(rate) <= known_of(run, i) : fabs(rate) * lasts <= lag_max(LEAST, run->switches.rounding[i]);
+    const double rounding = run->switches.rounding[i];
+    return run->sliding.count > 0 ? fabs(rate) <= lag_max(known_of(run, i), rounding) : fabs(rate) * lasts <= lag_max(LEAST, rounding);
 }
 
 /* Whether it is so a moment later, too. */
@@ -73,20 +74,37 @@ static void disturb(LagRun *run, int pattern)
     lag_conditions_disturb(run, run->motion.y, s->error, pattern, s->state);
 }
 
-/* By how much last digits change conditions that may stand, into switches.rounding. */
+/* By how much last digits change conditions that may stand, or their rates where something slides, into switches.rounding. */
 static void find_rounding(LagRun *run)
 {
     LagSwitches *s = &run->switches;
-    const int n = run->motion.n, first = lag_when(run->model, 0);
+    const int n = run->motion.n, first = lag_when(run->model, 0), slides = run->sliding.count > 0;
     int some = 0;
     memset(s->rounding, 0, (size_t)run->model->n_switches * sizeof *s->rounding);
-    for (int i = 0; i < first && run->sliding.count == 0; ++i)
+    for (int i = 0; i < first; ++i)
         some |= is_candidate(run, i, s->g[i]);
     for (int pattern = 0; some && pattern < lag_conditions_patterns(2 * n); ++pattern) {
         disturb(run, pattern);
         lag_conditions_by(run, run->motion.t, s->state, s->state + n, s->slope + n, s->g_inside, s->rate_inside);
         for (int i = 0; i < first; ++i)
-            s->rounding[i] = lag_max(fabs(s->g_inside[i] - s->g[i]), s->rounding[i]);
+            s->rounding[i] = lag_max(slides ? fabs(s->rate_inside[i] - s->rate[i]) : fabs(s->g_inside[i] - s->g[i]), s->rounding[i]);
+    }
+}
+
+void lag_standing_know(LagRun *run)
+{
+    LagSwitches *s = &run->switches;
+    const LagMotion *m = &run->motion;
+    const int n = m->n;
+    if (run->sliding.count == 0 || !lag_standing_some(run))
+        return;
+    lag_conditions_by(run, m->t, m->y, m->y + n, s->slope + n, s->g_before, s->rate_inside);
+    for (int pattern = 0; pattern < lag_conditions_patterns(2 * n); ++pattern) {
+        disturb(run, pattern);
+        lag_conditions_by(run, m->t, s->state, s->state + n, s->slope + n, s->g_inside, s->rate_inside);
+        for (int i = 0; i < lag_when(run->model, 0); ++i)
+            if (s->stands[i])
+                s->unknown[i] = lag_max(fabs(s->g_inside[i] - s->g_before[i]), s->unknown[i]);
     }
 }
 
@@ -119,8 +137,20 @@ static int find_candidates(LagRun *run)
     return some;
 }
 
-/* Accelerations at t, into switches.slope, of which those are none that last digits of the present state make, which is switches.noise:
- * forces may be balanced. */
+/* Last digits of the shares of what slides, as accelerations, into switches.noise. */
+static void find_noise_of_shares(LagRun *run)
+{
+    const LagSliding *s = &run->sliding;
+    const int n = run->model->n;
+    double *noise = run->switches.noise;
+    memset(noise, 0, (size_t)n * sizeof *noise);
+    for (int k = 0; k < s->count; ++k)
+        for (int i = 0; i < n; ++i)
+            noise[i] += ROUNDINGS * DBL_EPSILON * fabs(s->way[i + k * n]) * lag_max(s->unit[k], fabs(*lag_share(run, s->which[k])));
+}
+
+/* Accelerations at t, into switches.slope, of which those are none that last digits of the present state and of shares make, which is
+ * switches.noise: forces may be balanced. */
 static void find_accelerations(LagRun *run, double t)
 {
     LagSwitches *s = &run->switches;
@@ -128,7 +158,7 @@ static void find_accelerations(LagRun *run, double t)
     const int n = m->n;
     double *a = s->slope + n, *noise = s->noise;
     lag_motion_slope(m, t, m->y, m->y + n, s->slope);
-    memset(noise, 0, (size_t)n * sizeof *noise);
+    find_noise_of_shares(run);
     for (int pattern = 0; pattern < lag_conditions_patterns(2 * n); ++pattern) {
         disturb(run, pattern);
         if (!lag_motion_slope(m, t, s->state, s->state + n, m->sum))
@@ -138,6 +168,25 @@ static void find_accelerations(LagRun *run, double t)
     }
     for (int i = 0; i < n; ++i)
         a[i] = fabs(a[i]) <= noise[i] ? 0 : a[i];
+}
+
+/* By how much noise of accelerations changes rates a moment later, at switches.state, where something slides: into switches.rounding. */
+static void find_noise_of_rates(LagRun *run, double moment)
+{
+    LagSwitches *s = &run->switches;
+    const int n = run->motion.n;
+    double *there = run->sliding.state_here;
+    memcpy(there, s->state, 2 * (size_t)n * sizeof *there);
+    for (int i = 0; i < n; ++i) {
+        s->error[i] = 0;
+        s->error[n + i] = ROUNDINGS * DBL_EPSILON * fabs(there[n + i]) + moment * s->noise[i];
+    }
+    for (int pattern = 0; pattern < lag_conditions_patterns(2 * n); ++pattern) {
+        lag_conditions_disturb(run, there, s->error, pattern, s->state);
+        lag_conditions_by(run, run->motion.t + moment, s->state, s->state + n, s->slope + n, s->g_begin, s->rate_begin);
+        for (int i = 0; i < lag_when(run->model, 0); ++i)
+            s->rounding[i] = lag_max(fabs(s->rate_begin[i] - s->rate_inside[i]), s->rounding[i]);
+    }
 }
 
 /* The rates of all conditions a moment later, into switches.rate_inside. */
@@ -154,6 +203,8 @@ static void look_ahead(LagRun *run)
         s->state[n + i] = m->y[n + i] + moment * a[i];
     }
     lag_conditions_by(run, m->t + moment, s->state, s->state + n, a, s->g_inside, s->rate_inside);
+    if (run->sliding.count > 0)
+        find_noise_of_rates(run, moment);
 }
 
 int lag_standing_find(LagRun *run)

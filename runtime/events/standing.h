@@ -22,6 +22,10 @@ int lag_standing_find(LagRun *run);
 /* Rates that stand are at rest, though nothing holds them. */
 void lag_standing_rest(LagRun *run);
 
+/* A step was taken, which may have made coordinates larger, and with them what rounding makes of conditions that stand while something
+ * slides: into switches.unknown. */
+void lag_standing_know(LagRun *run);
+
 /* Whether something stands. */
 int lag_standing_some(const LagRun *run);
 

@@ -456,6 +456,7 @@ static void watch_held(LagRun *run)
         run->segment_over = 0;
         return;
     }
+    lag_standing_know(run);
     lag_swap(&s->g, &s->g_begin);
     lag_swap(&s->rate, &s->rate_begin);
     const double x = lag_crossing_find(run);

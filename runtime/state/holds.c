@@ -26,6 +26,7 @@ static const double ASTRAY = 100;      /* units of error: as in project.c */
 static const double SQUARE_IS_ROUNDING = 1e-8; /* of a correction, by the size of what is corrected */
 static const double MOMENT = 1e-3;     /* s, where no step tells of one */
 static const double FAINT = 4 * DBL_EPSILON; /* of the sizes of coordinates: the work of moving them so far is rounding */
+static const double CANCELLED = 16 * DBL_EPSILON; /* of two that are equal and opposite */
 static const double ROUNDING = 4096 * DBL_EPSILON; /* of gaps, by their sizes: stiff springs would make much of putting it right */
 
 /* g at (t, q, v) into sliding.g. */
@@ -174,8 +175,9 @@ static double move(LagRun *run, int first, const double *now, double *left, doub
     }
     for (int i = 0; i < n; ++i) {
         const double before = y[first + i], step = s->state_here[i] + carry[first + i], after = before + step, taken = after - before;
-        y[first + i] = after;
-        carry[first + i] = (before - (after - taken)) + (step - taken);
+        const int is_rounding = fabs(after) <= CANCELLED * fabs(step); /* of what is held at 0 */
+        y[first + i] = is_rounding ? 0 : after;
+        carry[first + i] = is_rounding ? 0 : (before - (after - taken)) + (step - taken);
     }
     return largest;
 }

@@ -12,6 +12,7 @@ import casadi as ca
 
 from lagrangia.algebra.crossings import Crossing, find_crossing
 from lagrangia.algebra.duals import TINY, NotATimeError, Scalar, is_zero, nested_lines, slopes_of
+from lagrangia.algebra.lengths import exact_lengths
 from lagrangia.algebra.lookup_functions import TableUse, in_force, written
 from lagrangia.algebra.modes import RELATIONS, Mode, ModeIndex
 from lagrangia.algebra.numbering import rebuilt
@@ -73,7 +74,7 @@ class CasadiAlgebra:
         if function != "sqrt" or not isinstance(arguments[0], ca.SX) or not self._is_steady(arguments[0]):
             self.index.asked.add(function)
         if function in ("floor", "ceil"):
-            arguments = (self._at_rest(arguments[0]),)
+            arguments = (_exact(self._at_rest(arguments[0])),)
             inner = arguments[0] if function == "floor" else -arguments[0]
             crossing = self._crossing(inner)
             if crossing is not None and not crossing.steps:
@@ -81,7 +82,7 @@ class CasadiAlgebra:
                 mode = self._mode(("floor", crossing.number), ca.floor(crossing.value), lines, [1] * len(lines))
                 return mode if function == "floor" else -mode
         if function == "sign":
-            arguments = (_of_sign(arguments[0]),)
+            arguments = (_of_sign(_exact(arguments[0])),)
         if function == "sign" and (crossing := self._crossing(self._at_rest(arguments[0]), may_wave=True)) is not None:
             return self._sign(crossing)
         if function == "mod":
@@ -149,7 +150,7 @@ class CasadiAlgebra:
     def compare(self, operator: str, a: Scalar, b: Scalar, of_rates: bool = False) -> Scalar:
         """Of numbers 0 or 1; a mode where time decides, else CasADi's condition."""
         self.index.asked.add("choice")
-        a, b = self._at_rest(a), self._at_rest(b)
+        a, b = _exact(self._at_rest(a)), _exact(self._at_rest(b))
         if isinstance(a, float | int) and isinstance(b, float | int):
             return float(_COMPARE[operator](a, b))
         if isinstance(b, float | int) and (chosen := _chosen(a)) is not None:  # as the choice says: it changes with that alone
@@ -352,6 +353,11 @@ class CasadiAlgebra:
             self.modes.append(mode)
             self.index.modes.append(mode)
         return self.index.symbols[key]
+
+
+def _exact(x: Scalar) -> Scalar:
+    """What decides about conditions: a length that is 0 at 0."""
+    return as_expression(exact_lengths([x])[0]) if isinstance(x, ca.SX) else x
 
 
 def _chosen(x: Scalar) -> tuple[ca.SX, Scalar, Scalar] | None:

@@ -11,6 +11,7 @@ from itertools import islice
 import casadi as ca
 
 from lagrangia.algebra.duals import Scalar
+from lagrangia.algebra.lengths import exact_lengths
 from lagrangia.algebra.modes import Mode
 from lagrangia.algebra.scalars import symbols_in
 from lagrangia.base.records import dataclass
@@ -390,7 +391,7 @@ def _outputs(kinematics: Kinematics, names: tuple[str, ...]) -> tuple[tuple[str,
         for label, scalar in scalars(name, value):
             found.setdefault(label, scalar)
     labels, values = tuple(found), list(found.values())
-    y = ca.densify(ca.vertcat(*values)) if values else ca.SX(0, 1)
+    y = ca.densify(ca.vertcat(*exact_lengths(values))) if values else ca.SX(0, 1)
     tau = kinematics.symbols.tau
     return labels, ca.substitute(y, tau, ca.SX(1)) if values else y
 

@@ -21,7 +21,7 @@ _EVEN = (ca.OP_FABS, ca.OP_SQ)
 _PRODUCTS = (ca.OP_MUL, ca.OP_IF_ELSE_ZERO)
 _MULTIPLES = {ca.OP_TWICE: 2.0, ca.OP_NEG: -1.0}  # products with these numbers
 _NOTHING = frozenset[int]()
-_POINTS, _ROUNDING = 5, 1e-12
+_POINTS, _ROUNDING = 32, 1e-12
 WHOLE = (ca.OP_FLOOR, ca.OP_CEIL)
 Levels = Mapping[Pair, tuple[Expression, Expression]]
 EITHER, ZERO, HALF, ONE, OF_WHOLE = -1, 0, 1, 2, 3  # in LagModel's at_level: LAG_LEVEL_... of standing.h
@@ -102,11 +102,13 @@ def _without_factors(numbering: Numbering, number: int) -> int:
 
 
 def _are_equal(a: ca.SX, b: ca.SX) -> bool:
-    """Whether they are so whatever they depend on, but for rounding."""
+    """Whether they are so whatever they depend on, but for rounding; what switches hold is 0 or 1."""
     sides = ca.Function("sides", [ca.vertcat(ca.SX(0, 1), *ca.symvar(ca.vertcat(a, b)))], [a, b])
-    random = np.random.default_rng(1)
-    values = np.array([sides(random.uniform(-2.0, 2.0, sides.numel_in(0))) for _ in range(_POINTS)], float).reshape(-1, 2)
-    return bool(np.allclose(values[:, 0], values[:, 1], rtol=_ROUNDING, atol=0))
+    random, n = np.random.default_rng(1), sides.numel_in(0)
+    points = [np.where(random.random(n) < 0.5, random.integers(0, 2, n), random.uniform(-2.0, 2.0, n)) for _ in range(_POINTS)]
+    values = np.array([sides(point) for point in points], float).reshape(-1, 2)
+    values = values[np.isfinite(values).all(axis=1)]
+    return bool(values.size > 0 and np.allclose(values[:, 0], values[:, 1], rtol=_ROUNDING, atol=0))
 
 
 class Holding:
