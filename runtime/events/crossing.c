@@ -12,7 +12,6 @@
 #include "events/hiding.h"
 #include "events/standing.h"
 #include "numbers/extremes.h"
-#include "state/holds.h"
 #include "state/inside.h"
 #include "model/schedule.h"
 
@@ -59,9 +58,10 @@ static double depth_of(const LagRun *run, int i, const double *g)
 /* The state there, into s->state; what stands is held to its level by what slides, as at the ends of steps. */
 static void find_state(LagRun *run, double t)
 {
-    lag_state_inside(run, t, run->switches.state);
-    if (run->sliding.count > 0 && lag_standing_some(run))
-        lag_holds_inside(run, t, run->switches.state);
+    if (lag_standing_is_held(run))
+        lag_held_state_inside(run, t, run->switches.state);
+    else
+        lag_state_inside(run, t, run->switches.state);
 }
 
 /* s->state and s->g_inside there. */

@@ -65,47 +65,58 @@ static double moment_of(const LagRun *run)
     return lag_min(run->step > 0 ? MOMENT * run->step : SOME_TIME, MOMENT * (run->segment_end - run->motion.t));
 }
 
-/* The state with each coordinate moved by its own last digits, into switches.state. */
-static void disturb(LagRun *run, int pattern)
+/* The last digits of each coordinate, which are its own, into switches.error. */
+static void find_last_digits(LagRun *run)
+{
+    for (int i = 0; i < 2 * run->motion.n; ++i)
+        run->switches.error[i] = ROUNDINGS * DBL_EPSILON * fabs(run->motion.y[i]);
+}
+
+/* By how much switches.error of a state changes its conditions, which are g there, or by rates their rates: `most` becomes at least that.
+ * Uses switches.state, .g_begin and .rate_begin, which the next step begins with anew. */
+static void note_changes(LagRun *run, double t, const double *y, const double *g, int by_rates, double *most)
 {
     LagSwitches *s = &run->switches;
-    for (int i = 0; i < 2 * run->motion.n; ++i)
-        s->error[i] = ROUNDINGS * DBL_EPSILON * fabs(run->motion.y[i]);
-    lag_conditions_disturb(run, run->motion.y, s->error, pattern, s->state);
+    const int n = run->motion.n;
+    const double *const found = by_rates ? s->rate_begin : s->g_begin;
+    for (int pattern = 0; pattern < lag_conditions_patterns(2 * n); ++pattern) {
+        lag_conditions_disturb(run, y, s->error, pattern, s->state);
+        lag_conditions_by(run, t, s->state, s->state + n, s->slope + n, s->g_begin, s->rate_begin);
+        for (int i = 0; i < lag_when(run->model, 0); ++i)
+            most[i] = lag_max(fabs(found[i] - g[i]), most[i]);
+    }
 }
 
 /* By how much last digits change conditions that may stand, or their rates where something slides, into switches.rounding. */
 static void find_rounding(LagRun *run)
 {
     LagSwitches *s = &run->switches;
-    const int n = run->motion.n, first = lag_when(run->model, 0), slides = run->sliding.count > 0;
+    const LagMotion *m = &run->motion;
+    const int slides = run->sliding.count > 0;
     int some = 0;
     memset(s->rounding, 0, (size_t)run->model->n_switches * sizeof *s->rounding);
-    for (int i = 0; i < first; ++i)
+    for (int i = 0; i < lag_when(run->model, 0); ++i)
         some |= is_candidate(run, i, s->g[i]);
-    for (int pattern = 0; some && pattern < lag_conditions_patterns(2 * n); ++pattern) {
-        disturb(run, pattern);
-        lag_conditions_by(run, run->motion.t, s->state, s->state + n, s->slope + n, s->g_inside, s->rate_inside);
-        for (int i = 0; i < first; ++i)
-            s->rounding[i] = lag_max(slides ? fabs(s->rate_inside[i] - s->rate[i]) : fabs(s->g_inside[i] - s->g[i]), s->rounding[i]);
-    }
+    if (!some)
+        return;
+    find_last_digits(run);
+    note_changes(run, m->t, m->y, slides ? s->rate : s->g, slides, s->rounding);
 }
 
 void lag_standing_know(LagRun *run)
 {
     LagSwitches *s = &run->switches;
     const LagMotion *m = &run->motion;
-    const int n = m->n;
-    if (run->sliding.count == 0 || !lag_standing_some(run))
+    double *most = s->g_before;
+    if (!lag_standing_is_held(run))
         return;
-    lag_conditions_by(run, m->t, m->y, m->y + n, s->slope + n, s->g_before, s->rate_inside);
-    for (int pattern = 0; pattern < lag_conditions_patterns(2 * n); ++pattern) {
-        disturb(run, pattern);
-        lag_conditions_by(run, m->t, s->state, s->state + n, s->slope + n, s->g_inside, s->rate_inside);
-        for (int i = 0; i < lag_when(run->model, 0); ++i)
-            if (s->stands[i])
-                s->unknown[i] = lag_max(fabs(s->g_inside[i] - s->g_before[i]), s->unknown[i]);
-    }
+    lag_conditions_by(run, m->t, m->y, m->y + m->n, s->slope + m->n, s->g_inside, s->rate_inside);
+    memset(most, 0, (size_t)run->model->n_switches * sizeof *most);
+    find_last_digits(run);
+    note_changes(run, m->t, m->y, s->g_inside, 0, most);
+    for (int i = 0; i < lag_when(run->model, 0); ++i)
+        if (s->stands[i])
+            s->unknown[i] = lag_max(most[i], s->unknown[i]);
 }
 
 /* What may stand: what has no rate but rounding, or has one side's where its condition has a corner, and is not off its level a moment
@@ -159,8 +170,9 @@ static void find_accelerations(LagRun *run, double t)
     double *a = s->slope + n, *noise = s->noise;
     lag_motion_slope(m, t, m->y, m->y + n, s->slope);
     find_noise_of_shares(run);
+    find_last_digits(run);
     for (int pattern = 0; pattern < lag_conditions_patterns(2 * n); ++pattern) {
-        disturb(run, pattern);
+        lag_conditions_disturb(run, m->y, s->error, pattern, s->state);
         if (!lag_motion_slope(m, t, s->state, s->state + n, m->sum))
             continue;
         for (int i = 0; i < n; ++i)
@@ -181,12 +193,7 @@ static void find_noise_of_rates(LagRun *run, double moment)
         s->error[i] = 0;
         s->error[n + i] = ROUNDINGS * DBL_EPSILON * fabs(there[n + i]) + moment * s->noise[i];
     }
-    for (int pattern = 0; pattern < lag_conditions_patterns(2 * n); ++pattern) {
-        lag_conditions_disturb(run, there, s->error, pattern, s->state);
-        lag_conditions_by(run, run->motion.t + moment, s->state, s->state + n, s->slope + n, s->g_begin, s->rate_begin);
-        for (int i = 0; i < lag_when(run->model, 0); ++i)
-            s->rounding[i] = lag_max(fabs(s->rate_begin[i] - s->rate_inside[i]), s->rounding[i]);
-    }
+    note_changes(run, run->motion.t + moment, there, s->rate_inside, 1, s->rounding);
 }
 
 /* The rates of all conditions a moment later, into switches.rate_inside. */
@@ -244,6 +251,8 @@ int lag_standing_some(const LagRun *run)
             return 1;
     return 0;
 }
+
+int lag_standing_is_held(const LagRun *run) { return run->sliding.count > 0 && lag_standing_some(run); }
 
 int lag_standing_lasts(const LagRun *run, int i)
 {

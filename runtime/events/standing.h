@@ -29,6 +29,9 @@ void lag_standing_know(LagRun *run);
 /* Whether something stands. */
 int lag_standing_some(const LagRun *run);
 
+/* Whether something does while something slides, which may hold it to its level. */
+int lag_standing_is_held(const LagRun *run);
+
 /* Whether switch i still stands, where conditions are switches.g and their rates switches.rate. */
 int lag_standing_lasts(const LagRun *run, int i);
 

@@ -15,7 +15,6 @@
 #include "numbers/extremes.h"
 #include "run/guard_values.h"
 #include "state/attitudes.h"
-#include "state/holds.h"
 #include "state/inside.h"
 #include "state/state.h"
 
@@ -74,8 +73,7 @@ static void look_at(LagRun *run, double t, const double *y, double *found)
 static void look_inside(LagRun *run, double t)
 {
     LagGuards *s = &run->guards;
-    lag_state_inside(run, t, s->state);
-    lag_holds_inside(run, t, s->state);
+    lag_held_state_inside(run, t, s->state);
     look_at(run, t, s->state, s->found);
 }
 

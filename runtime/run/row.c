@@ -7,7 +7,6 @@
 #include "run/run.h"
 #include "state/account.h"
 #include "state/evaluate.h"
-#include "state/holds.h"
 #include "state/inside.h"
 #include "steps/step.h"
 
@@ -35,8 +34,7 @@ LagStatus lag_row_at(LagRun *run, double t, double *row, int parts)
 {
     const int n = run->model->n, has_energies = parts & LAG_ROW_ENERGIES;
     double *y = run->inside, *outputs = row + 1 + 2 * n, *account = outputs + run->model->n_outputs;
-    lag_state_inside(run, t, y);
-    lag_holds_inside(run, t, y);
+    lag_held_state_inside(run, t, y);
     const double most = fmax(run->settings.tolerance, CLOSED), open = has_energies ? closed(run, t, y, account, most) : 0;
     const int i = lag_first_not_finite(y, 2 * n);
     if (n > 0 && !isfinite(y[i]))

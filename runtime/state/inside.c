@@ -18,11 +18,16 @@ void lag_state_inside(LagRun *run, double t, double *y)
     }
 }
 
+void lag_held_state_inside(LagRun *run, double t, double *y)
+{
+    lag_state_inside(run, t, y);
+    lag_holds_inside(run, t, y);
+}
+
 void lag_go_back(LagRun *run, double t)
 {
     LagMotion *motion = &run->motion;
-    lag_state_inside(run, t, run->inside);
-    lag_holds_inside(run, t, run->inside);
+    lag_held_state_inside(run, t, run->inside);
     lag_project_inside(run, t, run->inside);
     memcpy(motion->y, run->inside, (size_t)motion->size * sizeof *motion->y);
     memset(motion->carry, 0, (size_t)motion->size * sizeof *motion->carry);

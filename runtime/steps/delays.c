@@ -10,7 +10,6 @@
 #include "model/function.h"
 #include "model/schedule.h"
 #include "numbers/extremes.h"
-#include "state/holds.h"
 #include "state/inside.h"
 #include "state/project.h"
 
@@ -41,8 +40,7 @@ static void in_state(LagRun *run, double t, const double *y, double *values)
 static void inside_step(LagRun *run, double t, double *values)
 {
     double *y = run->inside;
-    lag_state_inside(run, t, y);
-    lag_holds_inside(run, t, y);
+    lag_held_state_inside(run, t, y);
     lag_project_inside(run, t, y);
     in_state(run, t, y, values);
 }

@@ -36,10 +36,11 @@ class _Lengths:
         """An instruction whose lengths are exact, but for those that it divides by."""
         number, tiny = self.numbering.of(op, numbers), self.numbering.of_number(TINY)
         plain = [self.lengthened.get(k, x) for k, x in zip(numbers, operands, strict=True)]
-        if self.lengthened.keys().isdisjoint(numbers) and not (op == ca.OP_ADD and tiny in numbers):
+        adds_tiny = op == ca.OP_ADD and tiny in numbers
+        if self.lengthened.keys().isdisjoint(numbers) and not adds_tiny:
             return None
         self.lengthened[number] = operate(op, plain)
-        if op == ca.OP_ADD and tiny in numbers:
+        if adds_tiny:
             return operands[numbers[0] == tiny]
         if op == ca.OP_SQRT and tiny in self.numbering.keys[numbers[0]][1:]:
             return as_expression(self.lengthened[number] - _ROOT)
