@@ -1,4 +1,4 @@
-"""Pages of one scene in several forms, of equations that are derived once."""
+"""What several outputs of one scene have in common, made once: equations of pages in several forms, compilations."""
 
 from collections.abc import Callable
 
@@ -35,3 +35,9 @@ def _kept(make: Callable[..., object], key: Callable[..., object]) -> Callable[.
         return known[at]
 
     return found
+
+
+def once(make: Callable[..., object]) -> Callable[..., object]:
+    """Whatever it is given, what it makes first."""
+    made: list[object] = []
+    return lambda *given: made[0] if made else made.append(make(*given)) or made[0]

@@ -92,7 +92,8 @@ def _watched(method: Callable[..., Node], told: list[str]) -> Callable[..., Node
 def _values(p: Presentation, expression: sp.Expr) -> tuple[dict[sp.Expr, sp.Float], dict[Name, float]]:
     """The same random numbers by symbol and by name; roots of long sums have names, too."""
     chosen = random.Random(5)
-    symbols = sorted({s for x in (*p.symbols.names, *p.symbols.lengths, expression) for s in x.free_symbols}, key=str)
+    free = {s for x in (*p.symbols.names, *p.symbols.lengths, expression) for s in x.free_symbols}
+    symbols = sorted(free, key=lambda s: s.name)
     numbers = {s: sp.Float(chosen.uniform(0.3, 1.2)) for s in symbols}
     values = {name: float(numbers[s]) for s, name in p.symbols.names.items()}
     return numbers, values | {name: math.sqrt(float(x.xreplace(numbers))) for x, name in p.symbols.lengths.items()}

@@ -10,8 +10,11 @@ import casadi as ca
 import pytest
 
 import lagrangia as lag
+from helpers.derived_once import once
 from lagrangia.command.cli import main
+from lagrangia.compile import pipeline
 from lagrangia.compile.pipeline import Compilation, compile_file
+from lagrangia.needs import table
 from lagrangia.needs.table import Need, find_needs
 from lagrangia.needs.waves import Waves
 from lagrangia.run.solvers import name_of
@@ -147,15 +150,6 @@ def test_what_turns_freely_keeps_its_mass_matrix(scene: Scene) -> None:
                   "World world(gravity = {0, 0, -9.81});")
     assert not found["refactorising M"].is_needed and found["refactorising M"].why == "M is constant"
     assert found["Coriolis terms"].why == "the axes of 's.S' turn along: w x dT/dw"
-
-
-@pytest.mark.parametrize("path", sorted(EXAMPLES.glob("*.lag")), ids=lambda path: path.stem)
-def test_the_exponential_is_promised_where_it_can_be_had(path: Path) -> None:
-    c = compile_file(path)
-    row = needs_of(c)["integrator"]
-    if c.scene.n:
-        assert row.is_needed is ("linear" in c.scene.refused)
-    assert row.why == c.scene.refused["linear"] if row.is_needed else row.saving.startswith("every step: the matrix exponential")
 
 
 def test_a_carriage_that_is_turned_feels_the_rotation(scene: Scene) -> None:
@@ -321,12 +315,20 @@ def test_the_solver_told_is_the_one_that_runs(name: str, capsys: pytest.CaptureF
 
 
 @pytest.mark.parametrize("path", sorted(EXAMPLES.glob("*.lag")), ids=lambda path: path.stem)
-def test_explain_says_why(path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_explain_says_why(path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    """In both formats, of one compilation and one table; and the exponential is promised where it can be had."""
+    for module, made in ((pipeline, "compile_file"), (table, "find_needs")):
+        monkeypatch.setattr(module, made, once(getattr(module, made)))
     assert main(["explain", str(path), "--json"]) == 0
     told = json.loads(capsys.readouterr().out)
     assert told["solver"] in told["solvers"]
     assert len(told["needs"]) > 20
     assert all(need["why"] for need in told["needs"])
+    scene, row = lag.load(path).scene, next(need for need in told["needs"] if need["what"] == "integrator")
+    if scene.n:
+        assert row["is_needed"] is ("linear" in scene.refused)
+    saves = row["saving"].startswith("every step: the matrix exponential")
+    assert row["why"] == scene.refused["linear"] if row["is_needed"] else saves
     assert main(["explain", str(path)]) == 0
     text = capsys.readouterr().out
     assert all(need["what"] in text for need in told["needs"])

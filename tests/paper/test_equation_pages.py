@@ -8,7 +8,6 @@ import shutil
 import subprocess
 import sys
 import time
-from collections.abc import Callable
 from html.parser import HTMLParser
 from pathlib import Path
 
@@ -16,7 +15,7 @@ import pytest
 import sympy as sp
 
 import lagrangia as lag
-from helpers.derived_once import derive_once
+from helpers.derived_once import derive_once, once
 from helpers.printed_numbers import everything_laid_out
 from helpers.symbolic_scenes import CLASSROOM, EXAMPLES, UNWRITTEN, WRITTEN
 from lagrangia.command.cli import WRONG, main
@@ -147,12 +146,6 @@ def test_pages_are_well_formed(path: Path, capsys, monkeypatch) -> None:
     assert page.count(r"\left") == page.count(r"\right")
     assert page.count(r"\begin{") == page.count(r"\end{")
     assert page.isascii()
-
-
-def once(make: Callable[..., object]) -> Callable[..., object]:
-    """Whatever it is given, what it makes first."""
-    made = []
-    return lambda *given: made[0] if made else made.append(make(*given)) or made[0]
 
 
 class Balanced(HTMLParser):

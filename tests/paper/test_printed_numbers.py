@@ -10,6 +10,7 @@ import sympy as sp
 
 from helpers.casadi_numbers import POINTS, Reference, reference
 from helpers.derived_once import derive_once
+from helpers.evaluated import evaluated
 from helpers.reading import Motion, NotRead, read
 from helpers.symbolic_scenes import WRITTEN
 from lagrangia.algebra.normal_form import TooLarge
@@ -128,17 +129,13 @@ class Checker:
 
     def numbers(self, x: sp.Expr) -> tuple[np.ndarray, np.ndarray]:
         """Values, and the sum of the sizes of terms."""
-        free = sorted(x.free_symbols, key=str)
-        values = [self.known.values[str(s)] for s in free]
-        whole = np.zeros(POINTS)
-        size = np.zeros(POINTS)
-        terms = list(sp.Add.make_args(x))
-        function = sp.lambdify([sp.Symbol(f"x{k}") for k in range(len(free))],
-                               [t.xreplace({s: sp.Symbol(f"x{k}") for k, s in enumerate(free)}) for t in terms], "numpy")
-        for term in function(*values):
-            whole = whole + term
-            size = size + np.abs(term)
-        of_slope = np.abs(self.known.values["T"]) if "∂" in str(x) else 0.0  # of whose terms CasADi tells nothing
+        whole, size, known = np.zeros(POINTS), np.zeros(POINTS), dict[sp.Expr, np.ndarray]()
+        for term in sp.Add.make_args(x):
+            value = evaluated(term, self.known.values, known)
+            whole = whole + value
+            size = size + np.abs(value)
+        has_slope = any("∂" in s.name for s in x.free_symbols)  # of whose terms CasADi tells nothing
+        of_slope = np.abs(self.known.values["T"]) if has_slope else 0.0
         return whole, size + of_slope + 1e-300
 
 
