@@ -1,8 +1,9 @@
-"""Scenes that many tests compile as they are, the examples and those of the `scene` fixture, are compiled once in a process."""
+"""Scenes that many tests compile as they are, examples, cases and those of the `scene` fixture: once in a process."""
 
 import os
 from collections import OrderedDict
 from collections.abc import Callable
+from inspect import signature
 from pathlib import Path
 from typing import Any
 
@@ -10,7 +11,8 @@ import pytest
 
 from lagrangia.compile import pipeline
 
-_EXAMPLES = Path(__file__).parents[2] / "models" / "examples"
+_TESTS = Path(__file__).parents[1]
+_SCENES = _TESTS.parent / "models" / "examples", _TESTS / "cases"
 _MOST = 64
 
 
@@ -19,7 +21,7 @@ class KeptCompilations:
 
     def __init__(self) -> None:
         self.is_shared = False
-        self.texts = _EXAMPLES
+        self.texts: Path | None = None  # those of the fixture: conftest.shared_texts
         self.found: OrderedDict[object, object] = OrderedDict()
         for name in ("compile_file", "compile_energies"):
             setattr(pipeline, name, self._kept(getattr(pipeline, name)))
@@ -28,11 +30,16 @@ class KeptCompilations:
         self.is_shared = "monkeypatch" not in getattr(item, "fixturenames", ())
 
     def _kept(self, make: Callable[..., object]) -> Callable[..., object]:
+        parameters = signature(make)
+
         def made(path: Path, *given: Any, **named: Any) -> object:
             folder = Path(os.path.abspath(path)).parent
-            if not self.is_shared or (folder != _EXAMPLES and folder.parent != self.texts):
+            if not self.is_shared or (folder not in _SCENES and folder.parent != self.texts):
                 return make(path, *given, **named)
-            key = make.__name__, str(path), path.stat().st_mtime_ns, repr((given, named))
+            bound = parameters.bind(path, *given, **named)
+            bound.apply_defaults()
+            asked = {name: x for name, x in bound.arguments.items() if x}  # no structural parameters are None or {}
+            key = make.__name__, path.stat().st_mtime_ns, repr(asked)
             if key not in self.found:
                 self.found[key] = make(path, *given, **named)
                 if len(self.found) > _MOST:

@@ -413,7 +413,8 @@ SLANTED = {
 
 
 @pytest.mark.parametrize("what", SLANTED)
-def test_what_is_printed_has_the_value_of_what_was_derived(what: str, tmp_path: Path, capsys) -> None:
+def test_what_is_printed_has_the_value_of_what_was_derived(what: str, tmp_path: Path, capsys, monkeypatch) -> None:
+    derive_once(monkeypatch)
     (tmp_path / "scene.lag").write_text(f"model Scene\n  {SLANTED[what]}\nend Scene;\n", encoding="utf-8")
     with everything_laid_out() as told:
         for form in ALL_FORMS:
