@@ -1,5 +1,6 @@
 """Random runs: statistics with standard errors, an end once these are small, Sobol' indices, pictures."""
 
+import itertools
 import math
 from collections.abc import Callable
 from pathlib import Path
@@ -177,6 +178,16 @@ def test_of_very_many_runs_some_are_dots(scene: Scene, monkeypatch: pytest.Monke
     dots = figure.axes[0].collections[0].get_offsets()
     assert 20 <= len(dots) <= 24 and dots[:, 1].min() == sweep["f"].min() and dots[:, 1].max() == sweep["f"].max()
     assert "100 runs (dots of 20)" in figure.get_suptitle()
+
+
+def test_numbers_of_very_many_runs_stand_apart(scene: Scene, tmp_path: Path) -> None:
+    """Those below a histogram of a million ran into each other."""
+    sweep = scene(ISHIGAMI).simulate_many(parameters=UNIFORM, samples=20, outputs="f")
+    axes = next(axes for axes in sweep.plot(tmp_path / "x.svg").axes if axes.get_xlabel() == "runs")
+    axes.set_xlim(0, 160_000)
+    axes.figure.canvas.draw()
+    boxes = [label.get_window_extent() for label in axes.get_xticklabels() if 0 <= label.get_position()[0] <= 160_000]
+    assert len(boxes) > 2 and all(one.x1 < other.x0 for one, other in itertools.pairwise(boxes))
 
 
 def test_the_command_tells_and_draws(tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:

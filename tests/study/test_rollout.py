@@ -45,6 +45,12 @@ def test_each_run_is_the_one_in_steps(scene: Scene) -> None:
         np.testing.assert_allclose(found["tip"][k], exact["tip"], rtol=0, atol=1e-7)
 
 
+def test_they_are_told_in_a_line(scene: Scene) -> None:
+    """All rows of all runs were printed where one stood at the end of a notebook's cell."""
+    found = scene(PUSHED).rollout(u=np.zeros((9, 25, 1)), times=TIMES)
+    assert repr(found) == "<9 rollouts of Pushed, 26 times from 0 to 0.5 s: cart.s, hinge.phi, der(cart.s), der(hinge.phi), tip>"
+
+
 def test_loose_tolerances_take_fewer_orders(scene: Scene) -> None:
     """Short steps had all digits that there are, whatever was asked for. All of a run err by less than one long one may."""
     model, u = scene(PUSHED), np.random.default_rng(3).normal(size=(9, 25, 1))

@@ -59,6 +59,7 @@ def test_each_run_has_inputs_of_its_own(scene: Scene) -> None:
     ({"inputs": [{"F": 1}, {"F": 2}], "parameters": {"m": [1, 2, 3]}, "together": True}, "inputs has 2"),
     ({"runs": 3}, "columns by name"), ({"runs": {}}, "columns by name"), ({"runs": {"m": []}}, "has no row"),
     ({"runs": {"m": [1, 2], "F": [1]}}, "a number for each run"), ({"runs": {"q": [1]}}, "no parameter 'q'"),
+    ({"runs": {"q": [1]}}, "'q' is a column of the table of runs"), ({"runs": {"b.x": [1]}}, r"did you mean 'b\.[sv]'"),
     ({"runs": {"m": ["a"]}}, "something else than numbers"), ({"runs": {"m": [1 + 1j]}}, "holds complex numbers"),
     ({"runs": {"F": [float("nan")]}}, "must be finite"),
     ({"runs": {"F": [1.0]}, "inputs": {"F": 2}}, "'F' is given twice"),

@@ -31,6 +31,12 @@ class Rollout:
     rows: "NDArray[np.float64]"
     sweep: Sweep
 
+    def __repr__(self) -> str:
+        names = ", ".join([*self.names[1:9], *["..."] * (len(self.names) > 9)])
+        begin, end = self.times[[0, -1]].tolist()
+        times = f"{len(self.times)} times from {begin:g} to {end:g} s"
+        return f"<{len(self.rows)} rollouts of {self.sweep.job.scene.name}, {times}: {names}>"
+
     def __getitem__(self, name: str) -> "NDArray[np.float64]":
         """Raises LagError L0701."""
         if name not in self.names:

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 _MOST_MEASURES, _MOST_VARIED = 4, 5
 _MOST_LINES, _MOST_DOTS = 500, 100_000  # runs in parallel coordinates, in a panel
 _PARALLEL = 3  # values that differ from run to run, from which on these are drawn
-_FINEST = 60  # bars
+_FINEST, _MOST_TICKS = 60, 5  # bars; steps between numbers of runs
 _ALIKE, _BESIDE = 1e-12, 0.05  # of the largest value: differences that are rounding; what is shown on both sides of such values
 _SIZES = ((200, 14.0), (2000, 5.0), (10**9, 1.5))  # runs up to which dots are so large
 
@@ -169,8 +169,8 @@ def _scatter(panel: Any, sweep: Table, name: str, measure: str) -> None:
 
 
 def _count_along(panel: Any) -> None:
-    """Numbers stand at whole ones, however few there are."""
-    panel.locator_params(axis="x", integer=True, min_n_ticks=1)
+    """Numbers stand at whole ones, however few there are, and large ones apart from each other."""
+    panel.locator_params(axis="x", integer=True, min_n_ticks=1, nbins=_MOST_TICKS)
 
 
 def _histogram(panel: Any, sweep: Table, measure: str) -> None:

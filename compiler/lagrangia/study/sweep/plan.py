@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from lagrangia.base.attitude_values import HINT
 from lagrangia.base.checked_values import a_count, a_number, an_array, by_name
 from lagrangia.base.cutting import stem
-from lagrangia.base.diagnostics import LagError, Report, fail, suggest
+from lagrangia.base.diagnostics import Diagnostic, LagError, Report, fail, nearest, suggest
 from lagrangia.base.records import dataclass
 from lagrangia.language.values import read_value
 from lagrangia.run.batch import Kind, Reduction, Sweep
@@ -443,9 +443,17 @@ def _columns(scene: Scene, table: str, headings: Sequence[str]) -> list[_Name]:
             if len(names[-1].elements) > 1:
                 fail("L0713", f"{table}: '{heading}' is a vector", None, "give its elements columns of their own")
         except LagError as error:
-            report.add(error.diagnostics)
+            report.add([_of_column(scene, table, heading, found) for found in error.diagnostics])
     report.raise_errors()
     return names
+
+
+def _of_column(scene: Scene, table: str, heading: str, found: Diagnostic) -> Diagnostic:
+    """With the table's name, and the nearest of what is no parameter."""
+    states = [column.name for column in (*scene.coordinates, *scene.rates)]
+    near = nearest(heading, [*states, *scene.aliases, *(entry.name for entry in scene.inputs)])
+    hints = [f"did you mean '{near}'?"] if near and found.code == "L0701" else found.hints
+    return replace(found, hints=(*hints, *([] if table in found.message else [f"'{heading}' is a column of {table}"])))
 
 
 def _factor_to_si(name: _Name, unit: str) -> float:
