@@ -328,3 +328,18 @@ def test_forces_of_loops_know_what_is_held_elsewhere(scene: Write) -> None:
     asked, always = (scene(text % law).simulate(at=[0.0, 1.0, 2.0], tolerance=1e-9) for law in ("b.v >= 0", "time >= 0"))
     for name in ("O.phi", "x", "y"):
         assert asked[name] == pytest.approx(always[name], rel=1e-6), name
+
+
+@pytest.mark.parametrize("law", ["F = 2", "F = G", "F = 2*G/2"])
+@pytest.mark.parametrize("back", ["2[N]*sign(b.v)", "G*sign(b.v)"])
+def test_what_pushes_back_may_be_written_anew(scene: Write, law: str, back: str) -> None:
+    """Beside a component's friction of 2 N: 1.5 t is held up to t = 4/3 s and goes on to c, and 2 N after it. It was 0 there."""
+    model = scene(f"""model Held
+      World world(gravity = {{0, 0}}); Block b(m = 1, base = world), c(m = 3, base = world); parameter Force G = 2;
+      DryFriction f(rate = b.v, {law}); AppliedForce g(at = c.center, force = {{{back}, 0}});
+      AppliedForce h(at = b.center, force = {{1.5[N/s]*time, 0}});
+    end Held;""")
+    for solver in ("auto", "erk9", "implicit", "taylor"):
+        run = model.simulate(at=[1.0, 3.0], solver=solver, tolerance=1e-10)
+        assert run["der(c.s)"] == pytest.approx([0.25, 4 / 9 + 10 / 9], abs=1e-8), solver
+        assert run["c.s"][0] == pytest.approx(1 / 12, abs=1e-8), solver

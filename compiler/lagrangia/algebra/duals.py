@@ -7,6 +7,7 @@ operators cannot say (functions, conditions) goes through the methods of an Alge
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Protocol
 
+from lagrangia.base.diagnostics import Span
 from lagrangia.base.records import dataclass
 from lagrangia.base.table_data import TableData
 
@@ -41,8 +42,8 @@ class Algebra(Protocol):
 
     def call(self, function: str, *arguments: Scalar) -> Scalar:
         """A function of the language, by its name: "sin", "sqrt", "fmax", ..."""
-    def divisor(self, x: Scalar) -> Scalar:
-        """The same, as something is divided by it."""
+    def quotient(self, x: Scalar, y: Scalar, place: Span) -> Scalar:
+        """x/y, as is written at this place."""
 
     def note_length(self, x: Scalar) -> None:
         """|x| is a length: it hardly ever is 0, unlike what else has a corner there."""
@@ -219,9 +220,13 @@ class DualAlgebra:
         """As of the algebra beneath: numbers do not move."""
         return self.base.number(value)
 
-    def divisor(self, x: Scalar) -> Scalar:
-        """As of the algebra beneath, of the value."""
-        return Dual(self.base.divisor(x.value), x.rate) if isinstance(x, Dual) else self.base.divisor(x)
+    def quotient(self, x: Scalar, y: Scalar, place: Span) -> Scalar:
+        """Of the value as of the algebra beneath."""
+        if not isinstance(x, Dual) and not isinstance(y, Dual):
+            return self.base.quotient(x, y, place)
+        value = self.base.quotient(value_of(x), value_of(y), place)
+        top = plus(rate_of(x), times(minus(0.0, rate_of(y)), value))
+        return Dual(value, 0.0 if is_zero(top) else self.base.quotient(top, value_of(y), place))
 
     def note_length(self, x: Scalar) -> None:
         """As of the algebra beneath, of the value."""

@@ -10,6 +10,7 @@ from lagrangia.algebra.displacements import Displacements
 from lagrangia.algebra.lookup_functions import TableUse
 from lagrangia.algebra.numbering import Numbering
 from lagrangia.algebra.scalars import as_expression
+from lagrangia.algebra.widths import Divisors
 from lagrangia.base.records import dataclass
 from lagrangia.base.table_data import Beyond, TableData
 
@@ -101,3 +102,4 @@ class ModeIndex:
     literals: dict[Hashable, TableData] = field(default_factory=dict)
     asked: set[str] = field(default_factory=set)  # of the algebra: functions, "choice" for conditions and tables
     displacements: Displacements = field(default_factory=Displacements)
+    divisors: Divisors = field(default_factory=Divisors)

@@ -36,7 +36,7 @@ def length_powers(base: ca.SX, is_steady: Callable[[ca.SX], bool]) -> tuple[list
 def powers_in_exponent(exponent: ca.SX) -> tuple[list[tuple[Expression, Expression | float]], Expression]:
     """x and b of the terms b log(x) of an exponent whose x is never negative, and all its other terms."""
     found, others = list[tuple[Expression, Expression | float]](), as_expression(0.0)
-    for sign, term in _terms(as_expression(exponent)) or [(1, as_expression(exponent))]:
+    for sign, term in terms_of(as_expression(exponent)) or [(1, as_expression(exponent))]:
         factors = _factors(term, opens_sums=False)
         logarithm = next((x for x, power in factors if x.op() == ca.OP_LOG and power == 1 and never_negative(x.dep(0))), None)
         if logarithm is None:
@@ -63,7 +63,7 @@ def never_negative(x: ca.SX, depth: int = _DEEPEST) -> bool:
 
 def _factors(x: Expression, opens_sums: bool = True, depth: int = _DEEPEST) -> list[Factor]:
     """What a product or quotient is made of, once each; of sums, what all terms are multiples of, and the rest."""
-    if opens_sums and (terms := _terms(x)):
+    if opens_sums and (terms := terms_of(x)):
         return _common(x, terms)
     if x.op() not in _PRODUCTS or depth == 0:
         return [(x, 1)]
@@ -95,7 +95,7 @@ def _common(x: Expression, terms: Sequence[tuple[int, Expression]]) -> list[Fact
     return [*shared, (rest, 1)]
 
 
-def _terms(x: Expression) -> list[tuple[int, Expression]]:
+def terms_of(x: Expression) -> list[tuple[int, Expression]]:
     """With their signs; none of what is no sum, or a long one."""
     if x.op() not in _SUMS:
         return []

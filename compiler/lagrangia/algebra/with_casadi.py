@@ -10,6 +10,15 @@ from typing import Any
 
 import casadi as ca
 
+from lagrangia.algebra.condition_forms import (
+    OPPOSITES,
+    are_mirrored,
+    chosen_numbers,
+    in_one,
+    of_sign,
+    turned_relation,
+    without_sign,
+)
 from lagrangia.algebra.crossings import Crossing, find_crossing
 from lagrangia.algebra.duals import TINY, NotATimeError, Scalar, is_zero, nested_lines, slopes_of
 from lagrangia.algebra.lengths import exact_lengths
@@ -19,6 +28,8 @@ from lagrangia.algebra.numbering import rebuilt
 from lagrangia.algebra.powers import length_powers, powers_in_exponent
 from lagrangia.algebra.scalars import Expression, apply, apply_to_one, as_expression, symbols_in
 from lagrangia.algebra.scalars import symbol as make_symbol
+from lagrangia.algebra.widths import arms_of, width_beside
+from lagrangia.base.diagnostics import Span
 from lagrangia.base.records import dataclass
 from lagrangia.base.table_data import Beyond, TableData, lines_between
 
@@ -34,6 +45,8 @@ class CasadiAlgebra:
 
     time: ca.SX
     state: ca.SX  # all symbols that change continuously besides time: q, v, u
+    rates: frozenset[int] = frozenset()  # hashes of v
+    is_nothing: Callable[[ca.SX], bool] = lambda x: False  # whether an expression of parameters is 0 as they are declared
     modes: list[Mode] = field(default_factory=list)
     index: ModeIndex = field(default_factory=ModeIndex)  # of these modes
     tiny: float = TINY
@@ -82,7 +95,7 @@ class CasadiAlgebra:
                 mode = self._mode(("floor", crossing.number), ca.floor(crossing.value), lines, [1] * len(lines))
                 return mode if function == "floor" else -mode
         if function == "sign":
-            arguments = (_of_sign(_exact(arguments[0])),)
+            arguments = (of_sign(_exact(arguments[0])),)
         if function == "sign" and (crossing := self._crossing(self._at_rest(arguments[0]), may_wave=True)) is not None:
             return self._sign(crossing)
         if function == "mod":
@@ -91,10 +104,10 @@ class CasadiAlgebra:
                 raise ZeroDivisionError  # which 0 times infinity would hide
             return a - b * self.call("floor", a / b)
         if function == "abs" and isinstance(arguments[0], ca.SX):
-            return apply_to_one(ca.OP_FABS, _without_sign(arguments[0]))
+            return apply_to_one(ca.OP_FABS, without_sign(arguments[0]))
         if all(isinstance(a, float | int) for a in arguments):
             return _call_float(function, *arguments)
-        if function == "abs" and (inner := _of_sign(arguments[0])) is not arguments[0]:
+        if function == "abs" and (inner := of_sign(arguments[0])) is not arguments[0]:
             return self.compare("<>", inner, 0.0)
         if function in ("sqrt", "pow") and isinstance(arguments[0], ca.SX):
             return self._power(function, *arguments)
@@ -103,13 +116,23 @@ class CasadiAlgebra:
             return prod(powers, start=1.0 if found[1].is_zero() else apply_to_one(ca.OP_EXP, found[1]))
         return _SX_FUNCTIONS[function](*arguments)
 
-    def divisor(self, x: Scalar) -> Scalar:
-        """Keeps whether quotients may turn within a narrow range of what stands under them."""
-        if not isinstance(x, ca.SX):
-            return x
-        if "ratio" not in self.index.asked and x.op() == ca.OP_ADD and not self._is_steady(x):
+    def quotient(self, x: Scalar, y: Scalar, place: Span) -> Scalar:
+        """By each of two divisors that parameters choose among. Keeps what is divided by parameters alone, and whether quotients
+        may turn within a narrow range of what stands under them."""
+        if not isinstance(y, ca.SX):
+            return x / y
+        if self._is_steady(y):
+            if isinstance(x, ca.SX) and not y.is_constant() and not self._is_steady(x):
+                self.index.divisors.note(as_expression(y), place)
+            return x / self._by_factors(y)
+        if (arms := arms_of(y)) is not None and self._is_steady(arms[0]):
+            return self.choose(arms[0], self.quotient(x, arms[1], place), self.quotient(x, arms[2], place))
+        if y.op() == ca.OP_ADD:
             self.index.asked.add("ratio")
-        return self._by_factors(x)
+        made = x / self._by_factors(y)
+        if (beside := width_beside(y, self.rates, self._is_steady)) is None:
+            return made
+        return self._beside(y, beside[1], made, lambda: self.quotient(x, beside[0], place))
 
     def _by_factors(self, x: ca.SX) -> Expression:
         """The same, with the lengths that it is a product of by their factors: of |c x| with c of parameters alone |c| and |x|,
@@ -131,6 +154,10 @@ class CasadiAlgebra:
     def _power(self, function: str, base: ca.SX, exponent: Scalar = 0.5) -> Expression:
         """sqrt or pow."""
         is_whole = isinstance(exponent, _NUMBERS) and float(exponent).is_integer()
+        is_root = isinstance(exponent, _NUMBERS) and exponent > 0 and not is_whole
+        if is_root and (beside := width_beside(base, self.rates, self._is_steady)) is not None:
+            plain = as_expression(_SX_FUNCTIONS[function](*(base, exponent)[: 1 if function == "sqrt" else 2]))
+            return as_expression(self._beside(plain, beside[1], plain, lambda: self._power(function, beside[0], exponent)))
         lengths, rest = ([], base) if is_whole else length_powers(base, self._is_steady)
         if not lengths:
             return as_expression(_SX_FUNCTIONS[function](*(base, exponent)[: 1 if function == "sqrt" else 2]))
@@ -141,6 +168,13 @@ class CasadiAlgebra:
             x = length.dep(0) if is_even else self._by_factors(as_expression(self.call("abs", length.dep(0))))
             made = as_expression(made * self.call("pow", x, power))
         return made if rest.is_one() else as_expression(made * self._power(function, rest, exponent))
+
+    def _beside(self, x: ca.SX, width: ca.SX, made: Scalar, alone: Callable[[], Scalar]) -> Scalar:
+        """What is made of x, v^2 + w^2 or its root, and of v^2 `alone` where the width w^2 is 0, if it is declared so."""
+        if self.is_nothing(width):
+            return self.choose(self.compare("==", width, 0.0), alone(), made)
+        self.index.divisors.roots[self._number(x)] = as_expression(width)
+        return made
 
     def _is_steady(self, x: ca.SX) -> bool:
         """Whether it follows from parameters alone, as the length of an axis does."""
@@ -153,7 +187,7 @@ class CasadiAlgebra:
         a, b = _exact(self._at_rest(a)), _exact(self._at_rest(b))
         if isinstance(a, float | int) and isinstance(b, float | int):
             return float(_COMPARE[operator](a, b))
-        if isinstance(b, float | int) and (chosen := _chosen(a)) is not None:  # as the choice says: it changes with that alone
+        if isinstance(b, float | int) and (chosen := chosen_numbers(a)) is not None:  # as the choice says
             condition, *numbers = chosen
             here, there = (self.compare(operator, x, b, of_rates) for x in numbers)
             if isinstance(here, float) and isinstance(there, float):
@@ -161,9 +195,9 @@ class CasadiAlgebra:
             return self.logic("or", self.logic("and", condition, here),
                               self.logic("and", self.logic("not", condition), there))
         if is_zero(b) or is_zero(a):
-            a, b = (_of_sign(_in_one(x)) for x in (a, b))
+            a, b = (of_sign(in_one(x)) for x in (a, b))
         if operator in ("==", "<>") and is_zero(b) and isinstance(a, ca.SX):
-            a = _without_sign(a)
+            a = without_sign(a)
         difference = a - b
         crossing = self._crossing(difference, of_rates) if operator not in ("==", "<>") else None
         return as_expression(_COMPARE[operator](a, b)) if crossing is None else self._relation(operator, crossing)
@@ -217,11 +251,11 @@ class CasadiAlgebra:
     def logic(self, operator: str, *conditions: Scalar) -> Scalar:
         """Of a condition and its mirror image, as v > 0 or v < 0, it is said whether both are equal: see dynamics/switches.py."""
         if operator == "not":
-            opposite = _relation(conditions[0], _OPPOSITES)
+            opposite = turned_relation(conditions[0], OPPOSITES)
             return 1.0 - conditions[0] if opposite is None else opposite
         a, b = conditions
         asks, tells = (ca.OP_LE, ca.OP_EQ) if operator == "and" else (ca.OP_LT, ca.OP_NE)
-        if _are_mirrored(a, b, asks):
+        if are_mirrored(a, b, asks):
             return apply(tells, a.dep(0), a.dep(1))
         return a * b if operator == "and" else a + b - a * b
 
@@ -360,66 +394,11 @@ def _exact(x: Scalar) -> Scalar:
     return as_expression(exact_lengths([x])[0]) if isinstance(x, ca.SX) else x
 
 
-def _chosen(x: Scalar) -> tuple[ca.SX, Scalar, Scalar] | None:
-    """The condition and both values of a choice among numbers, one of which may be a choice again. A value of 0 has no term."""
-    if not isinstance(x, ca.SX) or x.op() not in (ca.OP_ADD, ca.OP_IF_ELSE_ZERO):
-        return None
-    terms = [x] if x.op() == ca.OP_IF_ELSE_ZERO else [x.dep(0), x.dep(1)]
-    for term in terms[1:]:
-        if terms[0].op() != ca.OP_IF_ELSE_ZERO or term.op() != ca.OP_IF_ELSE_ZERO or term.dep(0).op() != ca.OP_NOT:
-            return None
-        if not ca.is_equal(term.dep(0).dep(0), terms[0].dep(0), 9):
-            return None
-    values = [float(term.dep(1)) if term.dep(1).is_constant() else term.dep(1) for term in terms]
-    is_known = all(isinstance(value, float) or _chosen(value) is not None for value in values)
-    return (terms[0].dep(0), values[0], values[1] if len(values) > 1 else 0.0) if is_known else None
-
-
-def _without_sign(x: ca.SX) -> ca.SX:
-    """x of what is x, -x or sign(y) x."""
-    if x.op() == ca.OP_NEG:
-        return _without_sign(x.dep(0))
-    factors = [x.dep(k) for k in range(2)] if x.op() == ca.OP_MUL else []
-    found = next((k for k, factor in enumerate(factors) if factor.op() == ca.OP_SIGN), None)
-    return x if found is None else _without_sign(factors[1 - found])
-
-
 def _cases(less: list[Scalar], xs: Sequence[Scalar]) -> list[Scalar]:
     """Which point x is first less than: one condition each, the last where there is none. Parameters may make points fall."""
     if not all(isinstance(at, _NUMBERS) for at in xs):
         less = list(accumulate(less, lambda a, b: apply(ca.OP_OR, a, b)))
     return [less[0], *(b - a for a, b in pairwise(less)), apply_to_one(ca.OP_NOT, less[-1])]
-
-
-_OPPOSITES = {ca.OP_LT: ca.OP_LE, ca.OP_LE: ca.OP_LT, ca.OP_EQ: ca.OP_NE, ca.OP_NE: ca.OP_EQ}
-
-
-def _relation(condition: Scalar, table: Mapping[int, int]) -> Scalar | None:
-    """The one that is true where the condition is not: b <= a for a < b."""
-    if not isinstance(condition, ca.SX) or condition.op() not in table:
-        return None
-    return apply(table[condition.op()], condition.dep(1), condition.dep(0))
-
-
-def _are_mirrored(a: Scalar, b: Scalar, op: int) -> bool:
-    """Whether they are x op y and y op x."""
-    return (isinstance(a, ca.SX) and isinstance(b, ca.SX) and a.op() == b.op() == op
-            and ca.is_equal(a.dep(0), b.dep(1), 9) and ca.is_equal(a.dep(1), b.dep(0), 9))
-
-
-def _in_one(x: Scalar) -> Scalar:
-    """|c| |x| as |c x|, of which it is asked whether it is 0."""
-    if not isinstance(x, ca.SX) or x.op() not in (ca.OP_MUL, ca.OP_DIV):
-        return x
-    parts = [_in_one(as_expression(x.dep(k))) for k in range(2)]
-    if any(not isinstance(part, ca.SX) or part.op() != ca.OP_FABS for part in parts):
-        return as_expression(apply(x.op(), *parts))
-    return apply_to_one(ca.OP_FABS, apply(x.op(), *(part.dep(0) for part in parts)))
-
-
-def _of_sign(x: Scalar) -> Scalar:
-    """What is as positive as x."""
-    return x.dep(0) if isinstance(x, ca.SX) and x.op() == ca.OP_SIGN else x
 
 
 STEPS = frozenset(getattr(ca, f"OP_{name}") for name in ("FLOOR", "CEIL", "SIGN", "FMOD", "COPYSIGN", "LT", "LE", "EQ", "NE",

@@ -12,6 +12,7 @@ from typing import Any
 import sympy as sp
 
 from lagrangia.algebra.duals import Scalar, nested_lines
+from lagrangia.base.diagnostics import Span
 from lagrangia.base.table_data import Beyond, TableData
 
 Expr = Any  # sp.Expr, whose type hints are not complete
@@ -40,9 +41,9 @@ class SympyAlgebra:
         """f without these rates."""
         return sp.sympify(f).xreplace(dict.fromkeys(rates, sp.S.Zero))
 
-    def divisor(self, x: Scalar) -> Scalar:
+    def quotient(self, x: Scalar, y: Scalar, place: Span) -> Scalar:
         """The same: no steps are taken."""
-        return x
+        return x / y
 
     def note_length(self, x: Scalar) -> None:
         """Nothing is noted: SymPy keeps corners as they are."""

@@ -29,7 +29,7 @@ from lagrangia.compile.requirements import find_requirements
 from lagrangia.compile.right_hand_side import right_hand_side
 from lagrangia.compile.start_functions import start_functions, start_patterns
 from lagrangia.constraints.initial import InitialConditions, start_function
-from lagrangia.constraints.parameters import all_parameters, scalars
+from lagrangia.constraints.parameters import all_parameters, default_parameters, scalars
 from lagrangia.constraints.rows import Constraints
 from lagrangia.dynamics.constrained_motion import ConstrainedMotion, RegularMotion
 from lagrangia.dynamics.delaying import Delaying, find_delaying
@@ -92,7 +92,7 @@ def build_functions(
     flow = [hamilton.velocity, hamilton.force] if hamilton else []
     sampling, delaying, kick = find_sampling(kinematics), find_delaying(kinematics), find_kick(kinematics, motion)
     switches = find_switches(motion, delaying.values, bends_by_inputs(kinematics))
-    held = HeldMotion(motion, switches)
+    held = HeldMotion(motion, switches, default_parameters(kinematics)[1])
     found, hoisted = _hoisted(settled(motion, switches, {
         "rhs": right_hand_side(kinematics, made, held, made.acceleration, made.source_power, multipliers), "energies": [energy],
         "outputs": [held.outputs(y, put), *switches.hold([guarding.values]), held.outputs(motion.impacts.of_forces, put)],
@@ -155,7 +155,7 @@ def build_island_functions(kinematics: Kinematics, motion: Motion) -> Functions:
     (_, multipliers), jacobian, modes = _multipliers(motion), build_jacobian(kinematics, motion), kinematics.algebra.modes
     kick = find_kick(kinematics, motion)
     switches = find_switches(motion, None, bends_by_inputs(kinematics))
-    held = HeldMotion(motion, switches)
+    held = HeldMotion(motion, switches, default_parameters(kinematics)[1])
     found, hoisted = _hoisted({
         "rhs": right_hand_side(kinematics, motion, held, motion.acceleration, motion.source_power, multipliers),
         **_constrained(kinematics, motion, ca.SX(0, 1), held),
@@ -186,7 +186,7 @@ def _sampled_functions(kinematics: Kinematics, motion: Motion, initial: InitialC
 
 def _requirement_function(kinematics: Kinematics, motion: Motion) -> dict[str, ca.Function]:
     """The places of the first requirements of parameters that are not met, or -1: of all but those only told, and of these."""
-    first, requirements = [ca.SX(-1), ca.SX(-1)], find_requirements(kinematics, motion.impacts)
+    first, requirements = [ca.SX(-1), ca.SX(-1)], find_requirements(kinematics, motion)
     for k, x in reversed([*enumerate(requirements)]):
         first[x.only_told] = ca.if_else(x.holds, first[x.only_told], k)
     table = {"requirements": ca.Function("requirements", [motion.p], [*map(ca.densify, first)], ["p"], ["first", "told"])}

@@ -5,43 +5,65 @@ from collections.abc import Iterator
 import casadi as ca
 
 from lagrangia.base.records import dataclass
+from lagrangia.compile.divisors import what_divides
 from lagrangia.constraints.parameters import lengths_of_directions, parameter_symbols, possible_inertias, usual_inertias
 from lagrangia.dynamics.impacts import Impacts
+from lagrangia.dynamics.motion import Motion
 from lagrangia.frames.kinematics import Kinematics
 
 
 @dataclass(frozen=True)
 class Requirement:
     """1 where it is met and else 0, of all parameters; `said`: what is told where it is not, `parameters`: whose values then are
-    told, too, `place`: where they are declared. Else the run is refused, or goes on where it is `only_told`."""
+    told, too, `place`: where they are declared, or what is wrong stands, with its `excerpt` and `advice`. Else the run is
+    refused, or goes on where it is `only_told`."""
 
     holds: ca.SX
     said: str
     parameters: tuple[str, ...] = ()
     place: str = ""
     only_told: bool = False
+    excerpt: str = ""
+    advice: str = ""
 
     @property
     def told(self) -> dict[str, object]:
         """As Scene.notes has it."""
-        return {"said": self.said, "parameters": [*self.parameters], "place": self.place}
+        return {"said": self.said, "parameters": [*self.parameters], "place": self.place, "excerpt": self.excerpt,
+                "advice": self.advice}
 
 
-def find_requirements(kinematics: Kinematics, impacts: Impacts) -> tuple[Requirement, ...]:
+def find_requirements(kinematics: Kinematics, motion: Motion) -> tuple[Requirement, ...]:
     """Directions before what is divided by their lengths."""
     of_values = [*lengths_of_directions(kinematics), *possible_inertias(kinematics)]
     is_allowed = "L0746" in kinematics.graph.model.allowed
     usual = () if is_allowed else usual_inertias(kinematics)
-    return (*(Requirement(holds, said, place=str(span)) for holds, said, span in of_values), *_of_events(kinematics, impacts),
+    return (*(Requirement(holds, said, place=str(span)) for holds, said, span in of_values),
+            *_of_events(kinematics, motion.impacts), *_of_divisors(kinematics, motion),
             *(Requirement(holds, said, place=str(span), only_told=True) for holds, said, span in usual))
+
+
+def _of_divisors(kinematics: Kinematics, motion: Motion) -> Iterator[Requirement]:
+    """That forces are not divided by 0."""
+    declared = {name: v for v in kinematics.graph.model.variables.values() if v.kind == "parameter" for name, _ in v.elements()}
+    for holds, divisor, place in what_divides(kinematics, motion):
+        asked = tuple(_named_in(kinematics, divisor))
+        span = place or declared[asked[0]].span
+        said = "division by zero" if place else "a force is divided by a root that vanishes with its rates, where it jumps,"
+        advice = "give it another value, or write what holds then as a choice: if x <> 0 then .../x else ..." if place else ""
+        yield Requirement(holds, said, asked, str(span), excerpt=span.excerpt, advice=advice)
 
 
 def _of_events(kinematics: Kinematics, impacts: Impacts) -> Iterator[Requirement]:
     """That each stays what it was taken for when its scene was compiled, a contact or a kick."""
+    for when, comparisons in zip(kinematics.graph.model.whens, impacts.recognized, strict=False):
+        for x in comparisons:
+            yield Requirement(x.holds, f"the event at '{when.condition.span.text}' {'becomes' if x.makes else 'ceases to be'} a "
+                              "contact, which holds what rests there,", tuple(_named_in(kinematics, x.holds)))
+
+
+def _named_in(kinematics: Kinematics, x: ca.SX) -> Iterator[str]:
+    """The names of parameters that it depends on."""
     model, symbols = kinematics.graph.model, parameter_symbols(kinematics).elements()
     names = [name for v in model.variables.values() if v.kind == "parameter" for name, _ in v.elements()]
-    for when, comparisons in zip(model.whens, impacts.recognized, strict=False):
-        for x in comparisons:
-            asked = tuple(name for name, symbol in zip(names, symbols, strict=True) if ca.depends_on(x.holds, symbol))
-            yield Requirement(x.holds, f"the event at '{when.condition.span.text}' {'becomes' if x.makes else 'ceases to be'} a "
-                              "contact, which holds what rests there,", asked)
+    return (name for name, symbol in zip(names, symbols, strict=True) if ca.depends_on(x, symbol))

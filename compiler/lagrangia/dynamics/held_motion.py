@@ -24,9 +24,9 @@ Put = Callable[[Sequence[ca.SX]], list[ca.SX]]
 
 
 class HeldMotion:
-    """Of a motion with its switches."""
+    """Of a motion with its switches; `declared`: values of its parameters."""
 
-    def __init__(self, motion: Motion, switches: Switches) -> None:
+    def __init__(self, motion: Motion, switches: Switches, declared: ca.DM) -> None:
         self.switches, self.motion = switches, motion.unsolved or motion
         self.own, self.levels = Later(self._own_forces), Later(self._levels)
         self.shares = {x.__hash__(): pair for pair, x in switches.places.items() if x.__hash__() in switches.shares}
@@ -34,7 +34,7 @@ class HeldMotion:
         symbols = ca.vertcat(ca.SX(0, 1), *switches.places.values())
         at_rest = ca.vertcat(ca.SX(0, 1), *(x for x in switches.rests.values() if x.is_symbolic()))
         self.movers = symbols_in(ca.vertcat(motion.t, motion.q, motion.v, motion.u))
-        self._level = Level(symbols, switches.values[: symbols.numel()], self.motion.v, at_rest)
+        self._level = Level(symbols, switches.values[: symbols.numel()], self.motion.v, at_rest, self.motion.p, declared)
 
     def rows(self, expressions: Sequence[ca.SX], rows: ca.SX | None = None, v: ca.SX | None = None,
              against: tuple[Later[ca.SX], ca.SX] | None = None) -> list[ca.SX]:

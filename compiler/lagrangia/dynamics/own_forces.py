@@ -114,18 +114,20 @@ class OwnForces:
         return op in _CONDITIONS or (op in _BARE and all(self._is_bare(int(x)) for x in operands))
 
     def note_alike(self, jumping: Jumping, level: "Level") -> None:
-        """Of other expressions that jump, and not by comparisons, those that are on both sides what holds, or its reaction."""
+        """Of other expressions that jump, and not by comparisons, those that are on both sides what holds, or its reaction: with
+        any parameters, or as these are declared."""
         compared = self._compared(jumping)
         asked = {number: x for number, x in jumping.items() if number not in self.found and not self._is_bare(number)
                  and number not in compared}
         for share in {share for share, _ in self.sums} & _NONE.union(*(shares for _, shares in asked.values())):
             numbers = [number for number, (_, shares) in asked.items() if share in shares]
             sums = [x for own, x in self.sums if own == share]
-            sides = level.sides([*sums, *(asked[number][0] for number in numbers)], share)
-            for number, own in zip(numbers, sides[len(sums) :], strict=True):
-                if any(np.allclose(sign * a, b, rtol=_ALIKE, atol=0) for x in sides[: len(sums)]
-                       for a, b in zip(own, x, strict=True) for sign in (1, -1)):
-                    self.found[number] = self.found.get(number, _NONE) | {share}
+            for is_declared in (False, True):
+                sides = level.sides([*sums, *(asked[number][0] for number in numbers)], share, is_declared)
+                for number, own in zip(numbers, sides[len(sums) :], strict=True):
+                    if any(np.allclose(sign * a, b, rtol=_ALIKE, atol=0) and (a.any() or not is_declared)
+                           for x in sides[: len(sums)] for a, b in zip(own, x, strict=True) for sign in (1, -1)):
+                        self.found[number] = self.found.get(number, _NONE) | {share}
 
     def _compared(self, jumping: Jumping) -> set[int]:
         """Of those, comparisons and what is made of them."""
@@ -164,24 +166,29 @@ class OwnForces:
 @dataclass(frozen=True)
 class Level:
     """States in which a rate is on its level: `symbols` (k,) of switches with their `values`, of v; those `at_rest` are said to
-    be there."""
+    be there. Of the parameters p what is `declared`, if known."""
 
     symbols: ca.SX
     values: ca.SX
     v: ca.SX
     at_rest: ca.SX
+    p: ca.SX
+    declared: ca.DM
 
-    def sides(self, expressions: Sequence[ca.SX], share: int) -> NDArray[np.float64]:
-        """Of each expression its values where a share is 0 and 1, in two states, at rest and not: (expressions, 2, 4)."""
+    def sides(self, expressions: Sequence[ca.SX], share: int, is_declared: bool) -> NDArray[np.float64]:
+        """Of each expression its values where a share is 0 and 1, in two states, at rest and not, with random parameters or as
+        they are declared: (expressions, 2, 4)."""
         asked = ca.vertcat(ca.SX(0, 1), *expressions)
         k = next(k for k, x in enumerate(self.symbols.elements()) if x.__hash__() == share)
         own = symbols_in(ca.vertcat(self.v, self.at_rest, self.symbols))
         others = ca.vertcat(ca.SX(0, 1), *(x for x in ca.symvar(ca.veccat(asked, self.values)) if x.__hash__() not in own))
+        known = dict(zip(map(ca.SX.__hash__, self.p.elements()), self.declared.elements(), strict=True)) if is_declared else {}
         rates = ca.Function("rates", [self.v, others], [self.values, ca.jacobian(self.values[k], self.v)])
         value = ca.Function("value", [self.v, others, self.at_rest, self.symbols], [asked])
         random, found = np.random.default_rng(1), list[list[NDArray[np.float64]]]()
         for _ in range(2):
             v, given = (random.uniform(0.1, 0.9, x.numel()) for x in (self.v, others))
+            given = [known.get(x.__hash__(), y) for x, y in zip(others.elements(), given, strict=True)]
             off, along = (x.full() for x in rates(v, given))
             v = v - along.ravel() * off[k] / max(along.ravel() @ along.ravel(), _LEAST)
             switches = (rates(v, given)[0].full() > 0).astype(float)

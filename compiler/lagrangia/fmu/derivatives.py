@@ -24,7 +24,7 @@ from lagrangia.compile.functions import outputs_of, state_space
 from lagrangia.compile.instructions import tape_of
 from lagrangia.compile.pipeline import Compilation
 from lagrangia.compile.told_positions import told_positions
-from lagrangia.constraints.parameters import all_parameters
+from lagrangia.constraints.parameters import all_parameters, default_parameters
 from lagrangia.dynamics.delaying import find_delaying
 from lagrangia.dynamics.held_motion import HeldMotion
 from lagrangia.dynamics.impulses import bends_by_inputs
@@ -88,7 +88,7 @@ def _equations(compilation: Compilation, outputs: tuple[str, ...],
     t, q, v, *given = symbols
     told = told_positions(kinematics)
     switches = find_switches(motion, find_delaying(kinematics).values, bends_by_inputs(kinematics))
-    moving, held = HeldMotion(motion, switches), made.constrained
+    moving, held = HeldMotion(motion, switches, default_parameters(kinematics)[1]), made.constrained
     multipliers, rows = (held.multipliers, held.rows.rate) if held else (ca.SX(0, 1), ca.SX(0, 1))
     found = settled(motion, switches, {"rows": moving.rows([a, multipliers], rows, v), "y": [moving.outputs(y, put)],
                                        "switches": [switches.values, switches.rates]})

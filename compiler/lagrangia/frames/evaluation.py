@@ -171,8 +171,7 @@ class Evaluator:
                 divisor = _number(b, node.right.span)
                 if isinstance(divisor, float | int) and divisor == 0:
                     refuse_division(node, self.model)
-                divisor = algebra.divisor(divisor)
-                return map_scalars(lambda x: x / divisor, a)
+                return map_scalars(lambda x: algebra.quotient(x, divisor, node.span), a)
         a, b = _number(a, node.left.span), _number(b, node.right.span)
         match node.operator:
             case "^":

@@ -23,6 +23,7 @@ from lagrangia.frames.edges import Edge
 from lagrangia.frames.evaluation import Evaluator, Value, scalars_of
 from lagrangia.frames.geometry import Geometry, Pose, geometry_of
 from lagrangia.frames.graph import ComponentGraph
+from lagrangia.frames.parameter_symbols import VanishAsDeclared, compiled_in, shaped_symbols
 from lagrangia.frames.planes import Plane
 from lagrangia.frames.quaternions import NOT_TURNED, Quaternion, quaternion_along
 from lagrangia.frames.space_checks import require_about_z
@@ -416,14 +417,14 @@ def build_kinematics(graph: ComponentGraph, is_general: bool = True, massless: t
     accelerations = {name: symbol(f"der(der({name}))") for name in names}
     time, tau = symbol("t"), symbol("tau")
     variables = [v for v in graph.model.variables.values() if v.kind in ("parameter", "input", "delayed")]
-    values = {v.name: _shaped(v.name, v.shape, ()) for v in variables}
+    values = {v.name: shaped_symbols(v.name, v.shape) for v in variables}
     inputs = [(v.name, x) for v in variables if v.kind == "input" for x in scalars_of(values[v.name])]
     late = (values[delay.name] for delay in graph.model.delays)
     moving = column(*positions.values(), *rates.values(), *accelerations.values(), *(x for _, x in inputs), *late)
     of_plane = graph.plane.numbers if isinstance(graph.plane, Plane) else {}
     numbers = {**compiled_numbers(graph.model, is_general, massless), **of_plane}
-    compiled = {name: _compiled(values[name], known) for name, known in numbers.items()}
-    algebra = CasadiAlgebra(time, moving)
+    compiled = {name: compiled_in(values[name], known) for name, known in numbers.items()}
+    algebra = CasadiAlgebra(time, moving, symbols_in(column(*rates.values())), VanishAsDeclared(graph.model, values))
     pieces = {name: _pieces(algebra, graph.model, name, values, [x for x, _ in inputs]) for name in graph.model.moving_inputs}
     found = Kinematics(graph, Symbols(time, tau, positions, rates, accelerations, values, compiled, pieces), algebra)
     for attitude in graph.attitudes.values():
@@ -478,22 +479,3 @@ def _pieces(algebra: CasadiAlgebra, model: FlatModel, name: str, values: Mapping
 
 def _nested(items: Iterator[Piece], shape: tuple[int, ...]) -> Value:
     return tuple(_nested(items, shape[1:]) for _ in range(shape[0])) if shape else next(items)
-
-
-def _compiled(value: Value, numbers: Sequence[float | None]) -> Value:
-    """The symbols of a parameter, with numbers in place of those that are compiled in."""
-    known = iter(numbers)
-
-    def pick(item: Value) -> Value:
-        if isinstance(item, tuple):
-            return tuple(pick(x) for x in item)
-        number = next(known)
-        return item if number is None else number
-
-    return pick(value)
-
-
-def _shaped(name: str, shape: tuple[int, ...], index: tuple[int, ...]) -> Value:
-    if not shape:
-        return symbol(name + (f"[{','.join(map(str, index))}]" if index else ""))
-    return tuple(_shaped(name, shape[1:], (*index, i)) for i in range(1, shape[0] + 1))

@@ -306,7 +306,7 @@ def check_parameters(scene: Scene, parameters: Sequence[float]) -> None:
     for known, value in zip(scene.parameters, parameters, strict=True):
         _require_possible("parameter", known, value, report)
     report.raise_errors()
-    check_requirements(scene, parameters, report)
+    check_requirements(scene, parameters)
 
 
 def _require_possible(what: str, known: Parameter, value: float, report: Report) -> None:

@@ -3,21 +3,21 @@
 from collections.abc import Collection, Mapping, Sequence
 from typing import Any
 
-from lagrangia.base.diagnostics import Report
+from lagrangia.base.diagnostics import Diagnostic, LagError
 from lagrangia.run.interpret import evaluate
 from lagrangia.run.scene import Scene
 
 
-def check_requirements(scene: Scene, parameters: Sequence[float], report: Report) -> None:
+def check_requirements(scene: Scene, parameters: Sequence[float]) -> None:
     """Raises LagError L0605 for the first that is not met."""
     tape = scene.tapes.get("requirements")
     if tape is not None and (first := int(evaluate(tape, parameters)[0][0])) >= 0:
         known = scene.notes["requirements"][first]
         values = ", ".join(_valued(scene, known, parameters))
-        report.error("L0605", tell_unmet(scene, first, parameters), None,
-                     f"what it is, is decided by parameters as they are declared: declare {values}" if values else
-                     f"declared at {known['place']}")
-        report.raise_errors()
+        hint = known["advice"] or (f"what it is, is decided by parameters as they are declared: declare {values}" if values else
+                                   f"declared at {known['place']}")
+        said = tell_unmet(scene, first, parameters)
+        raise LagError([Diagnostic("error", "L0605", said, hints=(hint,), excerpt=known["excerpt"])])
 
 
 def asks_for(scene: Scene, places: Collection[int]) -> bool:

@@ -19,7 +19,7 @@ from lagrangia.algebra.with_casadi import CORNERS, uses
 from lagrangia.base.diagnostics import fail
 from lagrangia.base.later import Later
 from lagrangia.base.records import dataclass
-from lagrangia.constraints.parameters import scalars
+from lagrangia.constraints.parameters import default_parameters, scalars
 from lagrangia.dynamics.driven_conditions import Pair
 from lagrangia.dynamics.energies import Energies, evaluate_energies, generalised_force
 from lagrangia.dynamics.found_conditions import conditions_in
@@ -284,7 +284,7 @@ def _find_holds(motion: "Motion", energies: Energies, parts: _Parts) -> tuple[Ho
         tuple(whens[k].component or whens[k].condition.span.text for k in gaps),
         tuple(owners.get(pair) or "friction" for pair in order),
         tuple((order[a], order[b]) for a, b in cones if a in order and b in order),
-    ), HeldMotion(acting, switches)
+    ), HeldMotion(acting, switches, default_parameters(parts.free)[1])
 
 
 def _at_rest(conditions: Mapping[Pair, Expression], rests: Mapping[Pair, Expression]) -> dict[Pair, Expression]:
