@@ -1,6 +1,7 @@
 """`lag export`: what other programs make of it moves as ours does."""
 
 import re
+import runpy
 import subprocess
 import sys
 from collections.abc import Callable
@@ -131,7 +132,7 @@ def test_inputs_keep_their_start_values(written, tmp_path: Path) -> None:
 
 def test_what_cannot_be_exported_is_told(tmp_path: Path, capsys) -> None:
     scene = str(EXAMPLES / "chain.lag")
-    for options, code in ((["--to", "matlab"], "L0704"), (["--to", "modelica", "-p", "n=9"], "L0712"),
+    for options, code in ((["--to", "matlab"], "L0704"), (["--to", "sympy", "-p", "n=9"], "L0712"),
                           (["--to", "python", "-p", "m=3"], "L0702"), (["--to", "sympy", "--names", "x=y"], "L07")):
         assert main(["export", scene, "-o", str(tmp_path / "out"), *options]) == WRONG
         assert f"error[{code}" in capsys.readouterr().err
@@ -406,9 +407,20 @@ def test_each_component_that_demands_the_same_is_named_once(parts: str, names: s
 
 def test_scenes_too_large_for_equations_are_told_of_components(written, tmp_path: Path, capsys) -> None:
     scene = written("model Many Block b[25](each m = 1, each base = world); end Many;")
-    assert main(["export", str(scene), "--to", "modelica", "-o", str(tmp_path / "out")]) == 2
-    assert re.search("(?s)the equations of 25 coordinates.*--components has joints and bodies", capsys.readouterr().err)
+    assert main(["export", str(scene), "--to", "modelica", "-o", str(tmp_path / "out")]) == 0
+    assert re.search("by instructions, as the equations are too large.*--components has joints", capsys.readouterr().out)
     assert main(["equations", str(scene)]) == 2 and "--components" not in capsys.readouterr().err
+
+
+def test_negative_kinetic_energies_are_no_numbers_in_python(written, tmp_path: Path) -> None:
+    """The module had `nan`, which is no name of Python: slope(...) ended in a NameError."""
+    scene = written("model Own parameter Mass m = 2; coordinate Length x(start = 1); "
+                    "energy kinetic 0.5*m*der(x)^2; potential 3[N/m]*x^2; end Own;")
+    file = tmp_path / "own.py"
+    assert main(["export", str(scene), "--to", "python", "-o", str(file)]) == 0
+    module = runpy.run_path(str(file))
+    assert module["slope"](0, module["START"]).tolist() == [0, -3]
+    assert np.isnan(module["slope"](0, module["START"], p=[-1.0])[1])
 
 
 def test_large_files_say_their_size(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:

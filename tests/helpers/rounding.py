@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 import lagrangia as lag
-from lagrangia.compile.numpy_module import statements
+from lagrangia.compile.numpy_module import TEXTS, number
+from lagrangia.compile.statements import statements
 
 needs_longer_numbers = pytest.mark.skipif(np.finfo(np.longdouble).nmant < 63, reason="no numbers longer than double here")
 
@@ -16,7 +17,7 @@ def noise(model: lag.Model, states: Iterable[Sequence[np.ndarray]], function: ca
     """The largest difference, relative to the largest acceleration. A state is t, q, v, u. The function, of these and p, is the
     model's own unless given."""
     rhs = model.functions()["rhs"] if function is None else function
-    lines, (entries, *_) = statements(rhs, ["t[{}]", "q[{}]", "v[{}]", "u[{}]", "p[{}]"])
+    lines, (entries, *_) = statements(rhs, [f"{name}[{{}}]".format for name in "tqvup"], TEXTS, number=number)
     program = compile("\n".join([*lines, f"out = [{', '.join(entries)}]"]), "rhs", "exec")
 
     def evaluate(values: list[np.ndarray], number: type) -> np.ndarray:

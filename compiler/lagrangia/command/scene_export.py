@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from lagrangia.algebra.lookup_functions import MOST_WRITTEN
-from lagrangia.base.diagnostics import Diagnostic, fail, suggest
+from lagrangia.base.diagnostics import Diagnostic, LagError, fail, suggest
 from lagrangia.base.result_files import Target, keep_apart, write_text
 from lagrangia.base.spelling import python_text
 from lagrangia.constraints.parameters import parameters_of
@@ -21,11 +21,13 @@ from lagrangia.run.request import USUAL
 from lagrangia.study.small_motion import build_small_motion
 
 if TYPE_CHECKING:
+    from lagrangia.dynamics.freedom import Freedom
     from lagrangia.model import Model
 
 TARGETS = {"sympy": ".py", "latex": ".tex", "python": ".py", "casadi": ".casadi", "modelica": ".mo"}
 _FEW, _LARGE = 4, 5_000_000  # names that are told; characters of a file whose size is
 _LOST, STARTS = "outputs are not written: ", "starts are those of"
+_INSTRUCTIONS = "by instructions, as the equations are too large to be read; --components has joints and bodies in their place"
 _MATRICES = ("M", "J", "jacobian", "jacobian_u", "jacobian_p")
 _ARGUMENTS = {"t": "t", "q": "q[{}]", "v": "v[{}]", "u": "u[{}]", "p": "p[{}]"}
 _WORDS = {
@@ -53,7 +55,7 @@ def export(model: "Model", target: str, path: Path, names: Mapping[str, str] | N
     else:
         text = exported_text(model, target, names, force)
         write_text(path, text)
-        told = "; ".join([f"{path}: {_size(text)}", *re.findall(rf"^  // ({_LOST}.*)$", text, re.MULTILINE)])
+        told = "; ".join([f"{path}: {_size(text)}", *re.findall(rf"^  // ((?:{_LOST}|{_INSTRUCTIONS}).*)$", text, re.MULTILINE)])
     return "; ".join([told, *(_starts_told(model) if target in ("python", "casadi", "modelica") else [])])
 
 
@@ -87,9 +89,8 @@ def require_smooth(model: "Model", target: str) -> None:
     compilation = model.compilation
     refuse_held(compilation.flat, f"the export to {target}")
     refuse_delays(compilation.flat, f"the export to {target}")
-    if target == "python" and (long := [table for table in model.scene.tables if table.n > MOST_WRITTEN]):
-        fail("L0901", f"not supported yet: the table '{long[0].name}' of {long[0].n} points in the export to python", None,
-             f"it writes tables of at most {MOST_WRITTEN} points out; --to casadi and --to fmu look up what is longer")
+    if target == "python":
+        _refuse_long_tables(model, target)
     if whens := [when for when in compilation.flat.whens if when.resets]:
         fail("L0909", f"not supported yet: to export to {target} a scene in which {compilation.flat.set_at_events} at events",
              whens[0].span, "an FMU has the events: --to fmu")
@@ -97,6 +98,12 @@ def require_smooth(model: "Model", target: str) -> None:
         fail("L0909", f"not supported yet: to export a scene to {target} whose supports jump, or their rates",
              place_of_moving_support(compilation.kinematics), "an FMU takes the impulses into account: --to fmu",
              "or let the support start and stop smoothly")
+
+
+def _refuse_long_tables(model: "Model", target: str) -> None:
+    if long := [table for table in model.scene.tables if table.n > MOST_WRITTEN]:
+        fail("L0901", f"not supported yet: the table '{long[0].name}' of {long[0].n} points in the export to {target}", None,
+             f"it writes tables of at most {MOST_WRITTEN} points out; --to casadi and --to fmu look up what is longer")
 
 
 def export_warnings(model: "Model", target: str) -> list[Diagnostic]:
@@ -180,13 +187,39 @@ def _modelica(model: "Model", target: str, names: Mapping[str, str], force: bool
     from lagrangia.paper.modelica import write_modelica
     from lagrangia.paper.sheet import Request, written_book
 
-    book = written_book(model.path, Request(names=names, is_forced=force), model.model, model.structural, has_quaternions=True)
+    try:
+        request = Request(names=names, is_forced=force)
+        book = written_book(model.path, request, model.model, model.structural, has_quaternions=True)
+    except LagError as error:
+        if any(diagnostic.code != "L0712" for diagnostic in error.diagnostics):
+            raise
+        return _by_instructions(model, target, names)
     model = model.in_space
     c = model.compilation
     freedom = find_freedom(c.kinematics, c.motion, c.constraints, c.initial, c.functions.table)
-    left_out = [f"left out: {what}" for what in freedom.repeated if freedom.dependent]
     book = replace(book, equations=without_rows(book.equations, freedom.dependent))
-    return write_modelica(book, starts(model) | inputs(model), [*remarks(model, target), *_starts_told(model), *left_out])
+    remarks_on = [*remarks(model, target), *_starts_told(model), *_left_out(freedom)]
+    return write_modelica(book, starts(model) | inputs(model), remarks_on)
+
+
+def _by_instructions(model: "Model", target: str, names: Mapping[str, str]) -> str:
+    """What the scene is compiled to, where its equations are too large to be read. Raises LagError L0506, L0711, L0712, L0901."""
+    from lagrangia.compile.people_functions import flat_function
+    from lagrangia.dynamics.freedom import find_freedom
+    from lagrangia.paper.modelica_instructions import write_instructions
+
+    _refuse_long_tables(model, target)
+    model = model.general
+    c = model.compilation
+    freedom = find_freedom(c.kinematics, c.motion, c.constraints, c.initial, c.functions.table)
+    function = flat_function(c.kinematics, c.motion, c.constraints, model.output_names)
+    values = dict(zip(model.parameter_names, model.parameter_values().tolist(), strict=True)) | starts(model) | inputs(model)
+    remarks_on = [_INSTRUCTIONS, *remarks(model, target), *_starts_told(model), *_left_out(freedom)]
+    return write_instructions(function, model.scene, c.flat, values, freedom.dependent, names, remarks_on)
+
+
+def _left_out(freedom: "Freedom") -> list[str]:
+    return [f"left out: {what}" for what in freedom.repeated if freedom.dependent]
 
 
 # -------------------------------------------------------------------- CasADi, Python

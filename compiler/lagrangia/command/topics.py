@@ -409,14 +409,14 @@ casadi    M, h, rhs, energies, ... of t, q, v, u, p, and parameters, inputs, sta
           a second unpack() has the names of the entries of q, u, p, y
 modelica  a flat model: Lagrange's equations, parameters with units; constraints differentiated twice, as a linear system, and
           multipliers mu (zero on the exact motion) that keep them closed; `closing` says how fast gaps close, 10/s; attitudes
-          are unit quaternions Q_1 to Q_4, their rates w_1 to w_3 by Euler's equations;
+          are unit quaternions Q_1 to Q_4, their rates w_1 to w_3 by Euler's equations; what is too large to be read is
+          written by its instructions, a hidden variable each, up to 100 000 (--force: by equations, which may take long);
           --components: a drive train with those of the Modelica Standard Library, which lag import reads back; joints,
           bodies, springs, forces and torques of a scene with those of Modelica.Mechanics.MultiBody, planar loops by one
           RevolutePlanarLoopConstraint each; what that library cannot say is refused by its name
 sympy, latex   the script, and the worked derivation
 In the first two p has all parameters; what is bound to others follows them: its entry is not read (FOLLOWING, `follow`).
-python and casadi take any scene, modelica what can be written out; but none of them where rates of supports jump (a ramp, a
-table): momentum stays as it is there, which an FMU knows.
+None of these three takes scenes where rates of supports jump (a ramp, a table): momentum stays as it is there, as an FMU knows.
 """
 
 _ANALYSIS = """\

@@ -10,7 +10,7 @@ from lagrangia.compile.told_positions import ToldPositions, told_positions
 from lagrangia.constraints.parameters import parameters_of
 from lagrangia.constraints.rows import Constraints
 from lagrangia.dynamics.motion import Motion, mass_matrix
-from lagrangia.dynamics.negative_inertia import without_negative_inertia
+from lagrangia.dynamics.negative_inertia import refuse_negative_inertia, without_negative_inertia
 from lagrangia.frames.kinematics import Kinematics
 from lagrangia.language.delays import refuse_delays
 from lagrangia.language.samplers import refuse_held
@@ -33,18 +33,41 @@ def people_functions(
     """
     refuse_held(kinematics.graph.model, "M, h and accelerations as functions")
     refuse_delays(kinematics.graph.model, "M, h and accelerations as functions")
-    motion = without_negative_inertia(kinematics, motion)
-    (_a, y, *_), told = state_space(kinematics, motion, constraints, outputs)[1], told_positions(kinematics)
-    expressions = {
-        "M": [mass_matrix(motion)], "h": [motion.h], "rhs": [motion.acceleration], "energies": [motion.T, motion.V, motion.D],
-        "outputs": [y], "jacobian": [_by_state(told, motion)],
-    }
+    motion, told = without_negative_inertia(kinematics, motion), told_positions(kinematics)
+    expressions = _equations(told, motion, constraints, outputs, {"jacobian": [_by_state(told, motion)]})
+    return _following(told, motion, expressions, parameters_of(kinematics, motion.p, given))
+
+
+def flat_function(kinematics: Kinematics, motion: Motion, constraints: Constraints, outputs: tuple[str, ...]) -> ca.Function:
+    """All that a flat model consists of, of t, q, v, u, p and s, (n,), what of positions v is in those: outputs and turning, and
+    rhs of a tree, or M, h, Phi, J, bias and rate, (m,): J v + dPhi/dt.
+
+    Raises LagError L0506 where a kinetic energy is negative for some motion with the declared parameters.
+    """
+    refuse_negative_inertia(kinematics)
+    told, held = told_positions(kinematics), motion.constrained
+    found = _equations(told, motion, constraints, outputs, {"rate": [held.rows.rate]} if held else {})
+    found = {name: found[name] for name in ("outputs", *(("M", "h", "Phi", "J", "bias", "rate") if held else ("rhs",)))}
+    s = ca.SX.sym("s", motion.v.numel())
+    table = _following(told, motion, found | {"turning": [told.pace(told.of(motion.q), motion.v)]},
+                       parameters_of(kinematics, motion.p))
+    t, q, v, u, p = (ca.SX.sym(name, table["turning"].numel_in(name)) for name in "tqvup")
+    results = [table[name](t, q, s if name == "turning" else v, u, p) for name in table]
+    return ca.Function("flat", [t, q, v, u, p, s], ca.cse(results), [*"tqvups"], [*table])
+
+
+def _equations(told: ToldPositions, motion: Motion, constraints: Constraints, outputs: tuple[str, ...],
+               others: Mapping[str, list[ca.SX]]) -> dict[str, list[ca.SX]]:
+    """By their names, `others` among them."""
+    (_a, y, *_) = state_space(told.kinematics, motion, constraints, outputs)[1]
+    found = {"M": [mass_matrix(motion)], "h": [motion.h], "rhs": [motion.acceleration],
+             "energies": [motion.T, motion.V, motion.D], "outputs": [y], **others}
     if told.quaternions:
-        expressions["turning"] = [told.pace(told.of(motion.q), motion.v)]
+        found["turning"] = [told.pace(told.of(motion.q), motion.v)]
     held = motion.constrained
     if held:
-        expressions |= {"Phi": [held.rows.phi], "J": [held.J], "bias": [held.rows.bias], "lambda": [held.multipliers]}
-    return _following(told, motion, expressions, parameters_of(kinematics, motion.p, given))
+        found |= {"Phi": [held.rows.phi], "J": [held.J], "bias": [held.rows.bias], "lambda": [held.multipliers]}
+    return found
 
 
 def people_derivatives(

@@ -77,7 +77,7 @@ def write_modelica(book: Book, starts: Mapping[str, float], remarks: Iterable[st
     lines += [f"  Real {x};" for x in closers]
     closing = _free_name("closing", names)
     if e.rows or scene.turnings:
-        lines.append(f'  parameter Real {closing}(unit = "1/s") = {_CLOSING!r} "how fast gaps of constraints close";')
+        lines.append(closing_line(closing))
     lines += [*told, "equation"]
     lines += [f"  {names[g.symbol]} = {code(g.value)};" for g in scene.given if g.symbol in names]
     steps = [sum((sp.Symbol(x, real=True) * row[k] for x, row in zip(closers, e.J, strict=False)), sp.S.Zero) for k in range(e.n)]
@@ -174,6 +174,11 @@ def experiment_line(model: FlatModel) -> str:
     interval = "" if run.interval is None else f", Interval = {run.interval!r}"
     settings = f"StartTime = {run.start!r}, StopTime = {run.stop!r}, Tolerance = {run.tolerance!r}{interval}"
     return f"  annotation(experiment({settings}));"
+
+
+def closing_line(name: str) -> str:
+    """The declaration of what says how fast gaps of constraints, and of quaternions, close."""
+    return f'  parameter Real {name}(unit = "1/s") = {_CLOSING!r} "how fast gaps of constraints close";'
 
 
 def output_line(v: Variable, name: str, values: Sequence[str]) -> str:

@@ -49,7 +49,6 @@ MOST_KINETIC_TERMS = 250
 MOST_COORDINATES, MOST_FORCED_COORDINATES = 24, 60
 MOST_PRODUCTS, MOST_FORCED_PRODUCTS = 20_000, 200_000  # some 0.2 ms each
 _DIGITS = 6
-_COMPONENTS = "--components has joints and bodies of the Modelica Standard Library in the place of equations"
 _FORMS_OF_SCRIPTS = tuple(form for form in ALL_FORMS if form != "exercise")  # whose solution is not told
 
 
@@ -147,8 +146,7 @@ def written_book(path: Path, request: Request, model: str | None = None, structu
     """The equations for other writers, within the same limits; `has_quaternions`: programs, which know attitudes and signs.
     Raises LagError L0711, L0712."""
     kinematics, constraints = compile_energies(path, model, structural, request.parameters, bool(request.angles), has_quaternions)
-    more = [_COMPONENTS] if has_quaternions else []
-    _check_size(kinematics, request, *more)
+    _check_size(kinematics, request)
     with deep_recursion():
         scene = build_symbolic(kinematics, constraints, angles=request.angles, is_signed=has_quaternions)
         limit = MOST_FORCED_PRODUCTS if request.is_forced else MOST_PRODUCTS
@@ -156,17 +154,17 @@ def written_book(path: Path, request: Request, model: str | None = None, structu
             e = derive(scene, limit, None if request.is_forced else MOST_KINETIC_TERMS)
         except TooLarge:
             fail("L0712", "the equations are too large to be written out", scene.kinematics.graph.model.span,
-                 "--force tries longer; --to python and --to casadi take any scene", *more)
+                 "--force tries longer; --to python and --to casadi take any scene")
         names = name_symbols(scene, request.names)
         return Book(e, presentation_of(e, names, 20 * limit), names, (), parameter_values(kinematics), False)
 
 
-def _check_size(kinematics: Kinematics, request: Request, *more: str) -> None:
+def _check_size(kinematics: Kinematics, request: Request) -> None:
     n = len(kinematics.symbols.positions)
     if n > (MOST_FORCED_COORDINATES if request.is_forced else MOST_COORDINATES):
         fail("L0712", f"the equations of {n} coordinates are too many to read", kinematics.graph.model.span,
              f"at most {MOST_COORDINATES}; with --force {MOST_FORCED_COORDINATES}",
-             "model.functions() of the Python interface has M, h and the accelerations of any scene", *more)
+             "model.functions() of the Python interface has M, h and the accelerations of any scene")
 
 
 def _written(kinematics: Kinematics, scene: SymbolicScene, request: Request, begin: Callable[[], Begin],
