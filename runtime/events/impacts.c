@@ -340,8 +340,10 @@ static void keep_wanted(LagRun *run, int comes)
             continue;
         s->chosen[j] = s->wanted[j];
         for (int i = 0; comes && i < model->n_kept; ++i)
-            if (model->kept[i] == place)
+            if (model->kept[i] == place) {
+                s->has_changed |= run->motion.y[model->n + place] != s->wanted[j];
                 run->motion.y[model->n + place] = s->wanted[j];
+            }
     }
 }
 
@@ -361,6 +363,7 @@ static int find_round(LagRun *run, int is_new, int is_seen)
     int last = lag_sampling_last_rank(model), some = 0, is_changed = !is_new;
     for (int k = 0; k < model->n_whens; ++k)
         last = lag_rank_of(model, k) > last ? lag_rank_of(model, k) : last;
+    s->has_changed = 0;
     memset(s->at_once, 0, (size_t)model->n_whens * sizeof *s->at_once);
     for (int rank = 0; rank <= last; ++rank) {
         is_changed |= is_new && rank > 0 && lag_sampling_take(run, run->motion.t, run->motion.y, rank);
@@ -432,7 +435,7 @@ LagStatus lag_impacts_strike(LagRun *run)
 {
     LagImpacts *s = &run->impacts;
     const int sliding = run->sliding.count;
-    int rounds = 0, is_found = 1, is_known = 1, latest = 0, is_seen;
+    int rounds = 0, still = 0, is_found = 1, is_known = 1, latest = 0, is_seen;
     if (run->model->n_whens == 0)
         return LAG_OK;
     run->sliding.count = 0; /* accelerations as the shares say: forces that hold give no impulses but by events of their own */
@@ -443,10 +446,11 @@ LagStatus lag_impacts_strike(LagRun *run)
     int fire = find_round(run, 1, 0);
     if (fire)
         lag_sliding_note_impact(run, run->switches.g);
-    for (; fire && is_found && rounds < MOST_ROUNDS; ++rounds) {
+    for (; fire && is_found && still <= run->model->n_whens && rounds < MOST_ROUNDS; ++rounds) {
         latest = lag_impacts_striking(run);
         is_known = is_known && are_known(run);
         is_found = lag_impulses_reset(run, 0);
+        still = s->has_changed ? 0 : still + 1; /* what changes nothing comes by rounding, and would for ever */
         is_seen = (rounds & (rounds + 1)) == 0 && lag_contacts_find_errors(run); /* what was at rest has a speed now */
         fire = find_round(run, 0, is_seen);
     }

@@ -50,6 +50,7 @@ typedef struct {
     double seen;     /* the time up to which the next step may go, so that a short bounce is seen in it */
     int in_a_row;    /* events in a row between which no time passed */
     int is_felt;     /* whether the latest resets changed rates by more than their errors */
+    int has_changed; /* whether events of the present round have changed rates or discrete variables at all */
 } LagImpacts;
 
 void lag_impacts_layout(LagImpacts *impacts, const LagModel *model, int size, LagArena *arena);

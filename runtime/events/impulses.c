@@ -370,6 +370,7 @@ int lag_impulses_reset(LagRun *run, int presses)
         return 0;
     note_rounding(run, rubs ? 0 : count);
     s->is_felt = is_felt(run);
+    s->has_changed |= memcmp(v, s->after, size) != 0;
     memcpy(v, s->after, size);
     memset(run->motion.carry + model->n, 0, size);
     count_energy(run, rubs ? before - kinetic_energy(run) : energy_taken(run, count));

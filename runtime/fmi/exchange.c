@@ -38,6 +38,7 @@ LagAnswer lag_instance_set_time(LagInstance *s, double t)
         && (s->model->n_pieces > 0 || (s->vital.mode & LAG_MODE_CONTINUOUS) != 0);
     const LagAnswer answer = is_awaited ? LAG_ANSWER_OK : lag_instance_settle(s);
     s->vital.t = t;
+    lag_exchange_hold_inputs(s);
     lag_instance_forget(s);
     return answer;
 }
@@ -240,8 +241,7 @@ static void pass_with_inputs(LagInstance *s)
             run->switches.turned[i] = LAG_STAYS;
 }
 
-/* Events at an instant, and those that come at once by what is held after them. LAG_EVENTS_GO_ON where these do not end. Impacts that do
- * not, by states as coarse as an importer's, do with its next event. */
+/* Events at an instant, and those that come at once by what is held after them. */
 static LagStatus strike(LagRun *run)
 {
     LagStatus status = LAG_OK;
@@ -253,7 +253,9 @@ static LagStatus strike(LagRun *run)
         lag_switches_enter(run);
         lag_sampling_meet(run, run->motion.t); /* each instant is sampled once */
     } while (status == LAG_OK && run->impacts.comes_next);
-    return status == LAG_EVENTS_GO_ON && run->impacts.comes_next ? status : LAG_OK;
+    if (status == LAG_OK && run->sliding.jams)
+        return lag_fail(run, LAG_NO_IMPULSE, -1, 0, lag_impacts_striking(run));
+    return status;
 }
 
 /* What the equations hold from now on, and what slides; rates are reset. Tells whether the state was moved for it. */

@@ -31,6 +31,35 @@ enum { MOST_STEPS = 10000 }; /* of our run for one of an importer's */
 
 /* ---------------------------------------------------------------- inputs */
 
+/* A table of inputs is in force from its first row on. */
+static void put_inputs(LagRun *run, const double *times, const double *values, int rows)
+{
+    lag_inputs_set(&run->inputs, times, values, rows); /* there is room for two */
+    lag_inputs_enter(&run->inputs, times[0]);
+    lag_inputs_read(&run->inputs, run->d);
+}
+
+/* Whether inputs say their rates themselves. */
+static int tell_rates(const LagModel *m)
+{
+    for (int k = 0; k < m->n_pieces; ++k)
+        if (m->pieces[4 * k + 1] >= 0)
+            return 1;
+    return 0;
+}
+
+/* Whether polynomials go on at rates that are found here. */
+static int has_pieces(const LagInstance *s)
+{
+    return s->model->n_pieces > 0 && s->foreseen.rows == 0 && !tell_rates(s->model);
+}
+
+void lag_exchange_hold_inputs(LagInstance *s)
+{
+    if (s->vital.has_started && has_pieces(s))
+        put_inputs(s->run, &s->vital.t, s->u, 1);
+}
+
 /* Those that have jumped go on at the rates they had, of which no more is known. */
 static void begin_inputs(LagInstance *s)
 {
@@ -130,21 +159,14 @@ static void note_inputs(LagInstance *s)
     memcpy(s->most_u, s->u, size);
     if (s->vital.t == s->vital.last_time || !s->vital.knows_inputs) {
         begin_inputs(s);
-        return;
+    } else {
+        lag_exchange_draw_inputs(s);
+        memcpy(s->earlier_u, s->last_u, size);
+        memcpy(s->last_u, s->u, size);
+        memcpy(s->last_rate, s->rate, size);
+        s->vital.earlier_time = s->vital.last_time;
     }
-    lag_exchange_draw_inputs(s);
-    memcpy(s->earlier_u, s->last_u, size);
-    memcpy(s->last_u, s->u, size);
-    memcpy(s->last_rate, s->rate, size);
-    s->vital.earlier_time = s->vital.last_time;
-}
-
-/* A table of inputs is in force from its first row on. */
-static void put_inputs(LagRun *run, const double *times, const double *values, int rows)
-{
-    lag_inputs_set(&run->inputs, times, values, rows); /* there is room for two */
-    lag_inputs_enter(&run->inputs, times[0]);
-    lag_inputs_read(&run->inputs, run->d);
+    lag_exchange_hold_inputs(s);
 }
 
 /* The straight line that they go along at the share x of the last step of h, by the parabola. */
@@ -165,21 +187,21 @@ static void bend_inputs(LagInstance *s, double x, double h)
     put_inputs(s->run, times, values, 2);
 }
 
-/* Whether inputs say their rates themselves. */
-static int tell_rates(const LagModel *m)
+/* Whether they have moved over the last step, or go on at rates. */
+static int are_moving(const LagInstance *s)
 {
-    for (int k = 0; k < m->n_pieces; ++k)
-        if (m->pieces[4 * k + 1] >= 0)
+    for (int i = 0; i < s->model->n_inputs; ++i)
+        if (s->u[i] != s->last_u[i] || (has_pieces(s) && (s->rate[i] != 0 || s->last_rate[i] != 0)))
             return 1;
     return 0;
 }
 
-/* Puts them on straight lines over the last step, where they have moved: returns whether they have, and since when they are held. */
+/* Puts them on straight lines over the last step, where they move: returns whether they do, and since when they are held. */
 static int move_inputs(LagInstance *s, double *since)
 {
     const size_t n = (size_t)s->model->n_inputs, size = n * sizeof *s->u;
     double *times = s->table, *values = s->table + 2;
-    if (n == 0 || s->foreseen.rows > 0 || !s->vital.knows_inputs || memcmp(s->u, s->last_u, size) == 0)
+    if (n == 0 || s->foreseen.rows > 0 || !s->vital.knows_inputs || !are_moving(s))
         return 0;
     *since = s->run->inputs.times[0];
     times[0] = s->vital.last_time;

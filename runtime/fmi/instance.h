@@ -220,6 +220,8 @@ void lag_exchange_note(LagInstance *instance);
 void lag_exchange_stand_at(LagInstance *instance, double t, const double *x);
 /* Rates of inputs at the present time; and inputs have jumped where the last step ended. */
 void lag_exchange_draw_inputs(LagInstance *instance);
+/* They are what they are at the present time, whatever their rates. */
+void lag_exchange_hold_inputs(LagInstance *instance);
 /* How such a rate changes with its input, 1/s; 0 in Co-Simulation. */
 double lag_exchange_rate_by_input(const LagInstance *instance, int input);
 void lag_exchange_jump_inputs(LagInstance *instance);

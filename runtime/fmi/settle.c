@@ -208,6 +208,7 @@ static LagStatus settle_exchange(LagInstance *s)
         if (has_jumped && !is_event)
             lag_exchange_jump_inputs(s);
         lag_exchange_draw_inputs(s);
+        lag_exchange_hold_inputs(s);
     }
     if (is_jump)
         s->vital.work += total_energy(s) - before;

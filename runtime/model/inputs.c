@@ -69,10 +69,16 @@ static double value(const LagInputs *inputs, int row, int column)
     return column < 0 ? 0 : inputs->values[row * inputs->n + column];
 }
 
+/* Of what has no input for its rate: that at which it moves on elsewhere. */
+static double first_rate(const LagInputs *inputs, const int *places, int row)
+{
+    return places[1] < 0 && inputs->rates ? inputs->rates[places[0]] : value(inputs, row, places[1]);
+}
+
 /* Before the first row, behind the last one, or of one row: it goes on as the one row says, and is held where there are others. */
 static void outer_piece(const LagInputs *inputs, const int *places, int row, double *piece)
 {
-    const double rate = inputs->rows == 1 ? value(inputs, row, places[1]) : 0;
+    const double rate = inputs->rows == 1 ? first_rate(inputs, places, row) : 0;
     const double second = inputs->rows == 1 ? value(inputs, row, places[2]) : 0;
     piece[0] = inputs->times[row];
     piece[1] = value(inputs, row, places[0]);

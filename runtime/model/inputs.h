@@ -15,7 +15,7 @@ typedef struct {
     double *times;  /* rows, ascending; two equal times are a jump */
     double *values; /* rows x n */
     int left;       /* the present segment lies between rows left and left + 1; -1: before the table */
-    const double *rates; /* n: of values that are held here and move on elsewhere; NULL: none do */
+    const double *rates; /* n: of values that are held here and move on elsewhere; NULL: none do. Pieces go on with theirs */
     int n_pieces;      /* as in the model */
     const int *pieces; /* 4 n_pieces */
     const LagHistory *history; /* of delayed values, which stand behind the inputs */

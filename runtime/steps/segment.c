@@ -32,15 +32,17 @@ static double middle(double t, double t_event, double t_stop)
     return isfinite(end) ? t + (end - t) / 2 : t + fmax(1, fabs(t));
 }
 
-/* Events that follow inputs, which have no corner before this time. */
+/* Events that follow inputs, which have no corner before this time. Rates that are guessed of them foresee none. */
 static void foresee(LagRun *run, double corner)
 {
-    const double *in[] = {run->p, run->d_given};
+    const double *in[] = {run->p, run->d_given}, *const rates = run->inputs.rates;
     double *out[] = {run->event_a, run->event_b};
     if (run->model->n_pieces == 0)
         return;
     lag_inputs_enter(&run->inputs, middle(run->motion.t, corner, run->settings.t_stop));
+    run->inputs.rates = NULL;
     lag_inputs_read(&run->inputs, run->d_given);
+    run->inputs.rates = rates;
     lag_call(&run->model->events, in, out, run->work);
 }
 

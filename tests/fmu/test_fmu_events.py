@@ -406,3 +406,18 @@ end Rest;""")
     last = simulated(path, version, "ModelExchange", ["n", "k", "b.s", "c.s"], stop_time=1.03, relative_tolerance=1e-10)[-1]
     assert (last["n"], last["k"]) == (1, 1)
     np.testing.assert_allclose([last["b.s"], last["c.s"]], [0.5, 0.53**2], rtol=1e-6)
+
+
+@pytest.mark.parametrize("version", ["2", "3"])
+def test_an_importer_is_told_of_events_without_end(version: str, tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    """Its rows went on with the last of 100 000 rounds."""
+    path = tmp_path / "endless.lag"
+    path.write_text("""model Endless
+  Prismatic x(a = world, along = {1, 0}, v(start = 1)), y(a = x.b, along = {0, 1}); PointMass m(m = 1, center = y.b);
+equation
+  when x.v > 0 and time > 1 then reinit(x.v, -1); reinit(y.v, 1); end when;
+  when y.v > 0.5 then reinit(y.v, 0); reinit(x.v, 1); end when;
+end Endless;""")
+    with pytest.raises(Exception, match=r"DiscreteStates failed with status 3"):
+        simulated(path, version, "ModelExchange", ["x.s"], stop_time=2)
+    assert "at t = 1 s: events that reset rates bring each other about without end" in "".join(capfd.readouterr())

@@ -119,3 +119,21 @@ def test_a_support_that_starts_to_move_carries_its_load(tmp_path: Path) -> None:
     run = lag.load(path).simulate(at=t, tolerance=1e-12)
     np.testing.assert_allclose(run["block.s"], -0.02 * (1 - np.cos(10 * tau)), rtol=0, atol=EXACT)
     np.testing.assert_allclose(run["block.center.x"], tau**2 - 0.02 * (1 - np.cos(10 * tau)), rtol=0, atol=EXACT)
+
+
+@pytest.mark.parametrize("more", ["", "discrete Integer k(start = 0); equation when edge(time > 1) then k = n + m; end when;"])
+def test_counts_that_bring_each_other_about_end_by_themselves(more: str, tmp_path: Path) -> None:
+    """In twenty rounds at 1 s, none of which changes a rate of what moves."""
+    path = tmp_path / "counts.lag"
+    declared, _, equation = more.partition("equation")
+    path.write_text(f"""
+        model Counts
+          Block b(m = 1, base = world, v(start = 1));
+          discrete Integer n(start = 0), m(start = 0); {declared}
+        equation
+          when time > 1 and n == m and n < 10 then n = pre(n) + 1; end when;
+          when m < n then m = pre(m) + 1; end when;
+          {equation}
+        end Counts;""")
+    run = lag.load(path).simulate(at=[0, 0.9, 1.1])
+    assert (run["n"][1], run["n"][2], run["m"][2]) == (0, 10, 10)
