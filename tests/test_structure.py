@@ -364,14 +364,17 @@ C_ROOMS = """
 C_EXCEPTIONS = {"state/state.h"}  # a run holds a struct of each room, so that it can be kept and copied as a whole
 C_DECLARED_LEFT = {"lag_parts"}  # what a library may lack: declared in choice, filled in run
 RUNTIME = ROOT / "runtime"
+HEADERS_OF_C = """assert complex ctype errno fenv float inttypes iso646 limits locale math setjmp signal stdalign stdarg stdatomic
+    stdbit stdbool stdckdint stddef stdint stdio stdlib stdnoreturn string tgmath threads time uchar wchar wctype""".split()
 
 
 def test_every_c_file_has_a_folder_and_a_name_of_its_own() -> None:
-    """FMUs carry all sources side by side."""
+    """FMUs carry all sources side by side, where a header named like one of C's is taken for it."""
     files = [path for path in tracked() if path.parts[0] == "runtime"]
     assert {path.parts[1] for path in files} == set(C_ROOMS)
     assert all(len(path.parts) == 3 for path in files)
     assert len({path.name for path in files}) == len(files)
+    assert not {path.stem for path in files if path.suffix == ".h"}.intersection(HEADERS_OF_C)
 
 
 def test_c_includes_point_one_way() -> None:

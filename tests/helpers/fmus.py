@@ -68,7 +68,7 @@ def _once(place: Path, make: Callable[[Path], object]) -> Path:
 
 @cache
 def _runtime() -> tuple[object, ...]:
-    return tuple(stamps(data_folder("runtime"), ""))
+    return tuple(stamps(data_folder("runtime"), ".c", ".h"))
 
 
 def reported(path: Path) -> list[str]:
