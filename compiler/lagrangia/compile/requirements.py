@@ -1,9 +1,10 @@
 """What parameters have to be beyond the limits of their types: one tape, asked wherever they are set (runs, sweeps, FMUs)."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 import casadi as ca
 
+from lagrangia.algebra.scalars import symbols_in
 from lagrangia.base.records import dataclass
 from lagrangia.compile.divisors import what_divides
 from lagrangia.constraints.parameters import lengths_of_directions, parameter_symbols, possible_inertias, usual_inertias
@@ -46,8 +47,9 @@ def find_requirements(kinematics: Kinematics, motion: Motion) -> tuple[Requireme
 def _of_divisors(kinematics: Kinematics, motion: Motion) -> Iterator[Requirement]:
     """That forces are not divided by 0."""
     declared = {name: v for v in kinematics.graph.model.variables.values() if v.kind == "parameter" for name, _ in v.elements()}
+    names = _names(kinematics)
     for holds, divisor, place in what_divides(kinematics, motion):
-        asked = tuple(_named_in(kinematics, divisor))
+        asked = _named_in(names, divisor)
         span = place or declared[asked[0]].span
         said = "division by zero" if place else "a force is divided by a root that vanishes with its rates, where it jumps,"
         advice = "give it another value, or write what holds then as a choice: if x <> 0 then .../x else ..." if place else ""
@@ -56,14 +58,20 @@ def _of_divisors(kinematics: Kinematics, motion: Motion) -> Iterator[Requirement
 
 def _of_events(kinematics: Kinematics, impacts: Impacts) -> Iterator[Requirement]:
     """That each stays what it was taken for when its scene was compiled, a contact or a kick."""
+    names = _names(kinematics)
     for when, comparisons in zip(kinematics.graph.model.whens, impacts.recognized, strict=False):
         for x in comparisons:
             yield Requirement(x.holds, f"the event at '{when.condition.span.text}' {'becomes' if x.makes else 'ceases to be'} a "
-                              "contact, which holds what rests there,", tuple(_named_in(kinematics, x.holds)))
+                              "contact, which holds what rests there,", _named_in(names, x.holds))
 
 
-def _named_in(kinematics: Kinematics, x: ca.SX) -> Iterator[str]:
-    """The names of parameters that it depends on."""
-    model, symbols = kinematics.graph.model, parameter_symbols(kinematics).elements()
-    names = [name for v in model.variables.values() if v.kind == "parameter" for name, _ in v.elements()]
-    return (name for name, symbol in zip(names, symbols, strict=True) if ca.depends_on(x, symbol))
+def _names(kinematics: Kinematics) -> dict[int, str]:
+    """Of the elements of parameters, by the hashes of their symbols."""
+    names = [name for v in kinematics.graph.model.variables.values() if v.kind == "parameter" for name, _ in v.elements()]
+    return {x.__hash__(): name for name, x in zip(names, parameter_symbols(kinematics).elements(), strict=True)}
+
+
+def _named_in(names: Mapping[int, str], x: ca.SX) -> tuple[str, ...]:
+    """Those that it depends on, in their order."""
+    own = symbols_in(x)
+    return tuple(name for symbol, name in names.items() if symbol in own)
