@@ -13,7 +13,7 @@ from lagrangia.base.diagnostics import EngineWarning, Interrupted, RunError, fai
 from lagrangia.run.cache import find_scene, keep_scene
 from lagrangia.run.engines import Engine, divided, load_engine
 from lagrangia.run.formulas import AS_DECLARED, Compute, Formulas, Sets, by_masses, by_numbers, by_varied
-from lagrangia.run.interpret import evaluate, evaluate_each
+from lagrangia.run.interpret import evaluate
 from lagrangia.run.library import Runtime, find_runtime, has_compiler, has_runtime
 from lagrangia.run.origin import Origin, origin_of
 from lagrangia.run.prepared import PreparedRun
@@ -37,8 +37,6 @@ if TYPE_CHECKING:
     from lagrangia.paper.pages import Page
     from lagrangia.study.analysis import Study
     from lagrangia.study.controlled import Controller
-    from lagrangia.study.sweep.measures import Measure
-    from lagrangia.study.sweep.plan import Design, Job
 
 Given = Mapping[str, float] | None
 NO_COMPILER = ("no run time came with the package, and no C compiler was found to make one: CasADi's cvodes is used, which is "
@@ -300,15 +298,6 @@ class Model(Analysed, Swept):
             other = self._others[formulas] = Model(self.origin, self.model, self.structural, self.outputs, formulas)
             other.native = self.native
         return self._others.get(formulas, self)
-
-    def prepared_for(self, measures: "Sequence[Measure]", request: Request, design: "Design") -> "tuple[Model, Job]":
-        """All runs of a sweep, and the model whose formulas hold for the parameters of each; see `suited`."""
-        from lagrangia.study.sweep.measures import usual_measures
-        from lagrangia.study.sweep.plan import build_job
-
-        job = build_job(self.completed().scene, measures or usual_measures(self.scene), request, design)
-        suited = self._suited(job.parameter_sets, evaluate_each)
-        return (self, job) if suited is self else suited.prepared_for(measures, request, design)
 
     def reporting(self, names: Sequence[str]) -> "Model":
         """This model, or one that reports these names too."""

@@ -3,6 +3,7 @@
 import io
 import sys
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -10,6 +11,7 @@ import pytest
 import lagrangia as lag
 from lagrangia.base.diagnostics import LagError
 from lagrangia.native.build import find_compiler
+from lagrangia.run import interpret
 from lagrangia.study.sweep import progress
 
 pytestmark = pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
@@ -20,6 +22,23 @@ PUSHED = """model Pushed
   annotation(experiment(StopTime = 2));
 end Pushed;
 """
+
+
+def test_what_formulas_the_declared_parameters_need_is_asked_once(scene: Scene, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Sweeps over starts evaluate no parameters in Python, but the first; those over parameters do, each time, and a model in the
+    formulas of others goes back to those declared. F = 1: s = F t^2/(2 m) + s0."""
+    model, asked = scene(PUSHED), list[int]()
+    other = model._in(replace(model.formulas, massless=("m",)))
+    inner = interpret._evaluate
+    monkeypatch.setattr(interpret, "_evaluate", lambda *given: asked.append(1) or inner(*given))
+    counts = []
+    for one in (model, model, other):
+        sweep = one.simulate_many(initial={"b.s": [0.0, 1.0]}, inputs={"F": 1, "G": 0}, outputs="b.s")
+        assert sweep["final(b.s)"] == pytest.approx([1.0, 2.0], abs=1e-12)
+        counts.append(len(asked))
+    assert counts[0] == counts[1] < counts[2]
+    masses = model.simulate_many(parameters={"m": [2.0, 4.0]}, inputs={"F": 1, "G": 0}, outputs="b.s")
+    assert masses["final(b.s)"] == pytest.approx([1.0, 0.5], abs=1e-12) and len(asked) > counts[2]
 
 
 def test_a_frame_has_a_row_for_each_run(scene: Scene) -> None:

@@ -3,15 +3,18 @@
 import os
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
 from lagrangia.base.checked_values import by_name
 from lagrangia.base.diagnostics import fail
 from lagrangia.run.engines import Engine
+from lagrangia.run.formulas import Compute, Sets
+from lagrangia.run.interpret import evaluate, evaluate_each
 from lagrangia.run.origin import Origin
 from lagrangia.run.remarks import warn_of_given
-from lagrangia.run.request import Request
+from lagrangia.run.request import Request, check_values
 from lagrangia.run.scene import Scene
 
 if TYPE_CHECKING:
@@ -46,8 +49,28 @@ class Swept(ABC):
         return self.origin.path
 
     @abstractmethod
+    def completed(self) -> Self:
+        """Itself, with what large scenes get when it is first asked for."""
+
+    @abstractmethod
+    def _suited(self, sets: Sets, compute: Compute) -> Self:
+        """The one whose formulas hold for these sets of parameters."""
+
+    @cached_property
+    def _holds_as_declared(self) -> bool:
+        """Whether its formulas are those of the parameters as they are declared."""
+        values = check_values(self.scene)
+        return self._suited(lambda: [(values.parameters, values.mask)], evaluate) is self
+
     def prepared_for(self, measures: "Sequence[Measure]", request: Request, design: "Design") -> "tuple[Self, Job]":
-        """All runs of a sweep, and the model for them."""
+        """All runs of a sweep, and the model whose formulas hold for the parameters of each."""
+        from lagrangia.study.sweep.measures import usual_measures
+        from lagrangia.study.sweep.plan import build_job
+
+        job = build_job(self.completed().scene, measures or usual_measures(self.scene), request, design)
+        is_declared = not request.parameters and not job.varied_parameters.factors
+        suited = self if is_declared and self._holds_as_declared else self._suited(job.parameter_sets, evaluate_each)
+        return (self, job) if suited is self else suited.prepared_for(measures, request, design)
 
     @abstractmethod
     def engine_for(self, solver: str) -> Engine | None:

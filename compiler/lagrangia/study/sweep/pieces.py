@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 
 from lagrangia.study.sweep.journal import Ledger
 
-_GROWTH = 64  # of a piece over the one before, at most: each costs as much as some fifty short runs
+_GROWTH = 512  # of a piece over the one before, at most: each costs as much as some fifty short runs
 _LONGEST = 100_000  # runs
 _FEWEST = 4  # times as many as go on together
 _SHARE = 0.7  # of what a worker would have of all that is left: the rest makes up for runs that take longer than others
