@@ -9,7 +9,8 @@ import lagrangia as lag
 SOLVERS = ("auto", "erk5", "erk9", "pirk", "implicit", "taylor", "adams")
 ROOTS = ("-2*v/sqrt(v^2 + eps^2)", "-2*v/norm({v, eps})", "-2*v/(v^2 + eps^2)^0.5", "-2*v/(3*sqrt(v^2/9 + eps))",
          "-2*v/(abs(v) + eps)", "-2*v/max(abs(v), eps)", "-2*v/(if eps == 0 then abs(v) else sqrt(v^2 + eps^2))",
-         "-2*smooth(v, eps)")
+         "-2*smooth(v, eps)", "-2/sqrt(v^2 + eps^2)*v", "-2*v*(1/norm({v, eps}))", "-2*v*(v^2 + eps^2)^(-0.5)",
+         "-v*(if b.s < 9 then 2/sqrt(v^2 + eps^2) else 0)", "-v*(1/sqrt(v^2 + eps^2) + 1/(abs(v) + eps))")
 QUOTIENTS = ("tanh(v/eps)", "atan(v/eps)", "min(max(v/eps, -1), 1)", "(v/eps)/sqrt(1 + (v/eps)^2)", "1 - exp(-abs(v)/eps)")
 
 
@@ -82,6 +83,15 @@ def test_a_division_by_0_that_no_force_asks_for_is_none() -> None:
     right = solve_ivp(lambda t, y: [y[1], -2 * y[1] * abs(y[1]) - 3 * y[0]], (0, 2), [0, 1], "DOP853", [2.0], rtol=1e-11,
                       atol=1e-13)
     run = block("-2*v*sqrt(v^2 + eps^2) - 3*b.s").simulate(at=[2.0], tolerance=1e-10)
+    assert run["b.s"] == pytest.approx(right.y[0], abs=1e-8)
+
+
+def test_a_root_beside_places_has_no_width() -> None:
+    """It vanishes where v and s do, and is no friction elsewhere: beside SciPy."""
+    model = block("-1[N]*v/sqrt(v^2 + b.s^2/1[s2] + eps^2) - 1[N/m]*b.s", 0.1)
+    run = model.simulate(at=[0.7, 3.0], tolerance=1e-10, parameters={"eps": 0})
+    right = solve_ivp(lambda t, y: [y[1], -y[1] / np.hypot(*y) - y[0]], (0, 3), [0, 1], "DOP853", [0.7, 3.0], rtol=1e-12,
+                      atol=1e-14)
     assert run["b.s"] == pytest.approx(right.y[0], abs=1e-8)
 
 

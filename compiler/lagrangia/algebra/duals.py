@@ -42,6 +42,9 @@ class Algebra(Protocol):
 
     def call(self, function: str, *arguments: Scalar) -> Scalar:
         """A function of the language, by its name: "sin", "sqrt", "fmax", ..."""
+    def product(self, x: Scalar, y: Scalar) -> Scalar:
+        """x y, without factors that are 0 or 1."""
+
     def quotient(self, x: Scalar, y: Scalar, place: Span) -> Scalar:
         """x/y, as is written at this place."""
 
@@ -219,6 +222,13 @@ class DualAlgebra:
     def number(self, value: float) -> Scalar:
         """As of the algebra beneath: numbers do not move."""
         return self.base.number(value)
+
+    def product(self, x: Scalar, y: Scalar) -> Scalar:
+        """Of the value as of the algebra beneath."""
+        if not isinstance(x, Dual) and not isinstance(y, Dual):
+            return self.base.product(x, y)
+        made = times(x, y)
+        return Dual(self.base.product(value_of(x), value_of(y)), made.rate) if isinstance(made, Dual) else made
 
     def quotient(self, x: Scalar, y: Scalar, place: Span) -> Scalar:
         """Of the value as of the algebra beneath."""

@@ -33,8 +33,8 @@ class Divisors:
 
 
 def width_beside(x: ca.SX, rates: frozenset[int], is_steady: Callable[[ca.SX], bool]) -> tuple[Expression, Expression] | None:
-    """v^2 and w^2 of what stands under a root, v^2 + w^2, where v^2 is a sum of squares with `rates`, and w^2 of parameters; of
-    |v| + w, and of max(|v|, w), the same."""
+    """v^2 and w^2 of what stands under a root, v^2 + w^2, where v^2 is a sum of squares, each with `rates`, and w^2 of
+    parameters; of |v| + w, and of max(|v|, w), the same."""
     terms = [(1, x.dep(k)) for k in range(2)] if x.op() == ca.OP_FMAX else terms_of(as_expression(x))
     numbers = [term for _, term in terms if term.is_constant()]
     others = [(sign, term) for sign, term in terms if not term.is_constant()]
@@ -42,7 +42,7 @@ def width_beside(x: ca.SX, rates: frozenset[int], is_steady: Callable[[ca.SX], b
     if all(steady) or not any(steady) or any(abs(float(number)) > TINY for number in numbers):
         return None
     moving = [pair for pair, known in zip(others, steady, strict=True) if not known]
-    if rates.isdisjoint(symbols_in(x)) or not all(sign > 0 and never_negative(term) for sign, term in moving):
+    if not all(sign > 0 and never_negative(term) and not rates.isdisjoint(symbols_in(term)) for sign, term in moving):
         return None
     square, width = as_expression(0.0), as_expression(0.0)
     for (sign, term), known in zip(others, steady, strict=True):

@@ -10,6 +10,7 @@ from typing import Any
 
 import casadi as ca
 
+from lagrangia.algebra.coefficients import spread
 from lagrangia.algebra.condition_forms import (
     OPPOSITES,
     are_mirrored,
@@ -20,7 +21,7 @@ from lagrangia.algebra.condition_forms import (
     without_sign,
 )
 from lagrangia.algebra.crossings import Crossing, find_crossing
-from lagrangia.algebra.duals import TINY, NotATimeError, Scalar, is_zero, nested_lines, slopes_of
+from lagrangia.algebra.duals import TINY, NotATimeError, Scalar, is_zero, nested_lines, slopes_of, times
 from lagrangia.algebra.lengths import exact_lengths
 from lagrangia.algebra.lookup_functions import TableUse, in_force, written
 from lagrangia.algebra.modes import RELATIONS, Mode, ModeIndex
@@ -115,6 +116,12 @@ class CasadiAlgebra:
             powers = [self.call("pow", x, b) for x, b in found[0]]
             return prod(powers, start=1.0 if found[1].is_zero() else apply_to_one(ca.OP_EXP, found[1]))
         return _SX_FUNCTIONS[function](*arguments)
+
+    def product(self, x: Scalar, y: Scalar) -> Scalar:
+        """Of rates with coefficients that are divided by their lengths, by the terms of these."""
+        found = (spread(a, b, self.rates) for a, b in ((x, y), (y, x)) if isinstance(a, ca.SX) and isinstance(b, ca.SX))
+        made = next((made for made in found if made is not None), None)
+        return times(x, y) if made is None else made
 
     def quotient(self, x: Scalar, y: Scalar, place: Span) -> Scalar:
         """By each of two divisors that parameters choose among. Keeps what is divided by parameters alone, and whether quotients

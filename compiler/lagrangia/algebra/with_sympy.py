@@ -11,7 +11,7 @@ from typing import Any
 
 import sympy as sp
 
-from lagrangia.algebra.duals import Scalar, nested_lines
+from lagrangia.algebra.duals import Scalar, nested_lines, times
 from lagrangia.base.diagnostics import Span
 from lagrangia.base.table_data import Beyond, TableData
 
@@ -40,6 +40,10 @@ class SympyAlgebra:
     def at_rest(self, f: Scalar, rates: Sequence[Scalar]) -> Scalar:
         """f without these rates."""
         return sp.sympify(f).xreplace(dict.fromkeys(rates, sp.S.Zero))
+
+    def product(self, x: Scalar, y: Scalar) -> Scalar:
+        """The same."""
+        return times(x, y)
 
     def quotient(self, x: Scalar, y: Scalar, place: Span) -> Scalar:
         """The same: no steps are taken."""

@@ -158,7 +158,7 @@ class Evaluator:
         algebra = self.algebras[level]
         is_odd = node.operator == "^" and isinstance(node.right, Number) and node.right.value % 1 == 0.5
         if is_odd and isinstance(node.right, Number) and (parts := sum_of_squares(node.left)) is not None:  # |x|^(2 b)
-            return self._power(self._root_of_squares(parts, level, local), 2 * node.right.value, level)
+            return self._power(self._root_of_squares(parts, level, local), 2 * node.right.value, level, node.span)
         a, b = self.value(node.left, level, local), self.value(node.right, level, local)
         match node.operator:
             case "+":
@@ -166,7 +166,7 @@ class Evaluator:
             case "-":
                 return zip_scalars(minus, a, b, node.span)
             case "*":
-                return self._product(a, b, node.span)
+                return self._product(a, b, node.span, level)
             case "/":
                 divisor = _number(b, node.right.span)
                 if isinstance(divisor, float | int) and divisor == 0:
@@ -176,27 +176,28 @@ class Evaluator:
         match node.operator:
             case "^":
                 with _computable(node.span):
-                    return self._power(a, b, level)
+                    return self._power(a, b, level, node.span)
             case "and" | "or":
                 return algebra.logic(node.operator, a, b)
             case _:
                 return algebra.compare(node.operator, a, b)
 
-    def _product(self, a: Value, b: Value, span: Span) -> Value:
+    def _product(self, a: Value, b: Value, span: Span, level: int) -> Value:
         """Scalar times anything; of two vectors the inner product."""
+        product = self.algebras[level].product
         if isinstance(a, tuple) and isinstance(b, tuple):
             return _sum(zip_scalars(times, a, b, span))
         if isinstance(a, tuple):
-            return map_scalars(lambda x: times(x, b), a)
-        return map_scalars(lambda y: times(a, y), b)
+            return map_scalars(lambda x: product(x, b), a)
+        return map_scalars(lambda y: product(a, y), b)
 
-    def _power(self, base: Scalar, exponent: Scalar, level: int) -> Scalar:
+    def _power(self, base: Scalar, exponent: Scalar, level: int, span: Span) -> Scalar:
         """Whole and half powers by multiplication and sqrt: a C compiler calls pow for the others, which is slow."""
         algebra = self.algebras[level]
         if not isinstance(exponent, float | int) or isinstance(base, float | int):
             return algebra.call("pow", base, exponent)
         if exponent < 0:
-            return 1 / self._power(base, -exponent, level)
+            return algebra.quotient(1.0, self._power(base, -exponent, level, span), span)
         if exponent == 0.5:
             return algebra.call("sqrt", base)
         if not float(exponent).is_integer() or exponent > _LARGEST_EXPANDED_POWER:
