@@ -49,7 +49,7 @@ def test_what_is_used_twice_is_computed_once(tmp_path: Path) -> None:
     assert float(run["rate"][-1]) == pytest.approx(slope * v, rel=1e-12)
 
 
-@pytest.mark.parametrize("command", ["equations", "export --to modelica", "export --to sympy"])
+@pytest.mark.parametrize("command", ["equations", "export --to sympy"])
 @pytest.mark.parametrize("value", ["called", "named"])
 def test_equations_without_end_are_refused(command: str, value: str, tmp_path: Path, capsys, monkeypatch) -> None:
     """SymPy writes what stands in two places twice."""
@@ -60,6 +60,16 @@ def test_equations_without_end_are_refused(command: str, value: str, tmp_path: P
     told = capsys.readouterr().err
     assert "error[L0712]" in told
     assert "more than 1500 parts" in told
+
+
+@pytest.mark.parametrize("value", ["called", "named"])
+def test_modelica_has_each_part_once(value: str, tmp_path: Path, monkeypatch) -> None:
+    """By instructions."""
+    monkeypatch.chdir(tmp_path)
+    Path("nested.lag").write_text(NESTED.replace("1[N]*called", f"1[N]*{value}"))
+    assert main(["export", "nested.lag", "--to", "modelica"]) == 0
+    text = Path("Nested.mo").read_text()
+    assert text.count(" = sin(") == DEPTH
 
 
 def test_loops_of_functions_with_branches(tmp_path: Path) -> None:
