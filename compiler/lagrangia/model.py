@@ -72,6 +72,7 @@ class Model(Analysed, Swept):
                  outputs: Sequence[str] = (), formulas: Formulas = AS_DECLARED) -> None:
         """`formulas` hold for some values of the parameters: see `suited`."""
         self.formulas, self._others = formulas, dict[Formulas, Model]()
+        self._reporting = dict[tuple[Any, ...], Model]()  # the latest, by engine and names
         self.origin, self.model = origin_of(path), model if model is None else checked.a_text("name of the model", model)
         self.structural = dict(checked.by_name("structural parameters", structural))
         self.outputs = checked.names("outputs", outputs)
@@ -295,15 +296,24 @@ class Model(Analysed, Swept):
 
     def _in(self, formulas: Formulas) -> "Model":
         if formulas not in (self.formulas, *self._others):
-            other = self._others[formulas] = Model(self.origin, self.model, self.structural, self.outputs, formulas)
-            other.native = self.native
+            self._others[formulas] = self._with(self.outputs, formulas)
         return self._others.get(formulas, self)
 
     def reporting(self, names: Sequence[str]) -> "Model":
-        """This model, or one that reports these names too."""
+        """This model, or one that reports these names too, of which the latest is kept."""
         known = {column.name for column in self.scene.outputs}
-        missing = [name for name in names if name not in known and self.scene.slot(name) is None]
-        return Model(self.origin, self.model, self.structural, (*self.outputs, *missing), self.formulas) if missing else self
+        missing = tuple(name for name in names if name not in known and self.scene.slot(name) is None)
+        if not missing:
+            return self
+        asked = self.native, missing
+        if asked not in self._reporting:
+            self._reporting = {asked: self._with((*self.outputs, *missing), self.formulas)}
+        return self._reporting[asked]
+
+    def _with(self, outputs: Sequence[str], formulas: Formulas) -> "Model":
+        other = Model(self.origin, self.model, self.structural, outputs, formulas)
+        other.native = self.native
+        return other
 
     def launch(self, experiment: Any, values: Any, watch: Any = None) -> Any:
         """A run's progress and the iterator over its rows; see simulate.simulate."""

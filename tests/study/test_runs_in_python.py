@@ -41,6 +41,19 @@ def test_what_formulas_the_declared_parameters_need_is_asked_once(scene: Scene, 
     assert masses["final(b.s)"] == pytest.approx([1.0, 0.5], abs=1e-12) and len(asked) > counts[2]
 
 
+def test_quantities_that_are_not_declared_keep_the_engine_and_their_model(scene: Scene) -> None:
+    """A position that is no output, by the engine that was asked for; the same model serves the next call. s = F t^2/(2 m)."""
+    model = scene(PUSHED)
+    for native in (True, False, False):
+        model.native = native
+        sweep = model.simulate_many(inputs={"F": 1, "G": 0}, outputs="final(b.center.x)")
+        assert sweep["final(b.center.x)"] == pytest.approx([1.0], abs=1e-12)
+        reporting = model.reporting(["b.center.x"])
+        assert reporting is not model and reporting is model.reporting(["b.center.x"])
+        assert reporting.native is native and (reporting.engine_for("erk").how == "native") is native
+    assert model.reporting(["b.center.y"]) is not reporting
+
+
 def test_a_frame_has_a_row_for_each_run(scene: Scene) -> None:
     """Of parameters, inputs that are held, and start values; in SI units or those it says. s = F t^2/(2 m) + v t."""
     pandas = pytest.importorskip("pandas")
