@@ -8,21 +8,27 @@ from lagrangia.algebra.duals import Scalar
 from lagrangia.algebra.scalars import apply, apply_to_one, as_expression
 
 OPPOSITES = {ca.OP_LT: ca.OP_LE, ca.OP_LE: ca.OP_LT, ca.OP_EQ: ca.OP_NE, ca.OP_NE: ca.OP_EQ}
+_DEPTH = 9  # down to which conditions are compared
+
+
+def choice_of(x: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX] | None:
+    """The condition of a choice, and what it is where that is true and where not."""
+    if x.op() != ca.OP_ADD or any(x.dep(k).op() != ca.OP_IF_ELSE_ZERO for k in range(2)):
+        return None
+    (condition, a), (other, b) = ([x.dep(k).dep(j) for j in range(2)] for k in range(2))
+    return (condition, a, b) if other.op() == ca.OP_NOT and ca.is_equal(other.dep(0), condition, _DEPTH) else None
 
 
 def chosen_numbers(x: Scalar) -> tuple[ca.SX, Scalar, Scalar] | None:
     """The condition and both values of a choice among numbers, one of which may be a choice again. A value of 0 has no term."""
-    if not isinstance(x, ca.SX) or x.op() not in (ca.OP_ADD, ca.OP_IF_ELSE_ZERO):
+    if not isinstance(x, ca.SX):
         return None
-    terms = [x] if x.op() == ca.OP_IF_ELSE_ZERO else [x.dep(0), x.dep(1)]
-    for term in terms[1:]:
-        if terms[0].op() != ca.OP_IF_ELSE_ZERO or term.op() != ca.OP_IF_ELSE_ZERO or term.dep(0).op() != ca.OP_NOT:
-            return None
-        if not ca.is_equal(term.dep(0).dep(0), terms[0].dep(0), 9):
-            return None
-    values = [float(term.dep(1)) if term.dep(1).is_constant() else term.dep(1) for term in terms]
-    is_known = all(isinstance(value, float) or chosen_numbers(value) is not None for value in values)
-    return (terms[0].dep(0), values[0], values[1] if len(values) > 1 else 0.0) if is_known else None
+    found = (x.dep(0), x.dep(1), ca.SX(0)) if x.op() == ca.OP_IF_ELSE_ZERO else choice_of(x)
+    if found is None:
+        return None
+    condition, *values = found
+    a, b = (float(value) if value.is_constant() else value for value in values)
+    return (condition, a, b) if all(isinstance(y, float) or chosen_numbers(y) is not None for y in (a, b)) else None
 
 
 def without_sign(x: ca.SX) -> ca.SX:
@@ -44,7 +50,7 @@ def turned_relation(condition: Scalar, table: Mapping[int, int]) -> Scalar | Non
 def are_mirrored(a: Scalar, b: Scalar, op: int) -> bool:
     """Whether they are x op y and y op x."""
     return (isinstance(a, ca.SX) and isinstance(b, ca.SX) and a.op() == b.op() == op
-            and ca.is_equal(a.dep(0), b.dep(1), 9) and ca.is_equal(a.dep(1), b.dep(0), 9))
+            and ca.is_equal(a.dep(0), b.dep(1), _DEPTH) and ca.is_equal(a.dep(1), b.dep(0), _DEPTH))
 
 
 def in_one(x: Scalar) -> Scalar:

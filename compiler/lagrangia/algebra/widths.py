@@ -9,6 +9,7 @@ from dataclasses import field
 
 import casadi as ca
 
+from lagrangia.algebra.condition_forms import choice_of
 from lagrangia.algebra.duals import TINY
 from lagrangia.algebra.powers import never_negative, terms_of
 from lagrangia.algebra.scalars import Expression, as_expression, operate, symbols_in
@@ -16,7 +17,7 @@ from lagrangia.base.diagnostics import Span
 from lagrangia.base.records import dataclass
 
 _FACTORS = frozenset({ca.OP_MUL, ca.OP_DIV, ca.OP_TWICE, ca.OP_NEG})
-_DEPTH = 9  # down to which conditions are compared, and products taken apart
+_DEPTH = 9  # down to which products are taken apart
 Arms = tuple[Expression, Expression, Expression]
 
 
@@ -55,12 +56,9 @@ def arms_of(x: ca.SX, depth: int = _DEPTH) -> Arms | None:
     if x.op() in _FACTORS and depth:
         operands = [x.dep(k) for k in range(x.n_dep())]
         for k, operand in enumerate(operands):
-            if (found := arms_of(operand, depth - 1)) is not None:
-                condition, *arms = found
+            if (inner := arms_of(operand, depth - 1)) is not None:
+                condition, *arms = inner
                 a, b = ([*operands[:k], arm, *operands[k + 1 :]] for arm in arms)
                 return condition, operate(x.op(), a), operate(x.op(), b)
-    if x.op() != ca.OP_ADD or any(x.dep(k).op() != ca.OP_IF_ELSE_ZERO for k in range(2)):
-        return None
-    (condition, a), (other, b) = ([x.dep(k).dep(j) for j in range(2)] for k in range(2))
-    is_choice = other.op() == ca.OP_NOT and ca.is_equal(other.dep(0), condition, _DEPTH)
-    return (as_expression(condition), as_expression(a), as_expression(b)) if is_choice else None
+    found = choice_of(x)
+    return None if found is None else (as_expression(found[0]), as_expression(found[1]), as_expression(found[2]))

@@ -25,7 +25,7 @@ from lagrangia.compile.mode_places import (
     find_samplers,
     mode_functions,
 )
-from lagrangia.compile.requirements import find_requirements
+from lagrangia.compile.requirements import Requirement, find_requirements
 from lagrangia.compile.right_hand_side import right_hand_side
 from lagrangia.compile.start_functions import start_functions, start_patterns
 from lagrangia.constraints.initial import InitialConditions, start_function
@@ -76,6 +76,7 @@ class Functions:
     settled: int  # how many of the hoisted values are: see hoisting.py
     thresholds: tuple[float, ...] = ()  # with which rates are compared where forces jump
     guarding: Guarding = NOT_GUARDED
+    requirements: tuple[Requirement, ...] = ()  # in the order of the function's places
 
 
 def build_functions(
@@ -86,7 +87,7 @@ def build_functions(
     are asked for, whose matrix else waits where it is large. Raises LagError L0701."""
     names, y, put, guarding = _observed(kinematics, motion, constraints, outputs)
     motion = without_negative_inertia(kinematics, motion)
-    made, modes = motion.unsolved or motion, kinematics.algebra.modes
+    made, modes, required = motion.unsolved or motion, kinematics.algebra.modes, find_requirements(kinematics, motion)
     symbols, multipliers = _multipliers(made)
     energy, jacobian = ca.vertcat(motion.T, motion.V, motion.H), build_jacobian(kinematics, made, is_implicit)
     flow = [hamilton.velocity, hamilton.force] if hamilton else []
@@ -108,16 +109,16 @@ def build_functions(
     }
     table |= _functions_of_constraints(motion, found, d, c) | _flow_functions(motion, hamilton, found["flow"], c)
     table |= mode_functions(motion, modes) | _kick_function(state, found["kick"], kick.before)
-    table |= (_requirement_function(kinematics, motion) | _sampled_functions(kinematics, motion, initial, sampling)
+    table |= (_requirement_function(motion, required) | _sampled_functions(kinematics, motion, initial, sampling)
               | _delay_functions(motion, delaying, [*state[:4], full[-2], c], found["delayed"]))
     patterns, refused, pays = _add_linear(table, kinematics, motion)
     patterns |= {"reset_places": _reset_places(kinematics, motion), **_kept_places(kinematics, motion, switches.edge.numel() > 0)}
     patterns |= start_patterns(table) | _patterns(kinematics, jacobian, switches, modes) | delaying.patterns | guarding.patterns
     refused |= _refusals(jacobian, bool(len(patterns.get("cones", ()))), bool(delaying.stated))
     return Functions(table, names, tuple(kind for _, kind in events_of(modes)), found["rhs"][1].numel(),
-                     bool(y.numel()) and ca.depends_on(put([y])[0], ca.vertcat(a, symbols)), patterns, refused,
-                     {**jacobian.sizes, **guarding.sizes(ca.vertcat(a, symbols)), **_switch_sizes(motion, switches),
-                      "breaks_rise": int(delaying.rises)}, pays, hoisted.settled, find_thresholds(motion, switches), guarding)
+                     bool(y.numel()) and ca.depends_on(put([y])[0], ca.vertcat(a, symbols)), patterns, refused, {
+        **jacobian.sizes, **guarding.sizes(ca.vertcat(a, symbols)), **_switch_sizes(motion, switches),
+        "breaks_rise": int(delaying.rises)}, pays, hoisted.settled, find_thresholds(motion, switches), guarding, required)
 
 
 def _multipliers(motion: Motion) -> tuple[ca.SX, ca.SX]:
@@ -184,9 +185,9 @@ def _sampled_functions(kinematics: Kinematics, motion: Motion, initial: InitialC
     return start_functions(kinematics, motion, initial) | _sampling_functions(kinematics, motion, sampling)
 
 
-def _requirement_function(kinematics: Kinematics, motion: Motion) -> dict[str, ca.Function]:
+def _requirement_function(motion: Motion, requirements: Sequence[Requirement]) -> dict[str, ca.Function]:
     """The places of the first requirements of parameters that are not met, or -1: of all but those only told, and of these."""
-    first, requirements = [ca.SX(-1), ca.SX(-1)], find_requirements(kinematics, motion)
+    first = [ca.SX(-1), ca.SX(-1)]
     for k, x in reversed([*enumerate(requirements)]):
         first[x.only_told] = ca.if_else(x.holds, first[x.only_told], k)
     table = {"requirements": ca.Function("requirements", [motion.p], [*map(ca.densify, first)], ["p"], ["first", "told"])}

@@ -14,7 +14,6 @@ from lagrangia.base.diagnostics import fail
 from lagrangia.compile.functions import Functions, build_island_functions, elements_of
 from lagrangia.compile.hoisted_tapes import tapes_of
 from lagrangia.compile.instructions import count_operations, tape_of
-from lagrangia.compile.requirements import find_requirements
 from lagrangia.constraints.initial import InitialConditions, find_idle_starts
 from lagrangia.constraints.parameters import find_odd_inertias, places_of_inertias, scalars
 from lagrangia.constraints.rows import Constraints
@@ -26,6 +25,7 @@ from lagrangia.dynamics.hamilton import is_separable
 from lagrangia.dynamics.idle_events import find_idle_events
 from lagrangia.dynamics.idle_lines import find_idle_lines
 from lagrangia.dynamics.idle_statements import find_idle_equations, find_idle_statements
+from lagrangia.dynamics.impacts import Impacts
 from lagrangia.dynamics.jumping_energies import find_jumping_energies
 from lagrangia.dynamics.motion import Motion
 from lagrangia.dynamics.negative_inertia import tell_unlooked, written_inertias
@@ -90,7 +90,7 @@ def build_scene(
         event_kind=functions.event_kinds, initial_places=_initial_places(initial), lost=_lost_starts(model, initial),
         notes=_notes(motion, tapes)
         | {"form": functions.form.why if functions.form else "", "thresholds": [*functions.thresholds]}
-        | _freedom(kinematics, motion, constraints, is_still) | _told(kinematics, constraints, initial, functions, motion)
+        | _freedom(kinematics, motion, constraints, is_still) | _told(kinematics, constraints, initial, functions, motion.impacts)
         | ({"guards": tell_guards(model, functions.guarding)} if model.guards else {}),
         refused={**functions.refused, **({"conservative": no_momenta} if no_momenta else {}), **_refusals(kinematics)},
     ))
@@ -298,7 +298,7 @@ def _freedom(kinematics: Kinematics, motion: Motion, constraints: Constraints, i
 
 
 def _told(kinematics: Kinematics, constraints: Constraints, initial: InitialConditions, functions: Functions,
-          motion: Motion) -> dict[str, object]:
+          impacts: Impacts) -> dict[str, object]:
     """As text: the scene outlives the source it points at."""
     model = kinematics.graph.model
     contacts = [_called(model, when) for when in model.whens]
@@ -309,11 +309,11 @@ def _told(kinematics: Kinematics, constraints: Constraints, initial: InitialCond
              *tell_unlooked(kinematics).diagnostics, *odd.diagnostics, *find_idle_starts(kinematics).diagnostics,
              *find_several_starts(kinematics, initial, functions.table).diagnostics,
              *find_idle_displacements(kinematics, constraints).diagnostics,
-             *find_idle_events(kinematics, constraints, motion.impacts, model.warnings).diagnostics)
+             *find_idle_events(kinematics, constraints, impacts, model.warnings).diagnostics)
     found = tuple(warning for warning in found if warning.code not in model.allowed)
     told, timed = [w.render() for w in found], {w.render(): list(w.interval) for w in found if w.interval is not None}
     files = sorted({os.path.abspath(lookup.path) for lookup in model.lookups})  # wherever it is found again
-    required = [x.told for x in find_requirements(kinematics, motion)]
+    required = [x.told for x in functions.requirements]
     kinetic, felt = [str(span) for span in written_inertias(kinematics)], place_of_felt_reactions(model)
     return {"warnings": told, "allowed": list(model.allowed), "contacts": contacts, "files": files, "kinetic": kinetic,
             "felt": str(felt) if felt else "", **({"timed_warnings": timed} if timed else {}),

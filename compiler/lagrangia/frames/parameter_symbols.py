@@ -1,6 +1,7 @@
 """Symbols of parameters and inputs in the shapes of their values, and what is 0 as they are declared."""
 
 from collections.abc import Mapping, Sequence
+from functools import cached_property
 from math import isnan, nan
 
 import casadi as ca
@@ -39,11 +40,16 @@ class VanishAsDeclared:
     model: FlatModel
     symbols: Mapping[str, Value]
 
-    def __call__(self, x: ca.SX) -> bool:
-        """Of a scalar."""
+    @cached_property
+    def _declared(self) -> tuple[ca.SX, list[float]]:
+        """The symbols of all elements of parameters, and their values; NaN where these are not known."""
         parameters = [v for v in self.model.variables.values() if v.kind == "parameter"]
         known = [nan if value is None else value for v in parameters for value in values_as_declared(self.model, v)]
-        own = column(*[part for v in parameters for part in scalars_of(self.symbols[v.name])])
+        return column(*[part for v in parameters for part in scalars_of(self.symbols[v.name])]), known
+
+    def __call__(self, x: ca.SX) -> bool:
+        """Of a scalar."""
+        own, known = self._declared
         others = [part for part in ca.symvar(x) if not ca.depends_on(own, part)]
         value = float(ca.evalf(ca.substitute(x, ca.vertcat(own, *others), ca.DM([*known, *[nan] * len(others)]))))
         return not isnan(value) and value == 0
