@@ -26,7 +26,7 @@ def _divides_in_sum(x: ca.SX, rates: frozenset[int], is_in_sum: bool, depth: int
     if depth == 0:
         return False
     operands = [x.dep(k) for k in range(x.n_dep())]
-    if x.op() in (ca.OP_DIV, ca.OP_INV) and is_in_sum and _is_length(operands[-1], rates, depth):
+    if x.op() in (ca.OP_DIV, ca.OP_INV) and is_in_sum and is_length(operands[-1], rates, depth):
         return True
     within = is_in_sum or x.op() in _SUMS
     if x.op() in _SUMS | _FACTORS or x.op() in (ca.OP_DIV, ca.OP_IF_ELSE_ZERO):
@@ -35,11 +35,11 @@ def _divides_in_sum(x: ca.SX, rates: frozenset[int], is_in_sum: bool, depth: int
     return False
 
 
-def _is_length(x: ca.SX, rates: frozenset[int], depth: int) -> bool:
-    """Or a product with one."""
+def is_length(x: ca.SX, rates: frozenset[int], depth: int = _DEPTH) -> bool:
+    """Whether it is a length with rates, or a product with one."""
     if x.op() in _LENGTHS:
         return not rates.isdisjoint(symbols_in(x))
-    return depth > 0 and x.op() in _FACTORS and any(_is_length(x.dep(k), rates, depth - 1) for k in range(x.n_dep()))
+    return depth > 0 and x.op() in _FACTORS and any(is_length(x.dep(k), rates, depth - 1) for k in range(x.n_dep()))
 
 
 def _times(v: Expression, x: Expression, rates: frozenset[int], depth: int) -> Expression:

@@ -23,10 +23,12 @@ Arms = tuple[Expression, Expression, Expression]
 
 @dataclass
 class Divisors:
-    """What must not be 0: `roots` by their numbers, with their widths; parameters that something is divided by, and where."""
+    """What must not be 0: `roots` by their numbers, with their widths; parameters that something is divided by, and where;
+    whether lengths of rates are among the divisors."""
 
     roots: dict[int, Expression] = field(default_factory=dict)
     steady: dict[int, tuple[Expression, Span]] = field(default_factory=dict)  # by the hashes of expressions
+    has_lengths: bool = False
 
     def note(self, x: Expression, place: Span) -> None:
         """Of parameters alone."""

@@ -10,7 +10,7 @@ from typing import Any
 
 import casadi as ca
 
-from lagrangia.algebra.coefficients import spread
+from lagrangia.algebra.coefficients import is_length, spread
 from lagrangia.algebra.condition_forms import (
     OPPOSITES,
     are_mirrored,
@@ -119,7 +119,8 @@ class CasadiAlgebra:
 
     def product(self, x: Scalar, y: Scalar) -> Scalar:
         """Of rates with coefficients that are divided by their lengths, by the terms of these."""
-        found = (spread(a, b, self.rates) for a, b in ((x, y), (y, x)) if isinstance(a, ca.SX) and isinstance(b, ca.SX))
+        are_both = isinstance(x, ca.SX) and isinstance(y, ca.SX) and self.index.divisors.has_lengths
+        found = (spread(a, b, self.rates) for a, b in ((x, y), (y, x)) if are_both)
         made = next((made for made in found if made is not None), None)
         return times(x, y) if made is None else made
 
@@ -132,6 +133,7 @@ class CasadiAlgebra:
             if isinstance(x, ca.SX) and not y.is_constant() and not self._is_steady(x):
                 self.index.divisors.note(as_expression(y), place)
             return x / self._by_factors(y)
+        self._note_divisor(y)
         if (arms := arms_of(y)) is not None and self._is_steady(arms[0]):
             return self.choose(arms[0], self.quotient(x, arms[1], place), self.quotient(x, arms[2], place))
         if y.op() == ca.OP_ADD:
@@ -140,6 +142,10 @@ class CasadiAlgebra:
         if (beside := width_beside(y, self.rates, self._is_steady)) is None:
             return made
         return self._beside(y, beside[1], made, lambda: self.quotient(x, beside[0], place))
+
+    def _note_divisor(self, y: ca.SX) -> None:
+        divisors = self.index.divisors
+        divisors.has_lengths = divisors.has_lengths or is_length(y, self.rates)
 
     def _by_factors(self, x: ca.SX) -> Expression:
         """The same, with the lengths that it is a product of by their factors: of |c x| with c of parameters alone |c| and |x|,
@@ -160,6 +166,8 @@ class CasadiAlgebra:
 
     def _power(self, function: str, base: ca.SX, exponent: Scalar = 0.5) -> Expression:
         """sqrt or pow."""
+        if not isinstance(exponent, _NUMBERS) or exponent < 0:
+            self._note_divisor(base)
         is_whole = isinstance(exponent, _NUMBERS) and float(exponent).is_integer()
         is_root = isinstance(exponent, _NUMBERS) and exponent > 0 and not is_whole
         if is_root and (beside := width_beside(base, self.rates, self._is_steady)) is not None:
