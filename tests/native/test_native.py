@@ -25,7 +25,26 @@ from lagrangia.run.library import start_runtime
 EXAMPLES = Path(__file__).parents[2] / "models" / "examples"
 ROW = Path(__file__).parents[1] / "benchmarks" / "scenes" / "row.lag"
 FORTY_TWO = "int answer(void);\n__attribute__((visibility(\"default\"))) int answer(void) { return 42; }\n"
+# Whether upper halves of registers are in use after work() has filled some: component 2 of what an XSAVE would keep.
+WIDE = """
+typedef double Four __attribute__((vector_size(32)));
+static __attribute__((noinline)) void work(double *x) { *(Four *)x = *(Four *)x * 3 + 1; }
+int in_use(void);
+__attribute__((visibility("default"))) int in_use(void)
+{
+    double x[4] __attribute__((aligned(32))) = {1, 2, 3, 4};
+    unsigned low, high;
+    work(x);
+    __asm__ volatile("xgetbv" : "=a"(low), "=d"(high) : "c"(1));
+    return x[3] == 13 ? (int)(low & 4) : -1;
+}
+"""
 needs_compiler = pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
+
+
+def has_flag(name: str) -> bool:
+    told = Path("/proc/cpuinfo")
+    return told.exists() and f" {name} " in told.read_text()
 
 
 @pytest.fixture(autouse=True)
@@ -202,6 +221,15 @@ def test_ziglang_builds_the_run_time_without_a_warning() -> None:
     zig = Compiler((sys.executable, "-m", "ziglang", "cc"))
     assert answer(build("answer", FORTY_TWO, compiler=zig)) == 42
     assert start_runtime(zig, level="-O0").path().exists()
+
+
+@needs_compiler
+@pytest.mark.skipif(prebuilt.kind_here() == "any", reason="has no such registers")
+@pytest.mark.skipif(not has_flag("xgetbv1"), reason="does not tell what is in use")
+@pytest.mark.parametrize("level", ["-O1", "-O2"])
+def test_wide_registers_are_cleared_behind_compiled_code(level: str) -> None:
+    """Else each instruction of an older kind that follows takes tens of cycles."""
+    assert ctypes.CDLL(str(build("wide", WIDE, level=level))).in_use() == 0
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="POSIX folders")
