@@ -19,6 +19,7 @@ from concurrent.futures import ThreadPoolExecutor
 from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
 from sysconfig import get_platform
+from tempfile import TemporaryDirectory
 from types import ModuleType
 from typing import Any
 
@@ -90,15 +91,18 @@ def ship_syntax() -> None:
     try:
         from lagrangia.language.component_library import ship_all
 
-        for folder in PACKAGE.rglob("shipped"):
-            shutil.rmtree(folder)
-        ship_all()
+        fresh = {*ship_all()}
+        for file in PACKAGE.rglob("shipped/*"):
+            if file not in fresh:
+                file.unlink()
     except (ImportError, OSError) as error:
         print(f"lagrangia: the parsed library is made at first use: {error}", file=sys.stderr)
 
 
 def build(module: ModuleType, folder: Path) -> bool:
-    """Whether there is a run time in `folder` now; one that is there for these sources is kept. `module`: `prebuilt`."""
+    """Whether there is a run time in `folder` now; one that is there for these sources is kept. `module`: `prebuilt`.
+
+    What is there is found until another has been built, beside it."""
     runtime = ROOT / "runtime"
     if module.find(runtime, folder):
         return True
@@ -106,9 +110,13 @@ def build(module: ModuleType, folder: Path) -> bool:
         print("lagrangia: no C compiler was found, so that the run time is not built: scenes without contacts and loops run by "
               "CasADi, all others need one; pip install ziglang brings it", file=sys.stderr)
         return False
-    shutil.rmtree(folder, ignore_errors=True)
     try:
-        module.build(runtime, folder, command)
+        with TemporaryDirectory(dir=folder.parent, prefix="prebuilt-") as beside:
+            fresh, old = Path(beside, "fresh"), Path(beside, "old")
+            module.build(runtime, fresh, command)
+            if folder.exists():
+                folder.rename(old)
+            fresh.rename(folder)
     except (OSError, RuntimeError) as error:
         print(f"lagrangia: the run time could not be built, and is when it is needed: {error}", file=sys.stderr)
         return False

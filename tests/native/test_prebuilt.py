@@ -192,3 +192,23 @@ def test_a_machine_may_be_without_a_compiler_and_without_zig(monkeypatch: pytest
     assert hook.RuntimeHook.dependencies(wheel) == [] and not hook.build(hook.prebuilt(), hook.place())
     said = capsys.readouterr().err.splitlines()
     assert len(said) == 1 and "no C compiler" in said[0] and "ziglang" in said[0]
+
+
+@pytest.mark.parametrize("fails", [False, True])
+def test_a_library_is_found_until_another_has_been_built(fails: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
+                                                         hook: ModuleType) -> None:
+    """It was away while compilers ran: FMUs that were made in that time had no binary."""
+    folder = library(tmp_path / "prebuilt", "any")
+    seen = []
+
+    def build(runtime: Path, fresh: Path, command: object) -> None:
+        seen.append((folder / "digest").exists())
+        if fails:
+            raise RuntimeError("no space left")
+        library(fresh, "any", "other")
+
+    monkeypatch.delenv("LAGRANGIA_CC", raising=False)
+    made = SimpleNamespace(find=lambda *_: None, find_command=lambda: ["cc"], build=build)
+    assert hook.build(made, folder) is not fails
+    assert seen == [True] and (folder / f"other{prebuilt.SUFFIX}").exists() is not fails
+    assert [item.name for item in tmp_path.iterdir()] == ["prebuilt"] and (folder / "digest").exists()

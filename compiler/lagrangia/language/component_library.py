@@ -52,13 +52,13 @@ def _package(name: str, file: str) -> Syntax:
     return syntax
 
 
-def ship_all() -> None:
-    """What `library` and the parser would make at first use, put beside the modules. Raises OSError."""
-    ship("reader", [grammar_file()], reader_tables())
-    ship("library", _files(), _parsed())
-    ship("drawn", _files(), _parsed_whole())
-    for name, file in LIBRARY_PACKAGES.items():
-        ship(f"package-{name}", [_folder() / file], write_trees(_trees([_folder() / file])))
+def ship_all() -> list[Path]:
+    """What `library` and the parser would make at first use, put beside the modules: the files. Raises OSError."""
+    packages = {name: _folder() / file for name, file in LIBRARY_PACKAGES.items()}
+    return [ship("reader", [grammar_file()], reader_tables()),
+            ship("library", _files(), _parsed()),
+            ship("drawn", _files(), _parsed_whole()),
+            *(ship(f"package-{name}", [file], write_trees(_trees([file]))) for name, file in packages.items())]
 
 
 def _folder() -> Path:

@@ -30,10 +30,12 @@ def made_of(name: str, files: Sequence[Path], make: Callable[[], bytes]) -> byte
 
 
 def ship(name: str, files: Sequence[Path], content: bytes) -> Path:
-    """Puts what was made of these files beside the modules. Raises OSError."""
+    """Puts what was made of these files beside the modules, where it is found whole. Raises OSError."""
     _FOLDER.mkdir(exist_ok=True)
     place = _FOLDER / _key(name, files)
-    place.write_bytes(content)
+    fresh = place.with_suffix(".fresh")
+    fresh.write_bytes(content)
+    fresh.replace(place)
     return place
 
 
