@@ -112,6 +112,7 @@ static LagAnswer prepare(LagInstance *s)
         s->vital.slope_is_current = 0;
     const LagAnswer answer = s->model->n_switches > 0 ? lag_instance_slope(s) : LAG_ANSWER_OK;
     lag_inputs_and_rates(s->run, s->vital.t);
+    lag_inputs_piece_slopes(&s->run->inputs, s->run->d, s->vital.t, s->run->u_slope);
     return answer;
 }
 

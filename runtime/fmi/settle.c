@@ -54,6 +54,8 @@ static LagAnswer check_parameters(LagInstance *s)
     }
     if (wrong >= n)
         return lag_instance_log(s, LAG_ANSWER_ERROR, LAG_ERROR_CATEGORY, "%.600s", s->fmu->requirements[wrong - n]);
+    if (!isfinite(p[wrong]))
+        return lag_instance_log(s, LAG_ANSWER_ERROR, LAG_ERROR_CATEGORY, "%.200s has no finite value", names[wrong]);
     return lag_instance_log(s, LAG_ANSWER_ERROR, LAG_ERROR_CATEGORY, "%.200s is %g, which is not from %g to %g", names[wrong],
                             p[wrong], s->fmu->minimum[wrong], s->fmu->maximum[wrong]);
 }

@@ -145,17 +145,28 @@ int lag_inputs_jump(const LagInputs *inputs, const double *before, const double 
     return -1;
 }
 
+static double rate_of(const double *piece, double t)
+{
+    const double x = t - piece[0];
+    return piece[2] + x * (2 * piece[3] + x * 3 * piece[4]);
+}
+
+void lag_inputs_piece_slopes(const LagInputs *inputs, const double *d, double t, double *slope)
+{
+    for (int k = 0; k < inputs->n_pieces; ++k)
+        slope[inputs->pieces[4 * k]] = rate_of(d + inputs->pieces[4 * k + 3], t);
+}
+
 static void set_pieces(const LagInputs *inputs, double t, double *u)
 {
     for (int k = 0; k < inputs->n_pieces; ++k) {
         const int *places = inputs->pieces + 4 * k;
         double piece[LAG_PIECE];
         find_piece(inputs, places, piece);
-        const double x = t - piece[0];
         u[places[0]] = value_of(piece, t);
         if (places[1] >= 0) {
-            u[places[1]] = piece[2] + x * (2 * piece[3] + x * 3 * piece[4]);
-            u[places[2]] = 2 * piece[3] + x * 6 * piece[4];
+            u[places[1]] = rate_of(piece, t);
+            u[places[2]] = 2 * piece[3] + (t - piece[0]) * 6 * piece[4];
         }
     }
 }

@@ -49,6 +49,9 @@ static inline void lag_inputs_at(const LagInputs *inputs, double t, double *u)
 /* Slopes in the present segment; those of delayed values are lag_history_rates. */
 void lag_inputs_slope(const LagInputs *inputs, double *slope);
 
+/* The rates of those that are pieces, whose values are `d`, into their places of `slope`. */
+void lag_inputs_piece_slopes(const LagInputs *inputs, const double *d, double t, double *slope);
+
 /* The first corner after t, or infinity. */
 double lag_inputs_next(const LagInputs *inputs, double t);
 

@@ -318,11 +318,12 @@ def test_tables_with_steps_are_accounted_for(scene: str, tmp_path: Path) -> None
 
 
 @pytest.mark.parametrize("within", [0.0, 0.004])
-@pytest.mark.parametrize("rate", ["b.v - u", "b.v*(1 + u/1[m/s]) - 0.3[m/s]"])
-def test_derivatives_know_that_what_is_held_goes_with_its_input(rate: str, within: float, tmp_path: Path) -> None:
+@pytest.mark.parametrize("known_to", ["", " Spring g(k = 1, stretch = b.s - 0.1[s]*u);"], ids=["friction", "an energy, too"])
+@pytest.mark.parametrize("rate", ["b.v - u", "b.v*(1 + u/1[m/s]) - 0.3[m/s]", "b.v - 0.7*u - u^2/1[m/s]"])
+def test_derivatives_know_that_what_is_held_goes_with_its_input(rate: str, known_to: str, within: float, tmp_path: Path) -> None:
     """Against differences of what the FMU gives, at a completed step and behind it: rates of inputs were taken for 0."""
     path = tmp_path / "pushed.lag"
-    path.write_text(PUSHED % f"DryFriction f(F = 3, rate = {rate});")
+    path.write_text(PUSHED % f"DryFriction f(F = 3, rate = {rate});{known_to}")
     one, ramp = Instance(path, "3", "ModelExchange").start(tolerance=1e-6), lambda t: 0.3 * t + 0.1 * t**2
     t = [*by_runge_kutta(one, ramp, 0.01, 0.2)][-1] + within
     x = np.array(one.states()) + within * one.slopes()

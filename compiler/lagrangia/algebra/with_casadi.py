@@ -36,6 +36,7 @@ from lagrangia.base.table_data import Beyond, TableData, lines_between
 
 _NUMBERS = (float, int)
 _FIRST_TABLE = 2  # kind of the events of table 0
+_RATE = 2  # column of the pieces of an input
 _MOST_KNOTS = 2_000  # of a table that is written out, as one along a coordinate
 
 
@@ -66,12 +67,17 @@ class CasadiAlgebra:
         found: list[ca.SX] = ca.substitute(expressions, [m.symbol for m in self.modes], [m.value for m in self.modes])
         return found
 
-    def by_inputs(self, expressions: list[ca.SX]) -> list[ca.SX]:
-        """With inputs and their rates, as they are set at the time, in the place of modes that come from them."""
+    def by_inputs(self, expressions: list[ca.SX], slopes: ca.SX | None = None) -> list[ca.SX]:
+        """With inputs and their rates, as they are set at the time, in the place of modes that come from them. `slopes`: rates of
+        inputs that have no inputs for these, 0 where nothing is given."""
         modes = [mode for mode in self.modes if mode.of_input is not None]
         if not modes:
             return expressions
-        found: list[ca.SX] = ca.substitute(expressions, [m.symbol for m in modes], [m.value for m in modes])
+        values = [m.value for m in modes]
+        for k, mode in enumerate(modes if slopes is not None and slopes.numel() else ()):
+            if slopes is not None and mode.of_input is not None and mode.of_input[1] < 0 and mode.column == _RATE:
+                values[k] = slopes[mode.of_input[0]]
+        found: list[ca.SX] = ca.substitute(expressions, [mode.symbol for mode in modes], values)
         return found
 
     def number(self, value: float) -> Scalar:

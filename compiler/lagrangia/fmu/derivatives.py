@@ -107,7 +107,7 @@ def _equations(compilation: Compilation, outputs: tuple[str, ...],
     slope = ca.vertcat(told.pace(here, V), a)
     if motion.constrained is not None or told.quaternions:
         slope += stabilisation * (ca.vertcat(here, V) - ca.vertcat(told.q, v))
-    slope, y, rates = told.put(kinematics.algebra.by_inputs([slope, y, rates]))
+    slope, y, rates = told.put(kinematics.algebra.by_inputs([slope, y, rates], switches.slopes))
     return kinematics, [t, told.q, v, *given], [slope, y, rates, shares, switches.rest_symbols, switches.slopes]
 
 

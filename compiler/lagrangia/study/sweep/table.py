@@ -297,7 +297,7 @@ def _in_general(scene: Scene, kind: int, status: int, index: int, rate: int) -> 
     if ending is Ending.PARAMETER:
         if index >= len(scene.parameters):
             return tell_requirement(scene.notes["requirements"][index - len(scene.parameters)])
-        return f"the parameter '{scene.parameters[index].name}' is out of its limits"
+        return f"the parameter '{scene.parameters[index].name}' has no value within its limits"
     if ending is Ending.OPEN:
         places = scene.notes["jumping"]
         why = tell_jumps(places) if places else "a smaller tolerance or another solver is needed"
