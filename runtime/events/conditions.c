@@ -163,7 +163,8 @@ void lag_conditions_note_kick(LagRun *run, int i)
 {
     LagSwitches *s = &run->switches;
     const int may_be = run->model->n_whens > 0 && run->model->switches_need_acceleration && i < lag_when(run->model, 0);
-    if (may_be && s->turned[i] == LAG_CHANGES && !s->slides[i] && fabs(s->g[i]) > KICKED * run->sliding.error[i])
+    const double before = may_be && run->impacts.coarse > 0 ? run->sliding.before[i] : 0; /* an importer's steps go past it, too */
+    if (may_be && s->turned[i] == LAG_CHANGES && !s->slides[i] && fabs(s->g[i]) > lag_max(KICKED * run->sliding.error[i], before))
         s->turned[i] = s->g[i] > 0 ? LAG_TO_1 : LAG_TO_0;
 }
 

@@ -37,7 +37,8 @@ double lag_conditions_error(const LagRun *run, double unknown);
 /* And back: what of a condition cannot be told, where one tolerance is `error`. */
 double lag_conditions_rounding(const LagRun *run, double error);
 
-/* What was to change at its level, and is far from it, as an event has made a rate another one, is held as it is now. */
+/* What was to change at its level, and is far from it, as an event has made a rate another one, is held as it is now; but not what the step of
+ * an importer has passed. */
 void lag_conditions_note_kick(LagRun *run, int i);
 
 /* An event comes by what a segment chooses to hold: it is struck before a step is taken. */

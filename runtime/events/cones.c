@@ -115,6 +115,19 @@ int lag_cones_break(const LagRun *run, int i)
     return k >= 0 && !(margin(run, cone(run, k)) >= most);
 }
 
+double lag_cones_limited(const LagRun *run, int i)
+{
+    const int *places = cone(run, cone_of(run, i));
+    const double asked = hypot(component(run, places[0]), component(run, places[1]));
+    return asked > 1 ? 0.5 + component(run, i) / (2 * asked) : *lag_share(run, i);
+}
+
+int lag_cones_have_left(LagRun *run, int i)
+{
+    const int k = cone_of(run, i), *places = cone(run, k);
+    return run->sliding.leaves[k] && hypot(run->sliding.g[places[0]], run->sliding.g[places[1]]) > least_slip(run, k);
+}
+
 void lag_cones_note_torn(LagRun *run)
 {
     int *turned = run->switches.turned;

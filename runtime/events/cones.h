@@ -17,6 +17,12 @@ int lag_cones_hold(const LagRun *run, int i);
 /* Whether it is a component of a slip for which there is not enough that holds, or that has been torn off. */
 int lag_cones_break(const LagRun *run, int i);
 
+/* Whether component i is one of a slip that has been torn off within a step of an importer, and has more speed by now than is an error. */
+int lag_cones_have_left(LagRun *run, int i);
+
+/* The share of component i, or of the force that there is, where more is asked for: in the same direction. */
+double lag_cones_limited(const LagRun *run, int i);
+
 /* Those that switches.turned says have been torn off become candidates: they are held once more, to be let go from. Into
  * sliding.leaves. */
 void lag_cones_note_torn(LagRun *run);

@@ -206,10 +206,10 @@ static int mends(LagRun *run, int count, double share, double most)
 }
 
 /* A contact that has changed, or a slip in the plane that an importer's steps have not stopped at its place. */
-static int comes_to_rest(const LagRun *run, int i)
+static int comes_to_rest(LagRun *run, int i)
 {
-    const int may_rest = !lag_may_have_all(run, i) || (run->impacts.coarse > 0 && lag_cones_have(run, i));
-    return may_rest && run->switches.turned[i] == LAG_CHANGES;
+    const int stops = run->impacts.coarse > 0 && lag_cones_have(run, i) && !lag_cones_have_left(run, i);
+    return (stops || !lag_may_have_all(run, i)) && run->switches.turned[i] == LAG_CHANGES;
 }
 
 void lag_sliding_stop(LagRun *run)

@@ -12,14 +12,19 @@
 #include "events/sliding.h"
 #include "numbers/extremes.h"
 
-/* The share that there is, in the place of one that is asked for, where it is known: of contacts that nothing rubs on. */
-static double limited(const LagRun *run, int k, double share)
+static const double NO_FORCE = 0.5; /* a share */
+
+/* The share that there is, in the place of one that is asked for: components of friction in the plane are those of one force, and what is
+ * pressed by a contact that would pull has none. */
+static double limited(const LagRun *run, int k)
 {
     const int i = run->sliding.which[k];
+    const double share = *lag_share(run, i);
     if (!lag_may_have_all(run, i))
-        return run->model->n_rubs == 0 ? lag_max(0, share) : share;
-    const int is_known = !lag_cones_have(run, i) && !lag_pressed_is_pulled(run, run->sliding.count, k);
-    return is_known ? lag_max(0, lag_min(1, share)) : share;
+        return lag_max(0, share);
+    if (lag_pressed_is_pulled(run, run->sliding.count, k))
+        return NO_FORCE;
+    return lag_cones_have(run, i) ? lag_cones_limited(run, i) : lag_max(0, lag_min(1, share));
 }
 
 void lag_spent_begin(LagRun *run)
@@ -32,20 +37,32 @@ void lag_spent_begin(LagRun *run)
     memcpy(s->of_all + s->most, s->noise, count * sizeof *s->noise);
 }
 
+/* What has a share that is not that which is asked for: components of a slip in the plane do together. */
+static void find_spent(LagRun *run)
+{
+    LagSliding *s = &run->sliding;
+    for (int k = 0; k < s->count; ++k)
+        s->is_spent[k] = s->share_here[k] != *lag_share(run, s->which[k]);
+    for (int k = 0; k < s->count; ++k) {
+        const int partner = lag_candidates_place(s, s->count, lag_cones_partner(run, s->which[k]));
+        if (s->is_spent[k] && partner >= 0)
+            s->is_spent[partner] = 1;
+    }
+}
+
 int lag_spent_reach(LagRun *run)
 {
     LagSliding *s = &run->sliding;
     int left = 0;
     for (int k = 0; k < s->count; ++k)
-        s->share_here[k] = limited(run, k, *lag_share(run, s->which[k]));
+        s->share_here[k] = limited(run, k);
+    find_spent(run);
     for (int k = 0; k < s->count; ++k) {
-        double *share = lag_share(run, s->which[k]);
-        const int is_left = s->share_here[k] == *share;
-        *share = s->share_here[k];
+        *lag_share(run, s->which[k]) = s->share_here[k];
         s->which[left] = s->which[k];
         s->unit[left] = s->unit[k];
         s->noise[left] = s->noise[k];
-        left += is_left;
+        left += !s->is_spent[k];
     }
     const int some = left < s->count;
     s->is_lost |= some; /* what is known is that of all of them */

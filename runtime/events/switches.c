@@ -304,8 +304,11 @@ int lag_switches_enter(LagRun *run)
 
 void lag_switches_keep(const LagRun *run, double *kept)
 {
-    for (int i = 0; i < run->model->n_switches; ++i)
+    const int n = run->model->n_switches;
+    for (int i = 0; i < n; ++i) {
         kept[i] = run->switches.slides[i] ? NAN : run->switches.held[i];
+        kept[n + i] = run->switches.unknown[i];
+    }
 }
 
 int lag_switches_resume(LagRun *run, const double *kept)
@@ -323,6 +326,7 @@ int lag_switches_resume(LagRun *run, const double *kept)
     run->sliding.is_lenient = 0;
     for (int i = 0; i < run->model->n_switches; ++i)
         is_same &= s->slides[i] == isnan(kept[i]);
+    memcpy(s->unknown, kept + run->model->n_switches, (size_t)run->model->n_switches * sizeof *kept);
     lag_cones_enter(run);
     lag_switches_forget(run);
     return is_same;

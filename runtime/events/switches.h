@@ -63,7 +63,7 @@ void lag_switches_set_free(LagRun *run, double t, const double *y);
 /* Sets them as they are held. */
 void lag_switches_recall(LagRun *run);
 
-/* What is held: a number for each, NaN for what slides; and that again, at the present state. Returns whether all that slid still
+/* What is held: a number for each, NaN for what slides, then what is rounding of each; and that again, at the present state. Returns whether all that slid still
  * does: where it is just about to end, rounding may decide otherwise. */
 void lag_switches_keep(const LagRun *run, double *kept);
 int lag_switches_resume(LagRun *run, const double *kept);

@@ -229,13 +229,14 @@ static void choose_at_place(LagRun *run)
             s->turned[i] = LAG_STAYS;
 }
 
-/* What has gone over to the other side with inputs that have jumped has not come to rest on the way. */
+/* What has gone over to the other side with inputs that have jumped has not come to rest on the way, nor has what slips in the plane. */
 static void pass_with_inputs(LagInstance *s)
 {
     LagRun *run = s->run;
     const int first = run->model->switches_need_acceleration ? lag_when(run->model, 0) : 0;
     if (!lag_exchange_has_jumped(s))
         return;
+    lag_cones_note(run, run->motion.t, run->motion.y);
     for (int i = 0; i < first; ++i)
         if (run->switches.turned[i] == LAG_CHANGES && fabs(run->switches.g[i]) > lag_sliding_drift(run, i))
             run->switches.turned[i] = LAG_STAYS;

@@ -105,7 +105,7 @@ struct LagInstance {
     double *slack;           /* n_whens: of conditions of events, near their places: exchange.c */
     double *scratch, *projected; /* not saved */
     double *plain, *told;    /* 2 n, states: the same state as the run has it, and as importers have it */
-    double *indicators, *switches; /* n_switches; the latter: what is held */
+    double *indicators, *switches; /* n_switches; 2 n_switches: what is held, lag_switches_keep */
     double *modes;                 /* n_modes, likewise */
     double *row, *mask, *table, *directions, *work;
     LagDenseLu held;         /* how the rates of what is held depend on its shares */

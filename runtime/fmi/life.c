@@ -50,7 +50,7 @@ static void layout(LagInstance *s, LagArena *arena)
     s->told = lag_take(arena, states);
     s->indicators = lag_take(arena, (size_t)m->n_switches);
     s->modes = lag_take(arena, (size_t)m->n_modes);
-    s->switches = lag_take(arena, (size_t)m->n_switches);
+    s->switches = lag_take(arena, 2 * (size_t)m->n_switches);
     s->row = lag_take(arena, (size_t)lag_run_row_width(m));
     s->mask = lag_take(arena, (size_t)m->n_parameters);
     s->table = lag_take(arena, 2 * (1 + inputs));
