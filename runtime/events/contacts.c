@@ -61,10 +61,13 @@ int lag_contacts_are_closed(const LagRun *run, int k, const double *g, double ne
     return touches && !is_inside && g[i] >= 0;
 }
 
-static inline void note_error(LagRun *run, const double *moved, int i)
+/* Raises errors of conditions from `first` to before `end` to what they have moved by. */
+static inline void note_moved(LagRun *run, const double *moved, int first, int end)
 {
-    double *error = &run->sliding.error[i];
-    *error = lag_max(fabs(moved[i] - run->switches.g[i]), *error);
+    const double *g = run->switches.g;
+    double *error = run->sliding.error;
+    for (int i = first; i < end; ++i)
+        error[i] = lag_max(fabs(moved[i] - g[i]), error[i]);
 }
 
 /* How much one tolerance of positions changes conditions and gaps, and one of rates what rests, for a pattern of signs. Rates may
@@ -79,11 +82,10 @@ static void note_errors(LagRun *run, int pattern)
     if (pattern < lag_conditions_patterns(m->n)) /* else as by another one */
         lag_conditions_by(run, m->t, state, m->y + m->n, slope, s->g_inside, s->rate_inside);
     lag_conditions_by(run, m->t, m->y, state + m->n, slope, s->rate_begin, s->rate_inside);
-    for (int k = 0; k < model->n_whens; ++k) {
-        note_error(run, s->g_inside, lag_when(model, k));
-        note_error(run, run->impacts.has_contact[k] == LAG_ONE_WAY ? s->rate_begin : s->g_inside, lag_gap(model, k));
-        note_error(run, s->rate_begin, lag_contact(model, k));
-    }
+    note_moved(run, s->g_inside, lag_when(model, 0), lag_gap(model, 0));
+    for (int k = 0, gap = lag_gap(model, 0); k < model->n_whens; ++k, ++gap)
+        note_moved(run, run->impacts.has_contact[k] == LAG_ONE_WAY ? s->rate_begin : s->g_inside, gap, gap + 1);
+    note_moved(run, s->rate_begin, lag_contact(model, 0), model->n_switches);
 }
 
 /* By how much gaps, and conditions of events that are no contacts, cannot be told because times cannot, where supports move by

@@ -38,6 +38,9 @@ double lag_crossing_time(const LagRun *run, double share)
     return share < 1 ? m->t_old + share * (m->t - m->t_old) : m->t;
 }
 
+/* Those before this one may change: behind them are gaps, and what does not rest, which are said to be far where nothing is held. */
+static inline int watched_end(const LagRun *run) { return run->sliding.count > 0 ? run->model->n_switches : lag_gap(run->model, 0); }
+
 /* Whether a condition has changed for sure. What rests at the corner of a spring is on both its sides by rounding, again and again;
  * what rests at a contact is held. */
 static int is_beyond(const LagRun *run, int i, double depth)
@@ -116,7 +119,8 @@ static double dip(double a, double b, double ra, double rb)
 static int turns(const LagRun *run, double width)
 {
     const LagSwitches *s = &run->switches;
-    for (int i = 0; i < run->model->n_switches; ++i) {
+    const int end = watched_end(run);
+    for (int i = 0; i < end; ++i) {
         const double size = lag_max(fabs(s->g_begin[i]), fabs(s->g[i])) + s->unknown[i];
         const double way = width * lag_max(fabs(s->rate_begin[i]), fabs(s->rate[i]));
         if ((lag_depth(s, i, s->rate_begin) < 0 && lag_depth(s, i, s->rate) > 0) || way > STRAYS * size)
@@ -139,10 +143,11 @@ typedef enum { UNLIKE, ROUGHLY, TO_ROUNDING } Likeness;
 static Likeness look_for_cubics(LagRun *run, Part part, double x)
 {
     const LagSwitches *s = &run->switches;
+    const int end = watched_end(run);
     const double width = (part.high - part.low) * (run->motion.t - run->motion.t_old);
     Likeness found = TO_ROUNDING;
     look_at(run, part.low + x * (part.high - part.low));
-    for (int i = 0; i < run->model->n_switches; ++i) {
+    for (int i = 0; i < end; ++i) {
         const double a = s->g_begin[i], b = s->g[i], ra = width * s->rate_begin[i], rb = width * s->rate[i];
         const double size = lag_max(lag_max(fabs(a), fabs(b)), fabs(s->g_inside[i]));
         const double miss = fabs(cubic(a, b, ra, rb, x) - s->g_inside[i]);
@@ -307,8 +312,9 @@ static double find_root(LagRun *run, int i, Part part, double high)
 static double find_in_part(LagRun *run, Part part)
 {
     LagSwitches *s = &run->switches;
+    const int end = watched_end(run);
     double first = LAG_NOWHERE;
-    for (int i = 0; i < run->model->n_switches; ++i) {
+    for (int i = 0; i < end; ++i) {
         const int has_changed = is_beyond(run, i, depth_of(run, i, s->g));
         const double high = has_changed ? part.high : find_dip(run, i, part);
         if (high < 0)

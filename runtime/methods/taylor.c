@@ -43,7 +43,7 @@ static const double OTHER_STEP = 3300, OTHER_SUM = 500, OTHER_STAGES = 12, OTHER
 const double lag_inverse[LAG_JET_ORDER] = {1, 1. / 2, 1. / 3, 1. / 4, 1. / 5, 1. / 6, 1. / 7, 1. / 8, 1. / 9, 1. / 10, 1. / 11,
                                             1. / 12, 1. / 13, 1. / 14, 1. / 15, 1. / 16, 1. / 17, 1. / 18};
 
-static double *power_jet(const LagModel *model, double *jets, int i)
+static inline double *power_jet(const LagModel *model, double *jets, int i)
 {
     return lag_taylor_jet(model, jets, model->jet_places[model->is_long_state ? i : model->n + i]);
 }
@@ -229,7 +229,8 @@ static void displacement(const LagTaylor *s, const LagModel *model, double *jets
         sum_up(model, jets, LEAST_ORDER, h, step);
     else
         sum_up(model, jets, order, h, step);
-    lag_taylor_turn(model, jets, order, h, step);
+    if (model->n_attitudes > 0)
+        lag_taylor_turn(model, jets, order, h, step);
 }
 
 /* A state near the end of the planned step, which units are taken for: that before the latest one serves as well, if there is one
@@ -369,9 +370,6 @@ static int needs_live_switches(const LagRun *run, int in_vain, double wrong)
     return run->switches.is_live || (in_vain >= PATIENCE && !(wrong < INFINITY) && run->model->n_switches > 0);
 }
 
-/* Whether a coefficient and the three before it are 0. */
-static inline int are_zero(const double *c, int k) { return fabs(c[0]) + fabs(c[-k]) + fabs(c[-2 * k]) + fabs(c[-3 * k]) == 0; }
-
 /* The order from which on nothing is left of a series: digits are the same without. */
 static int top_of(const LagTaylor *s, const LagModel *model, double *jets)
 {
@@ -382,7 +380,7 @@ static int top_of(const LagTaylor *s, const LagModel *model, double *jets)
         const int is_power = i >= 2 * n; /* whose integral counts, of an order more */
         const double *c = is_power ? power_jet(model, jets, i - 2 * n) : lag_taylor_jet(model, jets, 1 + i);
         int k = s->order;
-        while (k - 3 > top && are_zero(c + (k - is_power) * pitch, pitch))
+        while (k - 3 > top && lag_jet_ends(c + (k - is_power) * pitch, pitch))
             k -= 4;
         while (k > top && c[(k - is_power) * pitch] == 0)
             --k;

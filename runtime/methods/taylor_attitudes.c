@@ -128,7 +128,7 @@ double lag_taylor_longest_turn(const LagRun *run, const double *y)
 int lag_taylor_top_of_turned(const LagModel *model, const double *jets, int most)
 {
     const double *c = fours_of(model, (double *)jets, 0);
-    for (int k = most; k > 1; --k)
+    for (int k = model->n_attitudes > 0 ? most : 1; k > 1; --k)
         for (int i = 0; i < model->n_attitudes; ++i)
             for (int m = 0; m < 4; ++m)
                 if (c[4 * LAG_JET_STRIDE * i + 4 * k + m] != 0)

@@ -108,6 +108,20 @@ LAG_UNROLLED double lag_jet_power(const double *u, const double *w, double expon
     return sum * (1.0 / k) * (1 / u[0]);
 }
 
+/* All bits of a number but its sign: none are set in 0. */
+static inline uint64_t lag_size_bits(double c)
+{
+    uint64_t bits;
+    memcpy(&bits, &c, sizeof bits);
+    return bits << 1;
+}
+
+/* Whether a coefficient and the three before it are 0. */
+static inline int lag_jet_ends(const double *c, int k)
+{
+    return (lag_size_bits(c[0]) | lag_size_bits(c[-k]) | lag_size_bits(c[-2 * k]) | lag_size_bits(c[-3 * k])) == 0;
+}
+
 /* sum of c_k h^k from k = 0 to the order: Horner in four chains, so that hardly one multiplication waits for another. */
 static inline double lag_jet_value(const double *c, int pitch, int order, double h)
 {

@@ -15,6 +15,8 @@ int lag_flow(void *context, LagFlowPart part, const double *q, const double *v_o
 
 void lag_inputs_and_rates(LagRun *run, double t)
 {
+    if (run->model->n_inputs + run->model->n_delays == 0)
+        return;
     lag_inputs_at(&run->inputs, t, run->u);
     if (run->model->n_inputs > 0)
         lag_inputs_slope(&run->inputs, run->u_slope);
