@@ -283,6 +283,30 @@ void lag_contacts_put_back(LagRun *run)
             m->y[i] += s->way[i + k * n] * s->impulse[k];
 }
 
+/* The rate up to which contact k is taken for one that rests. */
+static double slow_rate(const LagRun *run, int k)
+{
+    const int rests = lag_contact(run->model, k);
+    return lag_max(lag_sliding_held(run, rests), run->sliding.error[rests]);
+}
+
+/* What rested and has been thrown up in an importer's run, where others are struck late, presses no more: its force would keep it from
+ * coming back. Rates are those without it. */
+static void let_go_thrown(LagRun *run)
+{
+    LagSwitches *s = &run->switches;
+    int some = 0;
+    for (int k = 0; k < run->model->n_whens && run->impacts.coarse > 0; ++k) {
+        const int rests = lag_contact(run->model, k);
+        if (*lag_share(run, rests) == 0 || !(-s->g_inside[rests] > slow_rate(run, k)))
+            continue;
+        s->held[rests] = *lag_share(run, rests) = 0;
+        some = 1;
+    }
+    if (some)
+        lag_conditions_of_events(run, s->g_inside, s->rate_inside);
+}
+
 int lag_contacts_find_rest(LagRun *run)
 {
     LagSwitches *s = &run->switches;
@@ -290,9 +314,10 @@ int lag_contacts_find_rest(LagRun *run)
     int found = 0;
     if (model->n_whens > 0)
         lag_conditions_of_events(run, s->g_inside, s->rate_inside);
+    let_go_thrown(run);
     for (int k = 0; k < model->n_whens; ++k) {
         const int gap = lag_gap(model, k), rests = lag_contact(model, k), has_left = s->turned[rests] == LAG_TO_0;
-        const double slow = lag_max(lag_sliding_held(run, rests), run->sliding.error[rests]);
+        const double slow = slow_rate(run, k);
         const double leaves = -s->g_inside[rests], returns = s->rate_inside[rests];
         const int touches = run->impacts.has_contact[k] && lag_contacts_are_closed(run, k, s->g_inside, run->sliding.error[gap]);
         const int bounces = leaves > 0 && is_place(run, k) && lag_contacts_stay(run, k, leaves, returns);

@@ -421,3 +421,22 @@ end Endless;""")
     with pytest.raises(Exception, match=r"DiscreteStates failed with status 3"):
         simulated(path, version, "ModelExchange", ["x.s"], stop_time=2)
     assert "at t = 1 s: events that reset rates bring each other about without end" in "".join(capfd.readouterr())
+
+
+FEET = """model Feet
+  Prismatic x(a = world, along = {{0, 1}}, s(start = 0.2)); Revolute r(a = x.b, phi(start = 0.1));
+  Bar b(m = 1, L = 0.6, center = r.b);
+  Stop left(a = world, b = b.a, along = {{0, 1}}, e = {0}), right(a = world, b = b.b, along = {{0, 1}}, e = {1});
+end Feet;"""
+
+
+@pytest.mark.parametrize("version", ["2", "3"])
+@pytest.mark.parametrize("tolerance", [1e-6, 1e-9])
+@pytest.mark.parametrize("e", [(0.4, 0.4), (0.7, 0.7), (0, 0.5), (0.8, 0.3)])
+def test_what_rocks_to_rest_on_two_feet_rests(e: tuple[float, float], tolerance: float, version: str, tmp_path: Path) -> None:
+    """Each foot that was struck threw the other one up, whose force of before kept it from being drawn back: 16 306 events."""
+    path = tmp_path / "feet.lag"
+    path.write_text(FEET.format(*e))
+    run = simulated(path, version, "ModelExchange", ["x.s", "r.phi"], stop_time=3, relative_tolerance=tolerance, timeout=20)
+    assert run["time"][-1] == pytest.approx(3) and np.count_nonzero(np.diff(run["time"]) <= 0) < 100
+    assert [run[name][-1] for name in ("x.s", "r.phi")] == pytest.approx([0, 0], abs=1e-12)
