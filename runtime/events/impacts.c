@@ -210,23 +210,21 @@ static int has_jumped(const LagRun *run, int k)
 }
 
 /* Whether a condition is true after resets: on its level as it says of that; else by its sign where these have changed it; else
- * where it has come true by itself; else where nothing moves it, it stays what it is. Forces are not known before all is chosen that
- * holds. */
+ * where it has been true at this instant, in which places stay; else where it comes true by itself, or is about to. Forces are not known
+ * before all is chosen that holds. */
 static int has_become_true(const LagRun *run, int k)
 {
     const LagSwitches *s = &run->switches;
-    const int i = lag_when(run->model, k);
+    const int i = lag_when(run->model, k), was_true = run->impacts.comes[k] || run->impacts.is_on[k];
     if (run->impacts.loaded.is_loaded[k])
-        return run->impacts.comes[k] || run->impacts.is_on[k];
+        return was_true;
     if (is_on_level(run, k))
         return run->model->on_level[k] & 1;
     if (has_jumped(run, k))
         return s->g[i] > 0;
-    if (run->impacts.comes[k])
-        return 1;
-    if (run->impacts.is_level[k])
-        return run->impacts.is_on[k];
-    return fabs(s->g[i]) <= s->unknown[i] && s->rate[i] == 0 ? run->impacts.is_on[k] : is_true(s, i);
+    if (was_true || run->impacts.is_level[k])
+        return was_true;
+    return (fabs(s->g[i]) > s->unknown[i] || s->rate[i] != 0) && is_true(s, i);
 }
 
 /* At an instant: conditions that have come true by themselves. Contacts that are passed already, where the rest of the condition comes
@@ -403,12 +401,15 @@ static int calm(LagRun *run)
     return lag_impulses_reset(run, 0);
 }
 
-/* What conditions of events that are no contacts have become: on its level, rounding would tell otherwise. */
+/* What conditions of events that are no contacts have become: on its level, rounding would tell otherwise; and what goes back from where
+ * it came true is true no more. */
 static void note_events(LagRun *run)
 {
     LagSwitches *s = &run->switches;
     for (int k = 0; k < run->model->n_whens; ++k) {
-        const int i = lag_when(run->model, k), is_on = run->impacts.is_on[k];
+        const int i = lag_when(run->model, k), is_level = is_on_level(run, k) || run->impacts.is_level[k];
+        const int goes_back = !is_level && s->g[i] <= s->unknown[i] && s->rate[i] < 0 && !run->impacts.loaded.is_loaded[k];
+        const int is_on = run->impacts.is_on[k] && !goes_back;
         if (!run->impacts.has_contact[k] && (s->turned[i] || is_on != (s->held[i] > 0) || is_on_level(run, k)))
             s->turned[i] = is_on ? LAG_TO_1 : LAG_TO_0;
     }

@@ -25,14 +25,15 @@ void lag_sliding_rates(LagRun *run, double t, const double *y)
 }
 
 /* Takes notice of accelerations without the jumps, in slope_without, and of the latest ones, with one: rounding of what slides is that
- * of a difference of such ones. */
+ * of a difference of such ones. What is infinite there, as 0/0 of a force at rest, excuses no errors. */
 static void note_noise(LagRun *run)
 {
     LagScale *scale = &run->scale;
     const int n = run->model->n;
     const double *with = run->switches.slope + n, *without = run->sliding.slope_without + n;
     for (int i = 0; i < n; ++i) {
-        scale->onset[i] = lag_max(UNKNOWN * lag_max(fabs(with[i]), fabs(without[i])), scale->onset[i]);
+        const double size = lag_max(fabs(with[i]), fabs(without[i]));
+        scale->onset[i] = lag_max(isfinite(size) ? UNKNOWN * size : 0, scale->onset[i]);
         scale->noise[i] = lag_max(scale->onset[i], scale->noise[i]);
     }
 }

@@ -127,7 +127,8 @@ static double rounding_of(LagRun *run, double t, const double *y)
     return largest;
 }
 
-/* The same of what loads do to what they do not move: rounding of what they would have made of it in a step, where nothing held it. */
+/* The same of what loads do to what they do not move: rounding of what they would have made of it in a step, where nothing held it. Loads
+ * without bound explain nothing. */
 static double rounding_of_loads(LagRun *run, double t, const double *y)
 {
     const LagScale *scale = &run->scale;
@@ -138,7 +139,7 @@ static double rounding_of_loads(LagRun *run, double t, const double *y)
     for (int i = 0; i < n; ++i)
         moved[n + i] = scale->onset[i] / DBL_EPSILON * step;
     lag_energies(run, t, moved, energies);
-    return DBL_EPSILON * fabs(energies[KINETIC]);
+    return isfinite(energies[KINETIC]) ? DBL_EPSILON * fabs(energies[KINETIC]) : 0;
 }
 
 /* The kinetic energy of the largest rates so far: between looks energies may have come and gone, as in a pulse both ways, and of what

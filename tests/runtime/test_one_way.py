@@ -447,3 +447,35 @@ def test_what_is_largest_of_both_sides_is_a_wall_on_both(scene: Write, force: fl
       when max(b.s, -b.s) < 0.5 then reinit(b.v, 0); end when;
     end Post;""").simulate(at=[0.5, 3.0])
     assert run["b.s"][-2:] == pytest.approx([-force * 0.875, -force * 0.5], abs=1e-9)
+
+
+RING = """model Ring
+  World world(gravity = {{0, 0}}); Block b(m = 1, base = world, s(start = {0}), v(start = {1})), c(m = 1, base = world);
+equation
+  when b.s > 0.5 then reinit(b.v, -1); end when;
+  when b.v < -0.5 then reinit(c.v, 0.25); end when;
+  when c.v > 0.2 then reinit(b.v, 0.1); end when;
+end Ring;"""
+
+
+@pytest.mark.parametrize(("place", "rate"), [(0.1, 0.7), (-0.02, 1.31), (0.13, 0.42)])
+def test_resets_in_a_ring(scene: Write, place: float, rate: float) -> None:
+    """Places stay at an instant: what came true there comes once, though its rate is turned round and back. It was -0.93 m."""
+    for solver in ("auto", "erk5", "erk9", "pirk", "implicit", "taylor"):
+        run = scene(RING.format(place, rate)).simulate(at=[2.0], solver=solver, tolerance=1e-8)
+        assert run["b.s"][0] == pytest.approx(0.5 + 0.1 * (2 - (0.5 - place) / rate), abs=1e-9), solver
+        assert run["der(c.s)"][0] == 0.25
+
+
+def test_what_has_gone_back_comes_again(scene: Write) -> None:
+    """A block that a reset sends back to a spring's side, from where it comes again, each time: twice in 2.5 s."""
+    model = scene("""model Back
+      World world(gravity = {0, 0}); Block b(m = 1, base = world, v(start = 1)); discrete Integer n(start = 0);
+      AppliedForce f(at = b.center, force = {1, 0});
+    equation
+      when b.s > 0.3 then reinit(b.v, -1); n = pre(n) + 1; end when;
+    end Back;""")
+    first = np.sqrt(1.6) - 1
+    for solver in ("auto", "erk5", "pirk", "implicit"):
+        run = model.simulate(at=[first + 1.9, first + 2.1], solver=solver)
+        assert list(run["n"]) == [1, 2], solver

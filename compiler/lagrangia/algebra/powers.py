@@ -9,6 +9,7 @@ from functools import partial
 
 import casadi as ca
 
+from lagrangia.algebra.duals import Scalar
 from lagrangia.algebra.scalars import Expression, apply_to_one, as_expression
 
 _PRODUCTS = frozenset({ca.OP_MUL, ca.OP_DIV, ca.OP_SQ, ca.OP_TWICE, ca.OP_NEG})
@@ -54,11 +55,25 @@ def never_negative(x: ca.SX, depth: int = _DEEPEST) -> bool:
     is_so = partial(never_negative, depth=depth - 1)
     operands = [x.dep(k) for k in range(x.n_dep())]
     if x.op() == ca.OP_FMAX:
-        return any(map(is_so, operands)) or any(
-            a.op() == ca.OP_NEG and ca.is_equal(a.dep(0), b, _DEPTH) for a, b in (operands, operands[::-1]))
+        return any(map(is_so, operands)) or _are_opposite(*operands)
     if x.op() in (ca.OP_ADD, ca.OP_MUL, ca.OP_DIV, ca.OP_FMIN, ca.OP_TWICE):
         return all(map(is_so, operands))
     return x.op() in _NEVER_NEGATIVE
+
+
+def bound_known(is_larger: bool, a: Scalar, b: Scalar) -> Scalar | None:
+    """The larger or smaller of what is never negative and a number that is not positive, or |x| of x and -x; None: neither."""
+    for x, other in ((a, b), (b, a)):
+        if isinstance(x, ca.SX) and isinstance(other, float | int) and other <= 0 and never_negative(x):
+            return x if is_larger else other
+    if isinstance(a, ca.SX) and isinstance(b, ca.SX) and _are_opposite(a, b):
+        length = apply_to_one(ca.OP_FABS, b.dep(0) if b.op() == ca.OP_NEG else b)
+        return length if is_larger else as_expression(-length)
+    return None
+
+
+def _are_opposite(a: ca.SX, b: ca.SX) -> bool:
+    return any(x.op() == ca.OP_NEG and ca.is_equal(x.dep(0), y, _DEPTH) for x, y in ((a, b), (b, a)))
 
 
 def _factors(x: Expression, opens_sums: bool = True, depth: int = _DEEPEST) -> list[Factor]:

@@ -26,8 +26,8 @@ from lagrangia.algebra.lengths import exact_lengths
 from lagrangia.algebra.lookup_functions import TableUse, in_force, written
 from lagrangia.algebra.modes import RELATIONS, Mode, ModeIndex
 from lagrangia.algebra.numbering import rebuilt
-from lagrangia.algebra.powers import length_powers, powers_in_exponent
-from lagrangia.algebra.scalars import Expression, apply, apply_to_one, as_expression, symbols_in
+from lagrangia.algebra.powers import bound_known, length_powers, never_negative, powers_in_exponent
+from lagrangia.algebra.scalars import Expression, apply, apply_to_one, as_expression, operate, symbols_in
 from lagrangia.algebra.scalars import symbol as make_symbol
 from lagrangia.algebra.widths import arms_of, width_beside
 from lagrangia.base.diagnostics import Span
@@ -111,7 +111,9 @@ class CasadiAlgebra:
                 raise ZeroDivisionError  # which 0 times infinity would hide
             return a - b * self.call("floor", a / b)
         if function == "abs" and isinstance(arguments[0], ca.SX):
-            return apply_to_one(ca.OP_FABS, without_sign(arguments[0]))
+            return self._absolute(without_sign(arguments[0]))
+        if function in ("fmin", "fmax") and (known := bound_known(function == "fmax", *arguments)) is not None:
+            return known
         if all(isinstance(a, float | int) for a in arguments):
             return _call_float(function, *arguments)
         if function == "abs" and (inner := of_sign(arguments[0])) is not arguments[0]:
@@ -162,6 +164,14 @@ class CasadiAlgebra:
             return as_expression(apply(x.op(), *(self._by_factors(x.dep(k)) for k in range(2))))
         return as_expression(x)
 
+    def _absolute(self, x: ca.SX) -> Expression:
+        """|x|; of quotients by what changes |a|/|b|, as |a/b| has no corner where b passes 0."""
+        if x.op() not in (ca.OP_DIV, ca.OP_INV) or self._is_steady(x.dep(x.n_dep() - 1)):
+            return apply_to_one(ca.OP_FABS, x)
+        lengths = [as_expression(self.call("abs", x.dep(k))) for k in range(x.n_dep())]
+        self._note_divisor(lengths[-1])
+        return operate(x.op(), lengths)
+
     def _length(self, x: ca.SX) -> Expression:
         """|x|, by its factors."""
         parts = [x.dep(k) for k in range(2)] if x.op() in (ca.OP_MUL, ca.OP_DIV) else []
@@ -171,9 +181,15 @@ class CasadiAlgebra:
         return as_expression(apply(x.op(), *map(self._length, parts)))
 
     def _power(self, function: str, base: ca.SX, exponent: Scalar = 0.5) -> Expression:
-        """sqrt or pow."""
+        """sqrt or pow; of quotients by what changes and is never negative that of both."""
         if not isinstance(exponent, _NUMBERS) or exponent < 0:
             self._note_divisor(base)
+        below = base.dep(base.n_dep() - 1) if base.op() in (ca.OP_DIV, ca.OP_INV) else None
+        if below is not None and never_negative(below) and not self._is_steady(below):
+            parts = [as_expression(self.call(function, base.dep(k), *(() if function == "sqrt" else (exponent,))))
+                     for k in range(base.n_dep())]
+            self._note_divisor(parts[-1])
+            return operate(base.op(), parts)
         is_whole = isinstance(exponent, _NUMBERS) and float(exponent).is_integer()
         is_root = isinstance(exponent, _NUMBERS) and exponent > 0 and not is_whole
         if is_root and (beside := width_beside(base, self.rates, self._is_steady)) is not None:
