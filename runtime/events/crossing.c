@@ -308,6 +308,25 @@ static double find_root(LagRun *run, int i, Part part, double high)
     return part.low;
 }
 
+static void evaluate_end(LagRun *run, double x)
+{
+    LagSwitches *s = &run->switches;
+    const double t = lag_crossing_time(run, x);
+    find_state(run, t);
+    lag_conditions_with_rates(run, t, s->state, s->g, s->rate);
+}
+
+/* Whether a condition is another one behind the place that was found than at both ends: it goes to and fro around it, as |v| > 1e-6 does
+ * where v passes 0. */
+static int is_passed(const LagRun *run)
+{
+    const LagSwitches *s = &run->switches;
+    for (int i = 0; i < run->model->n_switches; ++i)
+        if (is_beyond(run, i, depth_of(run, i, s->g_after)) && !is_beyond(run, i, depth_of(run, i, s->g)))
+            return 1;
+    return 0;
+}
+
 /* The first place in a part of the step where a condition changes; LAG_NOWHERE: there is none. */
 static double find_in_part(LagRun *run, Part part)
 {
@@ -328,15 +347,10 @@ static double find_in_part(LagRun *run, Part part)
             look_beside(run, i, high);
         first = find_root(run, i, part, lag_min(first, high));
     }
-    return first;
-}
-
-static void evaluate_end(LagRun *run, double x)
-{
-    LagSwitches *s = &run->switches;
-    const double t = lag_crossing_time(run, x);
-    find_state(run, t);
-    lag_conditions_with_rates(run, t, s->state, s->g, s->rate);
+    if (!(first < part.high) || !is_passed(run))
+        return first;
+    evaluate_end(run, first);
+    return lag_min(first, find_in_part(run, (Part){part.low, first}));
 }
 
 /* Whether no other condition can have gone to and fro before a place that was found: up to there, cubics describe them. */

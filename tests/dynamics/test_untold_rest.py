@@ -19,7 +19,7 @@ UNTOLD = ("3 - sign(b.v)^2", "3 - abs(sign(b.v))", "3 - sign(abs(b.v))", "3 - si
           "max(2, min(3, 3 - sign(b.v)^2))", "3 - sign(-2*b.v)^2", "3 - sign(b.v)*sign(3*b.v)", "3 - (b.v/abs(b.v))^2",
           "if sign(b.v)^2 > 0.5 then 2 else 3", "2 + cos(sign(b.v))", "3 - sqrt(abs(sign(b.v)))", "2 + sign(b.v)^4",
           "3 - (if b.v > 0[m/s] then 1 else 0) - (if b.v < 0[m/s] then 1 else 0)", "3 - norm({sign(b.v), 0})",
-          "if max(b.v, -b.v) > 0[m/s] then 2 else 3", "if b.v*sign(b.v) > 0[m/s] then 2 else 3",
+          "if max(b.v, -2*b.v) > 0[m/s] then 2 else 3", "if b.v*sign(b.v) > 0[m/s] then 2 else 3",
           "if exp(abs(b.v)/1[m/s]) > 1 then 2 else 3",
           "if abs(b.v) + abs(2*b.v) > 0[m/s] then 2 else 3", "2 + min(1, ceil(abs(b.v)/1[m/s]))")
 
@@ -59,6 +59,7 @@ def test_wherever_it_is_said(scene: Write, text: str) -> None:
     (BY_LIMIT % "if b.v^4 > 0 then 2 else 3", 3, 2),
     (BY_LIMIT % "if abs(b.v) > 1[m/s] then 2.5 else 2", 2, 2),
     (BY_LIMIT % "if b.v < 0[m/s] or b.v > 0[m/s] then 2 else 3", 3, 2),
+    (BY_FORCE % "if max(b.v, -b.v) > 0[m/s] then 2 else 3", 3, 2),
     ("AppliedForce f(at = b.center, force = {if b.v > 0[m/s] then -2[N] else 2[N], 0});", 2, 2),
     (KARNOPP % ("abs(b.v) > 0[m/s]", "0[N]"), 2, 2),
     (KARNOPP % ("b.v <> 0[m/s]", "-max(-2[N], min(2[N], 2[N/s]*time))"), 2, 2),

@@ -128,3 +128,23 @@ def test_rows_do_not_depend_on_where_events_are(scene: Write) -> None:
     jumps = np.abs(np.diff(fine["b.v"]))
     assert jumps.max() < 1.1 * 30 * 0.01
     assert all(a < b for a, b in pairwise(fine["time"]))
+
+
+@pytest.mark.parametrize("solver", (*SOLVERS, "erk9", "pirk"))
+def test_narrow_windows_about_another_change(scene: Write, solver: str) -> None:
+    """A dead band of 1e-7 about a sign that changes in it, so that the rate stays; a force of 1e7 N there for 3e-7 s, that gives
+    1 kg 3 m/s. Where the condition is the same at both ends of a step it was stepped over: 0.2 m for 0.21, and 0 or 2 m/s."""
+    band = scene("""model Band
+      World world(gravity = {0, 0}); Block b(m = 2, base = world, v(start = 1));
+      AppliedForce q(at = b.center, force = {if abs(b.v) > 1e-7 then -5*sign(b.v) else 0, 0});
+    end Band;""")
+    pulse = scene("""model Pulse
+      World world(gravity = {0, 0}); Block b(m = 1, base = world, v(start = 1)), c(m = 1, base = world);
+      AppliedForce q(at = b.center, force = {if b.v > 0 then -1 else -0.5, 0});
+      AppliedForce r(at = c.center, force = {if abs(b.v) < 1e-7 then 1e7 else 0, 0});
+    end Pulse;""")
+    for tolerance in (1e-8, 1e-9, 1e-10):
+        run = band.simulate(at=[1e5], solver=solver, tolerance=tolerance)
+        assert run["b.s"][0] == pytest.approx(0.2 + 1e-7 * (1e5 - 0.4), abs=1e-7)
+        run = pulse.simulate(at=[3.0], solver=solver, tolerance=tolerance)
+        assert run["der(c.s)"][0] == pytest.approx(3, abs=2e-6)
