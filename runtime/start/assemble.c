@@ -32,6 +32,7 @@ void lag_assembly_layout(LagAssembly *s, LagArena *arena)
     const size_t unknowns = s->model->n_initial > 0 ? 2 * (size_t)lag_start_size(s->model) : 0;
     lag_newton_layout(&s->newton, s->model, arena);
     lag_blocks_layout(&s->blocks, s->model, arena);
+    lag_known_start_layout(&s->known, s->model, arena);
     s->reach = lag_take(arena, unknowns);
     s->guess = lag_take(arena, unknowns);
     s->found = lag_take(arena, unknowns);
@@ -425,8 +426,8 @@ static int search_rates(LagAssembly *s, const double *p, const int *fixed, doubl
 }
 
 /* Rates where the positions are are mostly a linear matter, though not those of an energy, whose slopes vanish where they do; all
- * together only when that does not do: rates that are given, and an equation that ties them to positions. */
-int lag_assemble(LagAssembly *s, const double *p, const int *fixed, double *x, double *work)
+ * together only when that does not do: rates that are given, and an equation that ties them to positions. Returns as lag_assemble. */
+static int assemble(LagAssembly *s, const double *p, const int *fixed, double *x, double *work)
 {
     const int n = lag_start_size(s->model), all = s->model->n_initial, positions = s->model->n_initial_positions;
     step_aside(s, p, fixed, x, work);
@@ -452,4 +453,14 @@ int lag_assemble(LagAssembly *s, const double *p, const int *fixed, double *x, d
         return -1;
     copy(s, s->best, x); /* positions close: what fails are rates */
     return solve(s, p, fixed, all, n, 2 * n, 0, x, work);
+}
+
+int lag_assemble(LagAssembly *s, const double *p, const int *fixed, double *x, double *work)
+{
+    if (lag_known_start_recall(&s->known, s->model, p, s->newton.u, fixed, x))
+        return -1;
+    const int worst = assemble(s, p, fixed, x, work);
+    if (worst < 0)
+        lag_known_start_keep(&s->known, s->model, x);
+    return worst;
 }

@@ -5,12 +5,14 @@
 #include "base/arena.h"
 #include "model/model.h"
 #include "start/blocks.h"
+#include "start/known_start.h"
 #include "start/newton.h"
 
 typedef struct {
     const LagModel *model;
     LagNewton newton;
     LagBlocks blocks;
+    LagKnownStart known;
     double *reach;                /* n, here and in newton.h, is lag_start_size; 2 n: natural size of a value */
     double *guess;                /* 2 n */
     double *found, *kept, *best;  /* 2 n: states to come back to: of a solution, of a step, of an assembly */

@@ -7,6 +7,7 @@ import pytest
 
 import lagrangia as lag
 from lagrangia.base.diagnostics import LagError, RunError
+from lagrangia.run.prepared import PreparedRun
 
 EXAMPLES = Path(__file__).parents[2] / "models" / "examples"
 PENDULUM = lag.load(EXAMPLES / "double_pendulum.lag")
@@ -35,6 +36,25 @@ def test_all_else_is_as_it_was_given_once() -> None:
         wanted = model.simulate(stop=0.5, at=[0.25, 0.5], solver="erk", initial={name: value})
         assert np.array_equal(run([value]), wanted.rows)
     assert model.prepare(stop=0.5, at=[0.5])().shape == (1, len(run.columns))
+
+
+def test_starts_are_found_anew_where_anything_is_asked_otherwise() -> None:
+    """The latest one is kept: with another length, from another guess, after one that does not close, it is not the start."""
+    model = lag.load(EXAMPLES / "four_bar.lag")
+
+    def prepared() -> PreparedRun:
+        return model.prepare({"O.phi": 0.5}, {"coupler.L": 1.0}, at=[0, 0.1], tolerance=1e-10)
+
+    run = prepared()
+    for start, length in ((0.7, 1), (0.7, 1), (0.8, 1), (0.8, 1.1), (0.8, 9), (0.8, 1.1), (0.8, 1.1), (0.7, 1)):
+        if length == 9:
+            with pytest.raises(LagError, match="L0606"):
+                run([start], [length])
+            continue
+        rows = run([start], [length])
+        assert np.array_equal(rows, prepared()([start], [length]))
+        assert rows[0, run.columns.index("O.phi")] == pytest.approx(start, abs=1e-15)
+        assert run.statistics.constraint_residual < 1e-14
 
 
 @pytest.mark.parametrize(("scene", "mass"), [("four_bar", "coupler.m"), ("spatial_four_bar", "rod.m")])

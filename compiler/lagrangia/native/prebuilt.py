@@ -61,7 +61,7 @@ _SHARED: Mapping[str, frozenset[str]] = {room: frozenset(names.split()) for room
     "base": "clock",
     "model": "arrange hoist history inputs read_numbers schedule",
     "numbers": "complementarity",
-    "start": "assemble blocks metric newton",
+    "start": "assemble blocks known_start metric newton",
     "state": "first_step inside onset",
     "events": "candidates cones contact_friction impacts impulses jams jumps rest sampling slide_settle slide_states switches",
     "steps": "branch delays rounding singular turns",
