@@ -120,11 +120,16 @@ static void give_slack(LagInstance *s)
     }
 }
 
+/* Of the indicators that were found last. */
 static void take_slack(LagInstance *s)
 {
-    for (int k = 0; k < s->model->n_whens; ++k)
-        if (s->indicators[lag_when(s->model, k)] >= (1 + CLEAR) * s->slack[k])
-            s->slack[k] = 0;
+    for (int k = 0; k < s->model->n_whens; ++k) {
+        double *indicator = &s->indicators[lag_when(s->model, k)];
+        if (!(*indicator >= (1 + CLEAR) * s->slack[k]))
+            continue;
+        *indicator -= s->slack[k];
+        s->slack[k] = 0;
+    }
 }
 
 LagAnswer lag_instance_get_indicators(LagInstance *s, double *indicators, size_t count)
@@ -135,6 +140,8 @@ LagAnswer lag_instance_get_indicators(LagInstance *s, double *indicators, size_t
     LagAnswer answer = lag_instance_settle(s);
     if (answer == LAG_ANSWER_OK)
         answer = lag_instance_indicators(s);
+    if (answer == LAG_ANSWER_OK && s->kind == LAG_MODEL_EXCHANGE && (s->vital.mode & LAG_MODE_CONTINUOUS) != 0)
+        take_slack(s); /* importers may tell of no step that is completed before the next event */
     if (answer == LAG_ANSWER_OK && count > 0)
         memcpy(indicators, s->indicators, count * sizeof *indicators);
     return answer;
