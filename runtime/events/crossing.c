@@ -29,8 +29,8 @@ static const double EARLY = 0.38, LATE = 0.73, ROUGH = 0.02, NARROWEST = 1.0 / 5
 /* Steps are looked at so when they have become so much longer, or so many were not; after one where that was in vain, when they are
  * much longer, or after a pause. */
 static const double LONGER = 1.2, MUCH_LONGER = 16;
-enum { LOOK_AGAIN = 8, PAUSE = 256, HALVINGS = 12, MOST_HALVINGS = 40, MOST_ITERATIONS = 300, DIP_ITERATIONS = 6, PATIENCE = 5 };
-enum { NEWTON_ITERATIONS = 16 };
+enum { LOOK_AGAIN = 8, PAUSE = 256, HALVINGS = 12, MOST_HALVINGS = 40, MOST_ITERATIONS = 300, PATIENCE = 5 };
+enum { DIP_ITERATIONS = 6, MOST_DIP_ITERATIONS = 48, NEWTON_ITERATIONS = 16 };
 
 double lag_crossing_time(const LagRun *run, double share)
 {
@@ -166,17 +166,19 @@ static Likeness resolve(LagRun *run, Part part)
     return early < late ? early : late;
 }
 
-/* A place where a condition that holds at both ends does not; -1: none was found. One so near the beginning that times cannot be told apart
- * is none: what begins at its change with a force from nothing, whose length counts as 1e-150, goes down by that. */
+/* A place where a condition that holds at both ends does not; -1: none was found. Where it has a corner, as |x - a| < d, no cubic leads
+ * there, and the part is halved. One so near the beginning that times cannot be told apart is none: what begins at its change with a force
+ * from nothing, whose length counts as 1e-150, goes down by that. */
 static double find_dip(LagRun *run, int i, Part part)
 {
     const LagSwitches *s = &run->switches;
     const double h = run->motion.t - run->motion.t_old;
     double low = part.low, high = part.high, a = depth_of(run, i, s->g_begin), b = depth_of(run, i, s->g);
     double ra = h * lag_depth(s, i, s->rate_begin), rb = h * lag_depth(s, i, s->rate);
-    for (int k = 0; k < DIP_ITERATIONS; ++k) {
-        const double share = dip(a, b, ra * (high - low), rb * (high - low)), x = low + share * (high - low);
-        if (share < 0 || x - part.low <= ROUNDING)
+    for (int k = 0; k < MOST_DIP_ITERATIONS; ++k) {
+        const double lowest = dip(a, b, ra * (high - low), rb * (high - low)), share = k < DIP_ITERATIONS ? lowest : 0.5;
+        const double x = low + share * (high - low);
+        if (lowest < 0 || x - part.low <= ROUNDING)
             return -1;
         const double here = depth_at(run, i, x);
         if (is_beyond(run, i, here))

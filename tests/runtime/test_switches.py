@@ -148,3 +148,25 @@ def test_narrow_windows_about_another_change(scene: Write, solver: str) -> None:
         assert run["b.s"][0] == pytest.approx(0.2 + 1e-7 * (1e5 - 0.4), abs=1e-7)
         run = pulse.simulate(at=[3.0], solver=solver, tolerance=tolerance)
         assert run["der(c.s)"][0] == pytest.approx(3, abs=2e-6)
+
+
+@pytest.mark.parametrize("width", [1e-6, 1e-8])
+def test_narrow_windows_in_conditions(scene: Write, width: float) -> None:
+    """A mass that swings passes 0.3 m six times in three periods, however narrow the window of its event; and a condition of time
+    ends 1e-8 s after one of a place begins. Counts were 0 to 5 as width, tolerance and solver chose, and 0."""
+    swing = scene(f"""model Swing
+      World world(gravity = {{0, 0}}); Block b(m = 1, base = world, s(start = 1)); Spring k(k = 4, stretch = b.s);
+      discrete Integer n(start = 0);
+    equation
+      when abs(b.s - 0.3) < {width} then n = pre(n) + 1; end when;
+    end Swing;""")
+    meeting = scene(f"""model Meeting
+      World world(gravity = {{0, 0}}); Block b(m = 1, base = world, v(start = 1)); discrete Integer n(start = 0);
+      AppliedForce f(at = b.center, force = {{if time > 1 + {width} then 1 else 0, 0}});
+    equation
+      when b.s > 1 and time < 1 + {width} then n = pre(n) + 1; end when;
+    end Meeting;""")
+    for solver in ("auto", "taylor", "erk", "erk5", "erk9"):
+        for tolerance in (1e-6, 1e-8, 1e-10):
+            assert swing.simulate(at=[9.3], solver=solver, tolerance=tolerance)["n"][0] == 6, (solver, tolerance)
+            assert meeting.simulate(at=[2.0], solver=solver, tolerance=tolerance)["n"][0] == 1, (solver, tolerance)
