@@ -20,12 +20,12 @@ static const double FAR = 0.6;
 /* By what a condition has to go farther at the pace of an end of a step than it is from its change, to be looked at in between. */
 static const double STRAYS = 4;
 /* A dip to less than this share of what the condition is at the ends is looked at. */
-static const double SHALLOW = 0.05, ROUNDING = 4 * DBL_EPSILON, NOISE = 1e-3, SHARE = 32 * DBL_EPSILON, CHORD = 64,
+static const double SHALLOW = LAG_CROSSING_SHALLOW, ROUNDING = 4 * DBL_EPSILON, NOISE = 1e-3, SHARE = 32 * DBL_EPSILON, CHORD = 64,
                     STRIDE = 4, SLOW = 0.5, OF_RATE = 1.0 / 64;
 /* Where a part of a step is looked at to see whether a cubic describes conditions in it, and how far it may be off (distances have
  * corners: two balls may pass through each other); parts that are not made smaller; the least share of a step that the next one may
  * take for one part. */
-static const double EARLY = 0.38, LATE = 0.73, ROUGH = 0.02, NARROWEST = 1.0 / 512, MOST_PARTS = 0.25;
+static const double EARLY = LAG_CROSSING_EARLY, LATE = LAG_CROSSING_LATE, ROUGH = LAG_CROSSING_ROUGH, NARROWEST = 1.0 / 512, MOST_PARTS = 0.25;
 /* Steps are looked at so when they have become so much longer, or so many were not; after one where that was in vain, when they are
  * much longer, or after a pause. */
 static const double LONGER = 1.2, MUCH_LONGER = 16;

@@ -21,7 +21,7 @@ static const double FAINT = 1e-16; /* what the last two terms of short steps may
 
 int lag_wide_taylor_serves(const LagModel *model)
 {
-    const int happens = model->n_looks + model->n_switches + model->n_resets + model->n_cones + model->n_delays;
+    const int happens = model->n_looks + model->n_cones + model->n_delays;
     return happens + model->n_multipliers + model->n_islands == 0 && model->jet_code && model->jet_pitch == 1
         && !model->is_long_state && !model->series_may_hide && model->n_jet_slots <= MOST_SLOTS;
 }
@@ -66,7 +66,7 @@ static void plan(LagWideTaylor *s, const LagRun *like)
 static void place_numbers(LagWideTaylor *s, int lane, LagRun *run)
 {
     LagTaylor *own = &run->methods.taylor;
-    const int are_known = s->lanes.model->n_modes == 0 && s->numbers_of[lane] == run->parameters_version;
+    const int are_known = s->lanes.model->n_modes + s->lanes.model->n_switches == 0 && s->numbers_of[lane] == run->parameters_version;
     if (are_known)
         return;
     s->numbers_of[lane] = run->parameters_version;
@@ -234,6 +234,20 @@ LAG_UNROLLED LagWide mean(const double *c, int order, LagWide h, LagWide own, in
     for (int k = order; k >= 0; --k)
         sum = LAG_WIDE_FUSED(sum, h, MADE(c, k) * LAG_WIDE_OF(lag_inverse[k]));
     return sum;
+}
+
+void lag_wide_taylor_inside(const LagWideTaylor *s, double share, double *t, double *y)
+{
+    for (int lane = 0; lane < LAG_ABREAST; lane += LAG_WIDE) {
+        const LagWide begin = lag_wide_read(s->lanes.t_old + lane), own = lag_wide_read(s->own + lane);
+        const LagWide h = LAG_WIDE_OF(share) * (lag_wide_read(s->lanes.t + lane) - begin), square = h * h;
+        lag_wide_write(t + lane, begin + h);
+        for (int i = 0; i < 2 * s->lanes.n; ++i) {
+            const double *c = lag_wide_jet(s, 1 + i) + lane;
+            const LagWide way = series(c + LAG_ABREAST, s->made_to - 1, h, square, own, OWN);
+            lag_wide_write(y + (size_t)i * LAG_ABREAST + lane, lag_wide_read(c) + way * h);
+        }
+    }
 }
 
 static const double GROW = LAG_TAYLOR_GROW, WRONG = LAG_TAYLOR_WRONG, SHRINK = LAG_TAYLOR_SHRINK, REMAINS = LAG_TAYLOR_REMAINS,

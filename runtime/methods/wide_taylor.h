@@ -2,7 +2,8 @@
  * all of them.
  *
  * Steps are those of taylor.c where nothing happens: no events, no constraints, nothing that begins from rest; inputs are linear in each
- * segment, and somebody says when the next one begins. Whether steps pass by what stands under a root (roots.h) is asked elsewhere.
+ * segment, and somebody says when the next one begins. Whether steps pass by what stands under a root (roots.h), or by an event
+ * (wide_conditions.h), is asked elsewhere.
  *
  * To the end of a segment that is near lead short steps: where segments are many, of as few orders as make the last terms rounding, or
  * so little that all such steps of a run together make what the rest of the series of one long step may be worth.
@@ -43,6 +44,9 @@ int lag_wide_taylor_serves(const LagModel *model);
 
 /* The first coefficients of all series, where inputs, modes or motions have come that these are not of yet. */
 void lag_wide_taylor_begin(LagWideTaylor *taylor);
+
+/* Times and states (2 n) at a share of the latest steps, of scenes without attitudes. */
+void lag_wide_taylor_inside(const LagWideTaylor *taylor, double share, double *t, double *y);
 
 extern const LagWideMethod lag_wide_taylor;
 

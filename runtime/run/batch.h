@@ -37,8 +37,8 @@ LAG_API int64_t lag_batch_advance(LagBatch *batch, int64_t runs, const double *v
                                   LagOutcome *outcomes, double *rows, const volatile int32_t *stop);
 
 /* Of runs in lanes (run_lanes.h), since the batch was made: those that ended there, those that were made alone after all, steps of all,
- * and what there was room for. Zeros where lanes do not serve. */
-enum { LAG_LANES_RUNS, LAG_LANES_ALONE, LAG_LANES_STEPS, LAG_LANES_ROOM, LAG_LANES_COUNTS };
+ * what there was room for, and how often runs left a lane for an event. Zeros where lanes do not serve. */
+enum { LAG_LANES_RUNS, LAG_LANES_ALONE, LAG_LANES_STEPS, LAG_LANES_ROOM, LAG_LANES_LEFT, LAG_LANES_COUNTS };
 LAG_API void lag_batch_lanes(const LagBatch *batch, int64_t *counts);
 
 /* The rainflow cycles of the latest run for a reduction that keeps them; they last until the next run. */

@@ -5,6 +5,7 @@
 
 #include "numbers/extremes.h"
 #include "run/advance.h"
+#include "run/lane_events.h"
 #include "state/account.h"
 #include "state/ends.h"
 #include "state/state.h"
@@ -18,6 +19,8 @@ enum { MOST_FIRST = 3 };
  * does. */
 enum { GLANCE = 16, MOST_GLANCE = 64, LOOK = 256, CLOSE_LOOK = 16, LOOKS = 4 };
 enum { LOOK_FOR_PROGRESS = 1 << 17 };
+/* A run whose events come sooner than after so many steps, again and again, stays outside. */
+enum { SOON = 3, MOST_IN_VAIN = 4 };
 static const double MOST_STEPS = 1e10; /* as in step.c */
 
 /* -------- a run comes and goes */
@@ -55,11 +58,16 @@ int lag_lanes_end_run(LagRunLanes *s, int lane, LagStatus status)
     return 1;
 }
 
+/* How far steps may go: a short bounce is seen where one ends soon enough. */
 static void set_due(LagRunLanes *s, int lane)
 {
     const LagFollower *f = &s->follower[lane];
+    const LagRun *run = f->run;
+    const double end = lag_min(run->segment_end, run->settings.t_stop), seen = run->impacts.seen;
+    if (s->has_events)
+        s->steps->stop[lane] = seen > run->motion.t ? lag_min(seen, end) : end;
     if (s->method->ends_at_rows)
-        s->steps->stop[lane] = lag_min(f->next, lag_min(f->run->segment_end, f->run->settings.t_stop));
+        s->steps->stop[lane] = lag_min(f->next, end);
     s->due[lane] = f->n_pending > 0 || s->is_guarded || s->is_loop ? -INFINITY : lag_min(f->next, s->steps->stop[lane]);
 }
 
@@ -87,6 +95,8 @@ static int settle_in(LagRunLanes *s, int lane)
     LagRun *run = lag_lanes_run(s, lane);
     const int is_over = run->segment_over || lag_run_time(run) >= s->steps->stop[lane];
     lag_wide_roots_enter(&s->roots, lane, run);
+    lag_wide_conditions_enter(&s->conditions, lane, run);
+    s->came[lane] = (double)run->statistics.steps;
     const LagStatus status = is_over ? enter_segment(s, lane) : LAG_OK;
     s->glance[lane] = (double)(run->statistics.steps + GLANCE);
     s->look[lane] = LOOK;
@@ -104,8 +114,14 @@ static LagStatus step_alone(LagFollower *f)
     return status == LAG_OK && !is_watched ? lag_follow_visit(f, lag_run_time(f->run)) : status;
 }
 
-/* The first steps of a run, until a lane can take it, or it is over: then there is nothing in the lane. `is_refused`: as it is, it
- * cannot. */
+/* Whether a lane may take the run. */
+static int suits(const LagRunLanes *s, int lane)
+{
+    return !s->has_events || (s->in_vain[lane] < MOST_IN_VAIN && lag_wide_conditions_suit(lag_lanes_run(s, lane)));
+}
+
+/* The first steps of a run, or those after an event, until a lane can take it, or it is over: then there is nothing in the lane.
+ * `is_refused`: as it is, it cannot. */
 static int seat(LagRunLanes *s, int lane, LagStatus status, int is_refused)
 {
     LagFollower *f = &s->follower[lane];
@@ -116,10 +132,11 @@ static int seat(LagRunLanes *s, int lane, LagStatus status, int is_refused)
             return lag_lanes_end_run(s, lane, status);
         if (run->guards.broken)
             break;
-        if (!(is_refused && k == 0) && s->method->load(s->steps, lane, run))
+        if (!(is_refused && k == 0) && suits(s, lane) && s->method->load(s->steps, lane, run))
             return settle_in(s, lane);
         const int repeats = s->is_loop && run->doubtful > 0; /* some constraint another one: for longer than these steps */
-        if (run->statistics.steps >= MOST_FIRST || repeats)
+        const int has_enough = s->has_events ? k % LOOK == LOOK - 1 && lag_follow_is_over(f) : run->statistics.steps >= MOST_FIRST;
+        if (has_enough || repeats)
             break;
         status = step_alone(f);
     }
@@ -137,6 +154,7 @@ static int begin_run(LagRunLanes *s, int lane, int64_t i)
         return 1;
     }
     s->job[lane] = i;
+    s->in_vain[lane] = 0;
     ++s->busy;
     status = status == LAG_OK ? lag_follow_begin(f) : status;
     f->starts_again = s->starts_again && status == LAG_OK;
@@ -311,6 +329,16 @@ static int note_loop(LagRun *run)
     return run->branch.turned < 0;
 }
 
+/* The run goes on alone until it is what lanes serve again, if it was for some steps. */
+static int go_outside(LagRunLanes *s, int lane, LagStatus status)
+{
+    const int is_soon = s->steps->steps[lane] - s->came[lane] < SOON;
+    ++s->counts[LAG_LANES_LEFT];
+    s->in_vain[lane] = is_soon ? s->in_vain[lane] + 1 : 0;
+    s->steps->moves[lane] = 0;
+    return seat(s, lane, status, 0);
+}
+
 /* After a step of a run that is not bare. */
 static int attend(LagRunLanes *s, int lane)
 {
@@ -318,7 +346,7 @@ static int attend(LagRunLanes *s, int lane)
     const double t = s->steps->t[lane];
     const int glances = s->steps->steps[lane] >= s->glance[lane], is_over = t >= s->batch->sweep.t_stop;
     const int has_event = !is_over && t >= s->steps->stop[lane];
-    const int is_dense = s->is_guarded || t > f->next || (has_event && s->batch->model->n_modes > 0);
+    const int is_dense = s->is_guarded || t > f->next || (has_event && s->batch->model->n_modes + s->has_events > 0);
     const LagShown shown = is_dense ? LAG_SHOWN_DENSE : glances || is_over || s->is_loop ? LAG_SHOWN_STEP : LAG_SHOWN_STATE;
     LagStatus status = LAG_OK;
     s->method->show(s->steps, lane, f->run, shown);
@@ -339,10 +367,35 @@ static int attend(LagRunLanes *s, int lane)
         status = watch(s, lane, shown, glances);
     if (status != LAG_OK || is_over)
         return lag_lanes_end_run(s, lane, status);
-    if (has_event && (status = enter_segment(s, lane)) != LAG_OK)
+    if (s->has_events && (f->run->segment_over = t == f->run->segment_end))
+        return go_outside(s, lane, LAG_OK);
+    if (has_event && !s->has_events && (status = enter_segment(s, lane)) != LAG_OK)
         return lag_lanes_end_run(s, lane, status);
     set_due(s, lane);
     return 1;
+}
+
+/* The run has come to an event in the latest step, or would have to make it again: what was asked for until then is told. */
+static int leave_for_event(LagRunLanes *s, int lane)
+{
+    LagFollower *f = &s->follower[lane];
+    const double t = f->run->motion.t;
+    LagStatus status = t >= f->next ? lag_follow_visit(f, t) : LAG_OK;
+    if (status == LAG_OK && f->n_pending > 0 && t > f->run->motion.t_old)
+        status = watch(s, lane, LAG_SHOWN_DENSE, 1);
+    return go_outside(s, lane, status);
+}
+
+int lag_lanes_look(LagRunLanes *s, int lane)
+{
+    LagRun *run = lag_lanes_run(s, lane);
+    s->method->show(s->steps, lane, run, LAG_SHOWN_DENSE);
+    s->follower[lane].starts_again = 0;
+    if (lag_lane_events_look(run))
+        return leave_for_event(s, lane);
+    s->steps->length[lane] = lag_min(run->step, s->steps->length[lane]);
+    const int is_due = s->steps->t[lane] >= s->due[lane] || s->steps->steps[lane] >= s->glance[lane];
+    return is_due ? attend(s, lane) : 1;
 }
 
 int lag_lanes_attend(LagRunLanes *s, int lane)

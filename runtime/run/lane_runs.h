@@ -10,6 +10,9 @@ int lag_lanes_fill(LagRunLanes *lanes);
 /* Something is due after a good step in the lane. */
 int lag_lanes_attend(LagRunLanes *lanes, int lane);
 
+/* An event may have come in a good step in the lane. */
+int lag_lanes_look(LagRunLanes *lanes, int lane);
+
 /* The run in the lane is over. What is not well is made again, and told as it then is. */
 int lag_lanes_end_run(LagRunLanes *lanes, int lane, LagStatus status);
 

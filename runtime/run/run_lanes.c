@@ -30,9 +30,12 @@ static int is_asked(const LagSettings *settings)
     return (is_free || named_pair(settings)) && settings->max_steps == 0;
 }
 
-/* What swings back the way it came is read from steps that are kept, which takes no time. */
+/* What swings back the way it came is read from steps that are kept, which takes no time. Where there are events, lanes make what series
+ * would make alone. */
 static int fits(const LagModel *model, const LagSettings *settings)
 {
+    if (model->n_switches > 0)
+        return lag_run_solver(model, settings, NULL) == LAG_SOLVER_TAYLOR;
     if (settings->solver == LAG_SOLVER_TAYLOR || named_pair(settings))
         return 1;
     switch (lag_run_solver(model, settings, NULL)) {
@@ -92,7 +95,7 @@ static int open_lane(LagRunLanes *s, const LagSettings *settings)
     if (!run)
         return 0;
     ++s->opened;
-    if (settings->solver == LAG_SOLVER_TAYLOR)
+    if (s->method == &lag_wide_taylor)
         lag_taylor_plan_for_eight(&run->methods.taylor, batch->model, run->scale.tolerance);
     if (!lag_follow_new(f, batch->model, run, &batch->sweep, batch->at, batch->n_at))
         return 0;
@@ -110,6 +113,7 @@ static int open(LagRunLanes *s, const LagSettings *settings)
     const LagRun *like = lag_lanes_run(s, 0);
     s->method->layout(s->steps, like, &arena);
     lag_wide_roots_layout(&s->roots, like->model, &arena);
+    lag_wide_conditions_layout(&s->conditions, like->model, &arena);
     lag_bare_layout(&s->bare, like->model, like->motion.size, &arena);
     s->block = calloc(arena.used + LAG_CACHE_LINE, sizeof(double));
     if (!s->block)
@@ -118,6 +122,7 @@ static int open(LagRunLanes *s, const LagSettings *settings)
     arena.used = 0;
     s->method->layout(s->steps, like, &arena);
     lag_wide_roots_layout(&s->roots, like->model, &arena);
+    lag_wide_conditions_layout(&s->conditions, like->model, &arena);
     lag_bare_layout(&s->bare, like->model, like->motion.size, &arena);
     s->steps->solver = s->method->solver;
     return 1;
@@ -128,7 +133,8 @@ LagRunLanes *lag_lanes_new(LagBatch *batch)
     const LagModel *model = batch->model;
     LagSettings settings = batch->alone.run->settings;
     const int is_wanted = batch->sweep.in_lanes && is_asked(&settings) && takes_one_run(&batch->sweep);
-    if (!is_wanted || !fits(model, &settings) || !lag_wide_roots_serve(model))
+    const int are_looked_at = lag_wide_roots_serve(model) && lag_wide_conditions_serve(model);
+    if (!is_wanted || !are_looked_at || !fits(model, &settings))
         return NULL;
     LagRunLanes *s = calloc(1, sizeof *s);
     if (!s)
@@ -137,13 +143,15 @@ LagRunLanes *lag_lanes_new(LagBatch *batch)
     s->is_guarded = lag_guards_watch_motion(model);
     const int is_served = choose(s, model, &settings);
     s->is_loop = model->n_multipliers > 0;
+    s->has_events = model->n_switches > 0;
     s->may_turn = lag_methods_turn(&settings) && lag_methods_alternate(model, s->method->solver);
     s->starts_again = lag_run_starts_again(model);
     s->is_bare = s->method == &lag_wide_taylor && !s->is_guarded && lag_bare_serve(batch);
     s->bare.batch = batch;
     s->bare.taylor = &s->taylor;
-    settings.solver = s->method->solver;
-    if (s->method == &lag_wide_taylor && settings.first_step == 0)
+    if (!s->has_events) /* else runs go on as they would alone, where they leave their lanes */
+        settings.solver = s->method->solver;
+    if (s->method == &lag_wide_taylor && settings.first_step == 0 && !s->has_events)
         settings.first_step = INFINITY; /* found where they are loaded */
     if (!is_served || !open(s, &settings)) {
         lag_lanes_free(s);
@@ -200,6 +208,7 @@ static int is_quiet(const LagRunLanes *s)
         calls += LAG_WIDE_SELECT(t < lag_wide_read(s->due + lane), zero, moves);
         calls += LAG_WIDE_SELECT(lag_wide_read(steps->steps + lane) < lag_wide_read(s->glance + lane), zero, moves);
         calls += LAG_WIDE_SELECT(lag_wide_read(s->roots.suspect + lane) > zero, moves, zero);
+        calls += LAG_WIDE_SELECT(lag_wide_read(s->conditions.suspect + lane) > zero, moves, zero);
     }
     return !lag_wide_is_some(calls);
 }
@@ -211,6 +220,8 @@ static int step(LagRunLanes *s)
     s->method->step(steps);
     if (s->batch->model->n_roots > 0)
         lag_wide_roots_look(&s->roots, steps);
+    if (s->has_events)
+        lag_wide_conditions_look(&s->conditions, &s->taylor);
     s->counts[LAG_LANES_ROOM] += LAG_ABREAST;
     s->counts[LAG_LANES_STEPS] += s->busy;
     for (int lane = is_quiet(s) ? LAG_ABREAST : 0; lane < LAG_ABREAST; ++lane) {
@@ -219,6 +230,8 @@ static int step(LagRunLanes *s)
         int goes_on = 1;
         if (steps->taken[lane] > 0 && s->roots.suspect[lane] > 0) {
             goes_on = lag_lanes_end_run(s, lane, LAG_PAUSED);
+        } else if (steps->taken[lane] > 0 && s->conditions.suspect[lane] > 0) {
+            goes_on = lag_lanes_look(s, lane);
         } else if (steps->taken[lane] > 0) {
             if (steps->t[lane] >= s->due[lane] || steps->steps[lane] >= s->glance[lane])
                 goes_on = lag_lanes_attend(s, lane);

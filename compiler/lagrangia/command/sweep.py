@@ -157,7 +157,9 @@ def _in_lanes(sweep: Sweep, now: int) -> str:
     if not lanes.room:
         return f"lanes: not used ({_why_alone(sweep)})"
     alone = f", {lanes.alone} of them made again alone" if lanes.alone else ""
-    return f"lanes: {lanes.runs + lanes.alone} of {now} runs eight at a time{alone}; {100 * lanes.steps / lanes.room:.0f} % full"
+    together = lanes.runs + lanes.alone
+    left = f"; they left for events {lanes.left / together:.3g} times a run" if lanes.left else ""
+    return f"lanes: {together} of {now} runs eight at a time{alone}; {100 * lanes.steps / lanes.room:.0f} % full{left}"
 
 
 def _why_alone(sweep: Sweep) -> str:
@@ -166,14 +168,14 @@ def _why_alone(sweep: Sweep) -> str:
     solver, sizes = name_of(settings.solver), job.scene.sizes
     is_free, has_loops = solver == "auto", sizes.get("n_multipliers", 0) > 0
     is_linear = methods_of_runs(sweep.ledger.outcomes["methods"]) == ["linear"]
-    happens = ("n_switches", "n_resets", "n_cones", "n_delays")
     reasons = {
         "fewer than four runs": not job.sweep.in_lanes,
         "--max-steps": settings.max_steps > 0,
         "pirk evaluates the eight stages of one run at once": solver == "pirk",
         "linear steps from row to row, by matrices that runs of equal parameters share": solver == "linear" or is_linear,
         f"{solver} has none": solver not in ("auto", "taylor", "erk", "erk5", "erk9"),
-        "events, contacts, friction or delays": any(sizes.get(name, 0) for name in happens),
+        "friction in the plane, or delays": sizes.get("n_cones", 0) + sizes.get("n_delays", 0) > 0,
+        "events beside inputs, loops or guards, or in steps that are not those of series": sizes.get("n_switches", 0) > 0,
         "forces that are narrow, which steps alone look for": sizes.get("n_looks", 0) > 0,
         "one degree of freedom that swings back the way it came": is_free and sizes.get("is_swing", 0) > 0,
         "loops, which have some by erk, erk5 and erk9": is_free and has_loops,

@@ -59,6 +59,7 @@ _UNUSED = ("batch.c", "batch.h", "read_numbers.c", "read_numbers.h", "reduce.c",
            "wide_taylor.h", "wide_orders.c", "wide_orders.h", "wide_jet_tape.c", "wide_jet_tape.h", "wide_jets.h",
            "wide_scale.c", "wide_scale.h", "wide_steps.c", "wide_steps.h", "wide_explicit.c", "wide_explicit.h",
            "wide_power.h", "wide_attitudes.c", "wide_attitudes.h", "wide_roots.c", "wide_roots.h", "wide_starts.c",
+           "wide_conditions.c", "wide_conditions.h", "lane_events.c", "lane_events.h",
            "wide_starts.h", "bare_runs.c", "bare_runs.h", "lanes_state.h", "lane_runs.c", "lane_runs.h")
 
 

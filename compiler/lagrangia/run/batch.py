@@ -109,12 +109,13 @@ class Sweep:
 
 class Lanes(NamedTuple):
     """Runs that ended in lanes, those that were begun there and made alone after all; steps of both, and what there was room
-    for."""
+    for; how often runs left their lanes for events."""
 
     runs: int = 0
     alone: int = 0
     steps: int = 0
     room: int = 0
+    left: int = 0
 
     def plus(self, other: "Lanes") -> "Lanes":
         """Both together."""
