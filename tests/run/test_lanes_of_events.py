@@ -1,12 +1,16 @@
 """Runs with events in lanes: each leaves its lane for an event, goes on alone as far as that reaches, and comes back."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from scipy.special import ellipj, ellipk
 
 import lagrangia as lag
-from helpers.lanes import advanced, one_by_one
+from helpers.lanes import DRIVER, advanced, one_by_one
+from helpers.sanitizers import needs_sanitizers, run_sanitized
 from lagrangia.command.sweep import _in_lanes
+from lagrangia.native.c_code import write_c
 from lagrangia.run.batch import Lanes
 from lagrangia.run.request import Request
 from lagrangia.study.sweep.measures import quantities, read_measures
@@ -28,6 +32,11 @@ equation
     count = pre(count) + 1;
   end when;
 end Arm;"""
+WALLED = """model Walled "a double pendulum whose tip hits a wall"
+  Revolute shoulder(a = world, phi(start = 1)), elbow(a = upper.b, phi(start = 0.5));
+  Bar upper(m = 1, L = 1, a = shoulder.b), lower(m = 1, L = 1, a = elbow.b);
+  Stop wall(e = 0.8, gap = lower.b.x + 1.2);
+end Walled;"""
 PUSHED = """model Pushed "a pendulum beside a wall, pushed the other way from 1.3 s on, and against a spring beyond a corner"
   Revolute hinge(a = world);
   Bar bar(m = 1, L = 1, a = hinge.b);
@@ -97,6 +106,17 @@ def test_a_run_does_not_depend_on_its_company() -> None:
     few = np.concatenate([advanced(suited, job, values[k:k + 2])[0] for k in range(0, job.runs, 2)])
     assert few.tobytes() == found.tobytes()
     assert found[:, 1].max() >= 2
+
+
+@pytest.mark.slow
+@needs_sanitizers
+def test_lanes_of_events_under_sanitizers(tmp_path: Path) -> None:
+    suited, _ = prepared(WALLED, "final(elbow.phi), max(elbow.phi), mean(lower.b.y)", "elbow.phi", np.linspace(0.1, 1, 21))
+    scene = suited.scene
+    source = write_c(scene.name, scene.sizes, scene.tapes, scene.coordinate_kind, scene.fixed, scene.event_kind, scene.patterns,
+                     tuple(scene.tapes))
+    left = "lag_batch_lanes(batch, counts);\n    failed |= counts[LAG_LANES_LEFT] < 5;"
+    run_sanitized(tmp_path, {"driver.c": DRIVER.replace("lag_batch_lanes(batch, counts);", left), "scene.c": source})
 
 
 def test_how_often_they_left_is_told() -> None:
