@@ -15,7 +15,9 @@ import compileall
 import os
 import shutil
 import sys
+import time
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
 from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
 from sysconfig import get_platform
@@ -25,6 +27,7 @@ from typing import Any
 
 ROOT = Path(__file__).resolve().parent.parent
 PACKAGE = ROOT / "compiler" / "lagrangia"
+STRAY = 3600.0  # seconds: no build takes so long
 
 try:
     from hatchling.builders.hooks.plugin.interface import BuildHookInterface
@@ -94,7 +97,7 @@ def ship_syntax() -> None:
         fresh = {*ship_all()}
         for file in PACKAGE.rglob("shipped/*"):
             if file not in fresh:
-                file.unlink()
+                file.unlink(missing_ok=True)
     except (ImportError, OSError) as error:
         print(f"lagrangia: the parsed library is made at first use: {error}", file=sys.stderr)
 
@@ -111,16 +114,27 @@ def build(module: ModuleType, folder: Path) -> bool:
               "CasADi, all others need one; pip install ziglang brings it", file=sys.stderr)
         return False
     try:
-        with TemporaryDirectory(dir=folder.parent, prefix="prebuilt-") as beside:
+        remove_strays(folder)
+        with TemporaryDirectory(dir=folder.parent, prefix=f"{folder.name}-") as beside:
             fresh, old = Path(beside, "fresh"), Path(beside, "old")
             module.build(runtime, fresh, command)
             if folder.exists():
                 folder.rename(old)
             fresh.rename(folder)
     except (OSError, RuntimeError) as error:
+        if module.find(runtime, folder):  # another process was faster
+            return True
         print(f"lagrangia: the run time could not be built, and is when it is needed: {error}", file=sys.stderr)
         return False
     return True
+
+
+def remove_strays(folder: Path) -> None:
+    """What builds that were killed have left beside `folder`: what is younger may be at work."""
+    for stray in folder.parent.glob(f"{folder.name}-*"):
+        with suppress(OSError):  # gone meanwhile
+            if time.time() - stray.stat().st_mtime > STRAY:
+                shutil.rmtree(stray)
 
 
 if __name__ == "__main__":

@@ -33,6 +33,23 @@ def test_what_is_shipped_is_found_until_a_file_changes(empty: Path) -> None:
     assert shipped.made_of("thing", [file], lambda: never("it is there")) == b"made of one"
 
 
+def test_two_may_ship_at_once(empty: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """They wrote to one file, and the second one's was gone."""
+    file = empty / "text.lag"
+    file.write_text("one")
+    replace = Path.replace
+
+    def later(self: Path, target: Path) -> Path:
+        monkeypatch.undo()
+        monkeypatch.setattr(shipped, "_FOLDER", empty / "shipped")
+        shipped.ship("thing", [file], b"made")
+        return replace(self, target)
+
+    monkeypatch.setattr(Path, "replace", later)
+    place = shipped.ship("thing", [file], b"made")
+    assert place.read_bytes() == b"made" and [*place.parent.iterdir()] == [place]
+
+
 @pytest.mark.parametrize("damage", [
     lambda whole: b"", lambda whole: whole[: len(whole) // 2], lambda whole: whole.replace(b"o", b"b", 1),
 ], ids=["empty", "cut", "a letter changed"])

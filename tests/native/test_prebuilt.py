@@ -1,9 +1,11 @@
 """The run time that comes with the package: which library is taken, and what runs without a C compiler."""
 
 import ctypes
+import os
 import re
 import subprocess
 import sys
+import time
 from importlib.util import cache_from_source, module_from_spec, spec_from_file_location
 from pathlib import Path
 from types import ModuleType, SimpleNamespace
@@ -212,3 +214,33 @@ def test_a_library_is_found_until_another_has_been_built(fails: bool, tmp_path: 
     assert hook.build(made, folder) is not fails
     assert seen == [True] and (folder / f"other{prebuilt.SUFFIX}").exists() is not fails
     assert [item.name for item in tmp_path.iterdir()] == ["prebuilt"] and (folder / "digest").exists()
+
+
+def test_of_two_that_build_at_once_one_is_faster(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, hook: ModuleType,
+                                                 capsys: pytest.CaptureFixture[str]) -> None:
+    """The other one could not put its own in place, and said that none was built."""
+    folder = tmp_path / "prebuilt"
+    rename = Path.rename
+
+    def later(self: Path, target: Path) -> Path:
+        library(folder, "any")
+        return rename(self, target)
+
+    monkeypatch.delenv("LAGRANGIA_CC", raising=False)
+    monkeypatch.setattr(Path, "rename", later)
+    made = SimpleNamespace(find=lambda _, place: prebuilt.find(RUNTIME, place), find_command=lambda: ["cc"],
+                           build=lambda _, fresh, __: library(fresh, "any"))
+    assert hook.build(made, folder) and capsys.readouterr().err == ""
+    assert [item.name for item in tmp_path.iterdir()] == ["prebuilt"]
+
+
+def test_what_a_build_has_left_that_was_killed_is_removed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
+                                                          hook: ModuleType) -> None:
+    """But not what another one may be at: its time tells."""
+    for name, age in (("prebuilt-old", 2 * hook.STRAY), ("prebuilt-young", 0.0)):
+        library(tmp_path / name, "any")
+        os.utime(tmp_path / name, (time.time() - age,) * 2)
+    monkeypatch.delenv("LAGRANGIA_CC", raising=False)
+    made = SimpleNamespace(find=lambda *_: None, find_command=lambda: ["cc"], build=lambda _, fresh, __: library(fresh, "any"))
+    assert hook.build(made, tmp_path / "prebuilt")
+    assert sorted(item.name for item in tmp_path.iterdir()) == ["prebuilt", "prebuilt-young"]

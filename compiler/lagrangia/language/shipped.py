@@ -5,6 +5,7 @@ when they are first needed, and kept in the cache.
 """
 
 import hashlib
+import os
 import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -33,7 +34,7 @@ def ship(name: str, files: Sequence[Path], content: bytes) -> Path:
     """Puts what was made of these files beside the modules, where it is found whole. Raises OSError."""
     _FOLDER.mkdir(exist_ok=True)
     place = _FOLDER / _key(name, files)
-    fresh = place.with_suffix(".fresh")
+    fresh = place.with_name(f"{place.name}.{os.urandom(4).hex()}")  # by itself: several may be built at once
     fresh.write_bytes(content)
     fresh.replace(place)
     return place
