@@ -121,10 +121,10 @@ class Impacts:
 
     def gaps_in(self, kinematics: Kinematics) -> dict[int, ca.SX]:
         """Those of what holds what rests, by their events, where positions are others; what jumps is as it is here."""
-        value, found = kinematics.evaluator.value, dict[int, ca.SX]()
+        value, found, symbols = kinematics.evaluator.value, dict[int, ca.SX](), kinematics.symbols
         for k, node in enumerate(self.met):
             if node is not None:
-                g = crossing_of(ca.SX(value(node)), column(*kinematics.symbols.positions.values()))
+                g = crossing_of(ca.SX(value(node)), column(*symbols.positions.values(), *symbols.rates.values()))
                 found[k] = g if operations_in(g).isdisjoint(JUMPS) else self.gaps[k]
         return found
 
@@ -225,7 +225,7 @@ class _Event(Resets):
                  "and the contact is: when x < 0 and not torn then ...")
         if chosen is not None:
             self._divide(chosen, kind)
-            self.met = Unary("-", self.held, self.when.span) if kind == ONE_WAY and self.held is not None else level_of(chosen)
+            self.met = level_of(chosen)
             self._ride()
         elif is_comparison(self.condition):
             self._require_change()

@@ -121,7 +121,9 @@ class Study(AtRest):
         """Raises LagError L0916 where contacts or friction hold a part of what moves."""
         grip = balance(self.resting(e, 1.0).equations().look(q), 0.0).grip
         sticking = [k for k in grip.sticking if self._shares(e, q, v)[k] == 0.5]
-        if names := [*(e.holds.contacts[k] for k in grip.pressing), *(e.holds.rubs[k] for k in sticking)]:
+        gaps = self.call(e.touching, q, e.multipliers(), 1.0, v)[0].ravel()
+        pressing = [k for k in grip.pressing if k not in e.holds.one_way or abs(gaps[k]) <= _BALANCED * self.size]
+        if names := [*(e.holds.contacts[k] for k in pressing), *(e.holds.rubs[k] for k in sticking)]:
             fail("L0916", "not supported yet: a linearisation about a point that is no equilibrium, where contacts or friction "
                  f"hold: {', '.join(names)}", self.c.flat.span,
                  "linearise about the equilibrium found from there: --about equilibrium")

@@ -35,7 +35,8 @@ _SAME, _NEAR = 1e-4, 0.5
 class Look:
     """At a position, all in natural sizes: R (n,) without contact forces, friction half way; rows of the rates (m, n); of
     contacts dR/dF (c, n), gaps (c,), whether their conditions hold, rows of the gaps (c, n); of friction slips (f,), their rows
-    (f, n), dR/dshare without contact forces (f, n) and what each unit of them adds (c, f, n)."""
+    (f, n), dR/dshare without contact forces (f, n) and what each unit of them adds (c, f, n). The gap of a contact of a rate is
+    by how much the rate is beyond its level."""
 
     R: Vector
     rows: Vector
@@ -48,6 +49,7 @@ class Look:
     spans: Vector
     pressed: Vector
     cones: tuple[tuple[int, int], ...] = ()  # pairs of slips that are the components of one
+    one_way: tuple[int, ...] = ()  # contacts of rates
 
     def touching(self, is_passed: bool = False) -> list[int]:
         """Contacts that are closed, or that are passed, too."""
@@ -303,8 +305,9 @@ def _rest(e: GripEquations, q: Vector, look: Look, grip: Grip) -> Rest:
 
 
 def _press(e: GripEquations, start: Vector, find: Callable[[StaticEquations, Vector], Rest | None]) -> tuple[Rest, Grip] | None:
-    """With contacts as constraints: what is passed is closed, and what pulls is let go, one after the other."""
-    pressing = frozenset(e.look(start).touching(is_passed=True))
+    """With contacts of places as constraints: what is passed is closed, and what pulls is let go, one after the other."""
+    look = e.look(start)
+    pressing = frozenset(look.touching(is_passed=True)) - set(look.one_way)
     seen = set[frozenset[int]]()
     while pressing not in seen:
         seen.add(pressing)
@@ -331,11 +334,18 @@ def _press(e: GripEquations, start: Vector, find: Callable[[StaticEquations, Vec
 
 
 def _with_what_sticks(e: GripEquations, start: Vector) -> tuple[Rest, Grip] | None:
-    """At rest with what friction holds at the start as it is there."""
-    grip = balance(e.look(start), _usual(e, start)).grip
+    """At rest with what friction and contacts of rates hold at the start as it is there."""
+    look = e.look(start)
+    grip = balance(look, _usual(e, start)).grip
     sticking = tuple(k for k in grip.sticking if grip.size(k) < grip.limits[k] * (1 - _SLACK))
-    rest = find_rest(e.statics(grip.pressing, sticking), start) if sticking else None
+    pushing = [k for k in grip.pressing if k in look.one_way]
+    is_held = bool(sticking or pushing) and all(_are_along(look.pulls[k], look.gap_rows[k]) for k in pushing)
+    rest = find_rest(e.statics(grip.pressing, sticking), start) if is_held else None
     return None if rest is None else holds_at(e, rest.q)
+
+
+def _are_along(a: Vector, b: Vector) -> bool:
+    return bool(abs(a @ b) >= (1 - 1e-9) * np.linalg.norm(a) * np.linalg.norm(b))
 
 
 def _settle(e: GripEquations, start: Vector) -> tuple[Rest, Grip] | None:

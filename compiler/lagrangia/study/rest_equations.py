@@ -1,6 +1,7 @@
 """The equations at rest in numbers: constraints with the contacts and the friction that are to hold among them.
 
-Rows stand in this order: constraints on positions, contacts that press, constraints on rates, friction that sticks.
+Rows stand in this order: constraints on positions, contacts of places that press, constraints on rates, contacts of rates that
+press, friction that sticks.
 """
 
 from collections.abc import Callable, Iterable, Sequence
@@ -40,27 +41,29 @@ class Resting:
 
     def statics(self, pressing: tuple[int, ...] = (), sticking: tuple[int, ...] = ()) -> StaticEquations:
         """Those of positions of rest where these contacts press and these frictions stick."""
-        e, own, p = self.e, self.m_h, len(pressing)
+        e, own = self.e, self.m_h
+        placed, one_way = ([k for k in pressing if (k in e.holds.one_way) == is_one_way] for is_one_way in (False, True))
+        p = len(placed)
 
         def static(q: Vector) -> tuple[Vector, Vector, float]:
             free = self.multipliers(q)
             R, phi, _, V = self.call(e.static, q, free)
-            gaps = self.call(e.touching, q, free)[0] if pressing else np.zeros((0, 1))
-            return R.ravel(), np.concatenate([phi.ravel(), gaps.ravel()[list(pressing)]]), float(V[0, 0])
+            gaps = self.call(e.touching, q, free)[0] if placed else np.zeros((0, 1))
+            return R.ravel(), np.concatenate([phi.ravel(), gaps.ravel()[placed]]), float(V[0, 0])
 
         def stiffness(q: Vector, lam: Vector) -> tuple[Vector, Vector, Vector]:
             full = self.multipliers(q)
-            if lam.size == full.size and not (p or sticking):
+            if lam.size == full.size and not (pressing or sticking):
                 full = lam
             elif lam.size:
                 full[:own], full[own : e.m] = lam[:own], lam[own + p : e.m + p]
-                full[[e.m + k for k in pressing]] = lam[own : own + p]
-            by = self.slopes(("q", "v", *(["lambda"] if p else [])) if e.m or p or sticking else ("q",), q, full)
-            places = np.vstack([by["q"][1], by["q"][3][list(pressing)]])
-            return by["q"][0], places, self._rows(by, pressing, sticking) if "v" in by else places
+                full[[e.m + k for k in (*placed, *one_way)]] = np.delete(lam, range(own + p, e.m + p))[own : own + len(pressing)]
+            by = self.slopes(("q", "v", *(["lambda"] if pressing else [])) if e.m or pressing or sticking else ("q",), q, full)
+            places = np.vstack([by["q"][1], by["q"][3][placed]])
+            return by["q"][0], places, self._rows(by, placed, one_way, sticking) if "v" in by else places
 
-        return StaticEquations(static, stiffness, self.reach, self.is_angle, e.m > own or bool(sticking), self.turned,
-                               self.closes)
+        is_rolling = e.m > own or bool(one_way) or bool(sticking)
+        return StaticEquations(static, stiffness, self.reach, self.is_angle, is_rolling, self.turned, self.closes)
 
     def closes(self, q: Vector) -> bool:
         """Whether joints are put together the right way round where constraints hold: those that are not are half a turn off,
@@ -91,24 +94,33 @@ class Resting:
             one[e.m + k] = 1.0
             pressed[k] = self.slopes(("lambda",), q, one)["lambda"][0][:, e.m + c :].T - spans
         rows, slip_rows = by["v"][2] * r, by["v"][4] * r
-        return Look(R * r, rows, pulls * r, gaps, guards > 0, by["q"][3] * r, slips, slip_rows, spans * r, pressed * r,
-                    e.holds.cones)
+        gap_rows = self._gap_rows(by, "q", "v") * r
+        return Look(R * r, rows, pulls * r, gaps, guards > 0, gap_rows, slips, slip_rows, spans * r, pressed * r,
+                    e.holds.cones, e.holds.one_way)
 
     def held(self, parts: TangentParts, by: dict[str, list[Vector]], grip: Grip) -> tuple[TangentParts, list[int]]:
         """The tangent with what holds among the constraints, and the places of its multipliers among all."""
         own, m, c = self.m_h, self.e.m, self.e.holds.forces.numel()
         press, stick = list(grip.pressing), list(grip.sticking)
         places = [*range(own), *(m + k for k in press), *(m + c + k for k in stick), *range(own, m)]
-        J = np.vstack([parts.J, by["q"][3][press], by["v"][4][stick]])
-        pushed = np.vstack([parts.pushed, by["s"][3][press], by["ds"][4][stick]])
+        gap_rows = self._gap_rows(by, "q", "v")
+        J = np.vstack([parts.J, gap_rows[press], by["v"][4][stick]])
+        pushed = np.vstack([parts.pushed, self._gap_rows(by, "s", "ds")[press], by["ds"][4][stick]])
         rates = np.vstack([J, parts.rates[own:]])
         return TangentParts(parts.M, parts.C, parts.K, J, rates, parts.E, pushed, by["lambda"][0][:, places].T,
-                            by["q"][3][list(grip.grazing)]), places
+                            gap_rows[list(grip.grazing)]), places
 
-    def _rows(self, by: dict[str, list[Vector]], pressing: tuple[int, ...], sticking: tuple[int, ...]) -> Vector:
+    def _gap_rows(self, by: dict[str, list[Vector]], places: str, rates: str) -> Vector:
+        """Those of gaps by places, and by rates of contacts of rates."""
+        rows = by[places][3].copy()
+        rows[list(self.e.holds.one_way)] = by[rates][3][list(self.e.holds.one_way)]
+        return rows
+
+    def _rows(self, by: dict[str, list[Vector]], placed: list[int], one_way: list[int], sticking: tuple[int, ...]) -> Vector:
         """What multipliers do: forces of contacts need not be along their gaps."""
-        rates, pulls = by["v"][2], by["lambda"][0][:, [self.e.m + k for k in pressing]].T if pressing else by["q"][3][:0]
-        return np.vstack([rates[: self.m_h], pulls, rates[self.m_h :], by["v"][4][list(sticking)]])
+        rates, none = by["v"][2], by["q"][3][:0]
+        pulls, pulls_back = (by["lambda"][0][:, [self.e.m + k for k in own]].T if own else none for own in (placed, one_way))
+        return np.vstack([rates[: self.m_h], pulls, rates[self.m_h :], pulls_back, by["v"][4][list(sticking)]])
 
 
 # ------------------------------------------------------------ in words

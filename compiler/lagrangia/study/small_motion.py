@@ -45,7 +45,8 @@ class Holds:
     """What may hold at rest beside constraints, as the run time knows it: contacts, by the forces along their gaps, and friction,
     by the shares of its jumps (switches.py). `gaps` (c,) are positive where a contact is passed, `guards` (c,) where the rest of
     its condition holds; `slips` (f,) are the rates at which friction jumps; `cones` are pairs of these that are the components
-    of one slip in the plane."""
+    of one slip in the plane. `one_way` are the places of contacts of rates, as a ratchet's, whose gaps are by how much a rate is
+    beyond its level."""
 
     forces: ca.SX = _NONE
     gaps: ca.SX = _NONE
@@ -55,6 +56,7 @@ class Holds:
     contacts: tuple[str, ...] = ()
     rubs: tuple[str, ...] = ()
     cones: tuple[tuple[int, int], ...] = ()
+    one_way: tuple[int, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -284,6 +286,7 @@ def _find_holds(motion: "Motion", energies: Energies, parts: _Parts) -> tuple[Ho
         tuple(whens[k].component or whens[k].condition.span.text for k in gaps),
         tuple(owners.get(pair) or "friction" for pair in order),
         tuple((order[a], order[b]) for a, b in cones if a in order and b in order),
+        tuple(place for place, k in enumerate(gaps) if impacts.one_way[k]),
     ), HeldMotion(acting, switches, default_parameters(parts.free)[1])
 
 
