@@ -329,10 +329,10 @@ A run that fails is a row with the reason in its last column, and what was known
 Exit code 0: one run or more went well; 1: none did, or the energy account of one is open, whose row is no motion of the scene.
 While a sweep is under way its results are in FILE.part. If it is interrupted or killed, the same command goes on from there;
 another sweep never does (--restart gives the old one up). --keep writes whole trajectories beside it, rows an --interval apart:
-Parquet files with a column run in NAME_sweep_runs. The table is CSV, or Parquet for -o FILE.parquet (pyarrow). Of trees without
-events each core makes eight runs at a time, by series or a Runge-Kutta pair and as exactly, of loops where erk, erk5 or erk9 is
-asked for (--stats: how full they kept it, or why not; pirk fills registers with the stages of one run): a run's digits are the
-same in any company of four runs or more; up to three are made one by one, with other digits within the tolerance.
+Parquet files with a column run in NAME_sweep_runs. The table is CSV, or Parquet for -o FILE.parquet (pyarrow). Of trees each core
+makes eight runs at a time, as exactly: by series, where each leaves for its events and comes back, or without events by erk,
+erk5 or erk9, of loops where these are asked for (--stats: how full the registers were, how often runs left, or why not). A run's
+digits are the same in any company of four runs or more; up to three are made one by one, with other digits within the tolerance.
 --dask tcp://host:8786 runs it on the workers of a Dask scheduler (pip install "lagrangia[dask]", there and here). The scene is
 sent as data and built in each worker's cache; a worker that dies costs no run. In Python: model.simulate_many.
 """
