@@ -169,6 +169,18 @@ void lag_shares_solve(const LagRun *run, double *change)
             scatter(x, k, change, x->cones[2 * k], x->cones[2 * k + 1]);
 }
 
+double lag_shares_along(const LagRun *run, int j)
+{
+    const LagShareSystem *x = &run->sliding.system;
+    const double *rate = run->sliding.rate;
+    for (int k = 0; k < run->model->n_cones; ++k) {
+        const int a = x->cones[2 * k], b = x->cones[2 * k + 1];
+        if (x->is_narrow[k] && (a == j || b == j))
+            return x->way[2 * k + (b == j)] * (x->way[2 * k] * rate[x->place[a]] + x->way[2 * k + 1] * rate[x->place[b]]);
+    }
+    return rate[run->sliding.which[j]];
+}
+
 /* -------- how it is shared */
 
 /* The sum over friction in the plane of products of components, with weights. */

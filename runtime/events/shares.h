@@ -32,6 +32,9 @@ void lag_shares_reset(LagRun *run);
 /* Factors sliding.lu, where each unknown is the share of the switch in `place`. */
 void lag_shares_factor(LagRun *run);
 
+/* dg/dt of what is at place j; of friction in the plane that goes one way, what is along it. */
+double lag_shares_along(const LagRun *run, int j);
+
 /* Changes of dg/dt become those of shares. */
 void lag_shares_solve(const LagRun *run, double *change);
 

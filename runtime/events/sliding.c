@@ -275,7 +275,8 @@ static double find_change(LagRun *run, double t, const double *q, const double *
 
 /* Whether their rates have vanished, which they do not where a jump has, or where shares are found of nothing: of them no more is left than
  * the latest change of shares makes, or, where several hold the same, than they contradict each other: which is not asked of friction that
- * would take many times its force, of a contact that does not press. */
+ * would take many times its force, of a contact that does not press, nor, where an importer's step goes on beyond where they hold, of
+ * friction in the plane across the way it goes. */
 static int are_kept(const LagRun *run, double change)
 {
     const LagSliding *s = &run->sliding;
@@ -287,7 +288,8 @@ static int are_kept(const LagRun *run, double change)
         const int is_bounded = lag_may_have_all(run, s->which[k]) && !lag_cones_have(run, s->which[k]);
         const int is_possible = !is_bounded || fabs(2 * share - 1) < MOST_FORCE;
         const double left = lag_max(MANY * change * most, is_possible ? REPEATED * jump : 0);
-        if (fabs(s->rate[s->which[k]]) > s->noise[k] + lag_min(FAINT * jump, left))
+        const double rate = s->is_limited ? lag_shares_along(run, k) : s->rate[s->which[k]];
+        if (fabs(rate) > s->noise[k] + lag_min(FAINT * jump, left))
             return 0;
     }
     return 1;
