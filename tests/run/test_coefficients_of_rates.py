@@ -47,6 +47,23 @@ def test_friction_in_a_coefficient_holds_in_the_plane() -> None:
     assert run["der(p.center.x)"][0] == 0
 
 
+@pytest.mark.parametrize("law", ["-2*max(v/abs(v), -1)", "2*min(-v/abs(v), 1)", "-max(2*v/abs(v), -2)",
+                                 "-max({4*v/(2*abs(v)), -2})", "-2*max(G*v/abs(G*v), -1)", "-2*max(v/sqrt(v^2), -1)",
+                                 "-2*max(-1, min(1, v/abs(v)))", "-2*(if v/abs(v) > -1 then v/abs(v) else -1)",
+                                 "-2*max(abs(v)/v, -1)", "1 - 2*max(0.5 + v/abs(v), -0.5)", "-v*abs(2*G/(G*v))"])
+def test_directions_in_bounds_are_signs(law: str) -> None:
+    """v' = -2 stops at 0.25 m. A bound that v/|v| has on one side of 0 stayed: 2.5 m by all solvers, without a word."""
+    for start in (1, -1):
+        model = lag.loads(f"""model M
+          World world(gravity = {{0, 0}}); Block b(m = 1, base = world, v(start = {start})); parameter Real G = 1; Real v = b.v;
+          AppliedForce f(at = b.center, force = {{{law}, 0}});
+        end M;""")
+        for solver in SOLVERS:
+            run = model.simulate(at=[0.2, 2.0], solver=solver, tolerance=1e-9, max_steps=2000)
+            assert run["b.s"] == pytest.approx([0.16 * start, 0.25 * start], abs=1e-8), solver
+            assert run["der(b.s)"][1] == 0, solver
+
+
 @pytest.mark.parametrize("law", BOUNDED)
 def test_friction_in_a_bounded_coefficient_holds(law: str) -> None:
     """v' = -2 stops at 0.25 m, and stays. It was 0.296 by erk9, 0.286 by pirk, 1e30 by taylor; and 1.25 of |2/v|, by all."""

@@ -6,7 +6,8 @@ What holds v, a v/|v|, is found in products alone (dynamics/directions.py): betw
 
 import casadi as ca
 
-from lagrangia.algebra.scalars import Expression, as_expression, operate, symbols_in
+from lagrangia.algebra.duals import Scalar
+from lagrangia.algebra.scalars import Expression, apply_to_one, as_expression, operate, symbols_in
 
 _SUMS = frozenset({ca.OP_ADD, ca.OP_SUB})
 _BOUNDS = frozenset({ca.OP_FMAX, ca.OP_FMIN})
@@ -98,6 +99,33 @@ def _without(x: Expression, length: Expression, depth: int) -> Expression | None
     for k, operand in enumerate(operands):
         if (rest := _without(operand, length, depth - 1)) is not None:
             return operate(x.op(), [*operands[:k], rest, *operands[k + 1 :]])
+    return None
+
+
+def signed(x: Scalar, rates: frozenset[int], depth: int = _DEPTH) -> Scalar:
+    """The same with sign(v) for v/|v| and |v|/v of what has `rates`: where a bound or a condition is its value on one side of 0,
+    as in max(v/|v|, -1), 0/0 decides about nothing."""
+    if not isinstance(x, ca.SX) or depth == 0 or x.is_constant() or x.is_symbolic() or rates.isdisjoint(symbols_in(x)):
+        return x
+    operands = [as_expression(x.dep(k)) for k in range(x.n_dep())]
+    if x.op() == ca.OP_DIV and (made := _direction(operands[0], operands[1], rates, depth)) is not None:
+        return made
+    if x.op() in _SUMS | _BOUNDS | _FACTORS | {ca.OP_DIV}:
+        return operate(x.op(), [as_expression(signed(y, rates, depth - 1)) for y in operands])
+    return x
+
+
+def _direction(above: Expression, below: Expression, rates: frozenset[int], depth: int) -> Expression | None:
+    """a v/(b |v|) as sign(v) a/b, a |v|/(b v) so, too; None: it is neither."""
+    for one, other in ((above, below), (below, above)):
+        length = _length_in(other, rates, depth)
+        if length is None or length.op() != ca.OP_FABS:
+            continue
+        v = as_expression(length.dep(0))
+        rest, rest_of_length = _without(one, v, depth), _without(other, length, depth)
+        if rest is not None and rest_of_length is not None:
+            ratio = rest / rest_of_length if one is above else rest_of_length / rest
+            return as_expression(apply_to_one(ca.OP_SIGN, v) * ratio)
     return None
 
 

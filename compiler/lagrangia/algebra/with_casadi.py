@@ -10,7 +10,7 @@ from typing import Any
 
 import casadi as ca
 
-from lagrangia.algebra.coefficients import is_length, spread
+from lagrangia.algebra.coefficients import is_length, signed, spread
 from lagrangia.algebra.condition_forms import (
     OPPOSITES,
     are_mirrored,
@@ -112,8 +112,10 @@ class CasadiAlgebra:
             return a - b * self.call("floor", a / b)
         if function == "abs" and isinstance(arguments[0], ca.SX):
             return self._absolute(without_sign(arguments[0]))
-        if function in ("fmin", "fmax") and (known := bound_known(function == "fmax", *arguments)) is not None:
-            return known
+        if function in ("fmin", "fmax"):
+            arguments = tuple(signed(a, self.rates) for a in arguments)
+            if (known := bound_known(function == "fmax", *arguments)) is not None:
+                return known
         if all(isinstance(a, float | int) for a in arguments):
             return _call_float(function, *arguments)
         if function == "abs" and (inner := of_sign(arguments[0])) is not arguments[0]:
@@ -168,7 +170,7 @@ class CasadiAlgebra:
         """|x|; of quotients by what changes |a|/|b|, as |a/b| has no corner where b passes 0."""
         if x.op() not in (ca.OP_DIV, ca.OP_INV) or self._is_steady(x.dep(x.n_dep() - 1)):
             return apply_to_one(ca.OP_FABS, x)
-        lengths = [as_expression(self.call("abs", x.dep(k))) for k in range(x.n_dep())]
+        lengths = [self._by_factors(as_expression(self.call("abs", x.dep(k)))) for k in range(x.n_dep())]
         self._note_divisor(lengths[-1])
         return operate(x.op(), lengths)
 
@@ -221,7 +223,7 @@ class CasadiAlgebra:
     def compare(self, operator: str, a: Scalar, b: Scalar, of_rates: bool = False) -> Scalar:
         """Of numbers 0 or 1; a mode where time decides, else CasADi's condition."""
         self.index.asked.add("choice")
-        a, b = _exact(self._at_rest(a)), _exact(self._at_rest(b))
+        a, b = (signed(_exact(self._at_rest(x)), self.rates) for x in (a, b))
         if isinstance(a, float | int) and isinstance(b, float | int):
             return float(_COMPARE[operator](a, b))
         if isinstance(b, float | int) and (chosen := chosen_numbers(a)) is not None:  # as the choice says
