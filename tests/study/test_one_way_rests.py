@@ -93,3 +93,15 @@ def test_a_pawl_in_a_loop_and_under_a_pendulum(scene: Write) -> None:
     np.testing.assert_allclose([first.position["h.phi"], first.position["g.phi"]], [0.5, -0.5], atol=1e-9)
     assert first.contacts == pytest.approx({"h.w < 0": 2 * G * np.sin(0.5)})
     np.testing.assert_allclose(pendulum.modes().omega, [np.sqrt(2 * G)], rtol=1e-9)
+
+
+@pytest.mark.parametrize("held", ["DryFriction f(F = 3, rate = b.v);", "equation when b.v < 0 then reinit(b.v, 0); end when;"])
+def test_what_is_held_stays_while_another_comes_to_a_stop(held: str, scene: Write) -> None:
+    """c comes to rest on a stop that it does not touch at the start; b was drawn to 0.366667 by its springs instead."""
+    first = scene("""model Three World world(gravity = {0, 0}); Block b(m = 1, base = world, s(start = 0.5)),
+      c(m = 2, base = world, s(start = 0.8)), d(m = 3, base = world, s(start = 2)); Stop w(gap = c.s - 0.75);
+      Spring k(k = 4, stretch = b.s), j(k = 8, stretch = c.s - b.s - 0.2), l(k = 27, stretch = d.s - b.s - 1.5);
+      """ + held + " end Three;").equilibrium()[0]
+    np.testing.assert_allclose([first.position[x] for x in ("b.s", "c.s", "d.s")], [0.5, 0.75, 2], atol=1e-12)
+    assert first.contacts["w"] == pytest.approx(0.4)
+    assert [*first.friction.values(), (first.contacts.get("b.v < 0"),)][0][0] == pytest.approx(1.6)

@@ -304,14 +304,16 @@ def _rest(e: GripEquations, q: Vector, look: Look, grip: Grip) -> Rest:
     return Rest(q, multipliers, plain.static(q)[2], neutral)
 
 
-def _press(e: GripEquations, start: Vector, find: Callable[[StaticEquations, Vector], Rest | None]) -> tuple[Rest, Grip] | None:
-    """With contacts of places as constraints: what is passed is closed, and what pulls is let go, one after the other."""
+def _press(e: GripEquations, start: Vector, find: Callable[[StaticEquations, Vector], Rest | None], kept: tuple[int, ...] = (),
+           sticking: tuple[int, ...] = ()) -> tuple[Rest, Grip] | None:
+    """With contacts of places as constraints: what is passed is closed, and what pulls is let go, one after the other. `kept`:
+    contacts of rates that press all along, as `sticking` sticks."""
     look = e.look(start)
     pressing = frozenset(look.touching(is_passed=True)) - set(look.one_way)
     seen = set[frozenset[int]]()
     while pressing not in seen:
         seen.add(pressing)
-        rest = find(e.statics(tuple(sorted(pressing)), ()), start)
+        rest = find(e.statics((*sorted(pressing), *kept), sticking), start)
         if rest is None:
             if not pressing or frozenset() in seen:
                 return None
@@ -326,7 +328,8 @@ def _press(e: GripEquations, start: Vector, find: Callable[[StaticEquations, Vec
             is_free = not (held[1].pressing or held[1].sticking)
             return replace(held[0], ways=rest.ways if is_free else None, n_neutral=rest.n_neutral), held[1]
         pulls = look.pulls[sorted(pressing)]
-        forces = np.linalg.lstsq(np.vstack([pulls, look.rows]).T, -look.R, rcond=1e-9)[0][: len(pressing)]
+        others = np.vstack([look.rows, look.pulls[[*kept]], look.slip_rows[[*sticking]]])
+        forces = np.linalg.lstsq(np.vstack([pulls, others]).T, -look.R, rcond=1e-9)[0][: len(pressing)]
         if not forces.size or forces.min() >= 0:
             return None
         pressing -= {sorted(pressing)[int(forces.argmin())]}
@@ -340,8 +343,11 @@ def _with_what_sticks(e: GripEquations, start: Vector) -> tuple[Rest, Grip] | No
     sticking = tuple(k for k in grip.sticking if grip.size(k) < grip.limits[k] * (1 - _SLACK))
     pushing = [k for k in grip.pressing if k in look.one_way]
     is_held = bool(sticking or pushing) and all(_are_along(look.pulls[k], look.gap_rows[k]) for k in pushing)
-    rest = find_rest(e.statics(grip.pressing, sticking), start) if is_held else None
-    return None if rest is None else holds_at(e, rest.q)
+    if not is_held:
+        return None
+    rest = find_rest(e.statics(grip.pressing, sticking), start)
+    found = None if rest is None else holds_at(e, rest.q)
+    return found or _press(e, start, find_rest, tuple(pushing), sticking)
 
 
 def _are_along(a: Vector, b: Vector) -> bool:
