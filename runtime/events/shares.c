@@ -172,13 +172,12 @@ void lag_shares_solve(const LagRun *run, double *change)
 double lag_shares_along(const LagRun *run, int j)
 {
     const LagShareSystem *x = &run->sliding.system;
-    const double *rate = run->sliding.rate;
-    for (int k = 0; k < run->model->n_cones; ++k) {
-        const int a = x->cones[2 * k], b = x->cones[2 * k + 1];
-        if (x->is_narrow[k] && (a == j || b == j))
-            return x->way[2 * k + (b == j)] * (x->way[2 * k] * rate[x->place[a]] + x->way[2 * k + 1] * rate[x->place[b]]);
-    }
-    return rate[run->sliding.which[j]];
+    const double *rate = run->sliding.rate, *way = x->way;
+    const int i = run->sliding.which[j], *cone = run->model->cones;
+    for (int k = 0; k < run->model->n_cones; ++k, cone += 2, way += 2)
+        if (x->cones[2 * k] >= 0 && x->is_narrow[k] && (cone[0] == i || cone[1] == i))
+            return way[cone[1] == i] * (way[0] * rate[cone[0]] + way[1] * rate[cone[1]]);
+    return rate[i];
 }
 
 /* -------- how it is shared */
