@@ -45,6 +45,7 @@ def test_it_starts_as_its_input_says(thermostat: lag.Model, x0: float, y: float)
     assert thermostat.simulate(at=[0.0], parameters={"x0": x0})["relay.y"][0] == y
 
 
+@pytest.mark.filterwarnings("error::RuntimeWarning")  # none of NumPy's reaches who compiles it
 def test_a_mass_between_two_thresholds_swings_ever_farther() -> None:
     """m x'' = -F y, y = 1 from x = d on, -1 from x = -d on: parabolas, each of which begins with the rate of the one before."""
     model = lag.loads("""model A Block b(m = 1, base = world, along = {1, 0}, s(start = 0), v(start = 1));

@@ -223,6 +223,8 @@ def _wall(look: Look, k: int, j: int, state: State) -> int:
     pace, rate = (x.ravel()[i] for x, i in zip(look.at(0 * v, known, arm)[:2], (k, j), strict=True))
     if not np.isfinite([pace, rate, *slope, *own]).all():
         return STILL
+    if not own.any():  # what is reset is no rate
+        return MOVED
     factor = np.dot(slope, own) / np.dot(own, own)
     if np.linalg.norm(slope - factor * own) > SAME * np.linalg.norm(slope):
         return BODIES
