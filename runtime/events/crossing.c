@@ -323,7 +323,8 @@ static void evaluate_end(LagRun *run, double x)
 static int is_passed(const LagRun *run)
 {
     const LagSwitches *s = &run->switches;
-    for (int i = 0; i < run->model->n_switches; ++i)
+    const int end = watched_end(run);
+    for (int i = 0; i < end; ++i)
         if (is_beyond(run, i, depth_of(run, i, s->g_after)) && !is_beyond(run, i, depth_of(run, i, s->g)))
             return 1;
     return 0;

@@ -104,26 +104,28 @@ static int open_lane(LagRunLanes *s, const LagSettings *settings)
     return 1;
 }
 
+static void layout(LagRunLanes *s, LagArena *arena)
+{
+    const LagRun *like = lag_lanes_run(s, 0);
+    s->method->layout(s->steps, like, arena);
+    lag_wide_roots_layout(&s->roots, like->model, arena);
+    lag_wide_conditions_layout(&s->conditions, like->model, arena);
+    lag_bare_layout(&s->bare, like->model, like->motion.size, arena);
+}
+
 static int open(LagRunLanes *s, const LagSettings *settings)
 {
     LagArena arena = {NULL, 0};
     while (s->opened < LAG_ABREAST)
         if (!open_lane(s, settings))
             return 0;
-    const LagRun *like = lag_lanes_run(s, 0);
-    s->method->layout(s->steps, like, &arena);
-    lag_wide_roots_layout(&s->roots, like->model, &arena);
-    lag_wide_conditions_layout(&s->conditions, like->model, &arena);
-    lag_bare_layout(&s->bare, like->model, like->motion.size, &arena);
+    layout(s, &arena);
     s->block = calloc(arena.used + LAG_CACHE_LINE, sizeof(double));
     if (!s->block)
         return 0;
     arena.base = lag_at_cache_line(s->block);
     arena.used = 0;
-    s->method->layout(s->steps, like, &arena);
-    lag_wide_roots_layout(&s->roots, like->model, &arena);
-    lag_wide_conditions_layout(&s->conditions, like->model, &arena);
-    lag_bare_layout(&s->bare, like->model, like->motion.size, &arena);
+    layout(s, &arena);
     s->steps->solver = s->method->solver;
     return 1;
 }

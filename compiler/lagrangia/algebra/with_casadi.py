@@ -130,8 +130,7 @@ class CasadiAlgebra:
     def product(self, x: Scalar, y: Scalar) -> Scalar:
         """Of rates with coefficients that are divided by their lengths, by the terms of these."""
         are_both = isinstance(x, ca.SX) and isinstance(y, ca.SX) and self.index.divisors.has_lengths
-        found = (spread(a, b, self.rates) for a, b in ((x, y), (y, x)) if are_both)
-        made = next((made for made in found if made is not None), None)
+        made = next((m for a, b in ((x, y), (y, x)) if are_both and (m := spread(a, b, self.rates)) is not None), None)
         return times(x, y) if made is None else made
 
     def quotient(self, x: Scalar, y: Scalar, place: Span) -> Scalar:
@@ -154,8 +153,7 @@ class CasadiAlgebra:
         return self._beside(y, beside[1], made, lambda: self.quotient(x, beside[0], place))
 
     def _note_divisor(self, y: ca.SX) -> None:
-        divisors = self.index.divisors
-        divisors.has_lengths = divisors.has_lengths or is_length(y, self.rates)
+        self.index.divisors.has_lengths |= is_length(y, self.rates)
 
     def _by_factors(self, x: ca.SX) -> Expression:
         """The same, with the lengths that it is a product of by their factors: of |c x| with c of parameters alone |c| and |x|,
@@ -170,9 +168,13 @@ class CasadiAlgebra:
         """|x|; of quotients by what changes |a|/|b|, as |a/b| has no corner where b passes 0."""
         if x.op() not in (ca.OP_DIV, ca.OP_INV) or self._is_steady(x.dep(x.n_dep() - 1)):
             return apply_to_one(ca.OP_FABS, x)
-        lengths = [self._by_factors(as_expression(self.call("abs", x.dep(k)))) for k in range(x.n_dep())]
-        self._note_divisor(lengths[-1])
-        return operate(x.op(), lengths)
+        return self._by_parts(x, lambda part: self._by_factors(as_expression(self.call("abs", part))))
+
+    def _by_parts(self, x: ca.SX, made: Callable[[ca.SX], Scalar]) -> Expression:
+        """The quotient of what is made of both parts of one."""
+        parts = [as_expression(made(x.dep(k))) for k in range(x.n_dep())]
+        self._note_divisor(parts[-1])
+        return operate(x.op(), parts)
 
     def _length(self, x: ca.SX) -> Expression:
         """|x|, by its factors."""
@@ -186,20 +188,18 @@ class CasadiAlgebra:
         """sqrt or pow; of quotients by what changes and is never negative that of both."""
         if not isinstance(exponent, _NUMBERS) or exponent < 0:
             self._note_divisor(base)
+        others = () if function == "sqrt" else (exponent,)
         below = base.dep(base.n_dep() - 1) if base.op() in (ca.OP_DIV, ca.OP_INV) else None
         if below is not None and never_negative(below) and not self._is_steady(below):
-            parts = [as_expression(self.call(function, base.dep(k), *(() if function == "sqrt" else (exponent,))))
-                     for k in range(base.n_dep())]
-            self._note_divisor(parts[-1])
-            return operate(base.op(), parts)
+            return self._by_parts(base, lambda part: self.call(function, part, *others))
         is_whole = isinstance(exponent, _NUMBERS) and float(exponent).is_integer()
         is_root = isinstance(exponent, _NUMBERS) and exponent > 0 and not is_whole
         if is_root and (beside := width_beside(base, self.rates, self._is_steady)) is not None:
-            plain = as_expression(_SX_FUNCTIONS[function](*(base, exponent)[: 1 if function == "sqrt" else 2]))
+            plain = as_expression(_SX_FUNCTIONS[function](base, *others))
             return as_expression(self._beside(plain, beside[1], plain, lambda: self._power(function, beside[0], exponent)))
         lengths, rest = ([], base) if is_whole else length_powers(base, self._is_steady)
         if not lengths:
-            return as_expression(_SX_FUNCTIONS[function](*(base, exponent)[: 1 if function == "sqrt" else 2]))
+            return as_expression(_SX_FUNCTIONS[function](base, *others))
         made = as_expression(1.0)
         for length, k in lengths:
             power = k * exponent
